@@ -15,9 +15,9 @@ from scripts import job
 from squeezefilm.cli.main import main
 from squeezefilm.config.film import key_of
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.provenance import WORKFLOW
 from squeezefilm.studies.study import scene_of
+from squeezefilm.tables import ScenePoint
 
 SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py")
 

@@ -13,13 +13,13 @@ from selenium.webdriver.support.ui import Select
 
 from squeezefilm.config.loading import load_config
 from squeezefilm.dynamics.response import gains, response
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
+from squeezefilm.errors import InputError
 from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.study import scene_of
+from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
 
 from .conftest import DESKTOP, Browser
 

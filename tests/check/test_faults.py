@@ -19,7 +19,7 @@ from reporting.check.quantities import study_quantities
 from reporting.figures import style
 from reporting.figures.style import PLAIN
 from reporting.results import Results as StudyResults
-from squeezefilm.io.tables import read_json, write_json
+from squeezefilm.tables import read_json, write_json
 
 from ..workflow.conftest import copy_checkout
 from .conftest import REFERENCE, Results, run_check

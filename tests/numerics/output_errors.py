@@ -12,9 +12,9 @@ import numpy as np
 from derivative_errors import drawn
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.solution import OUTPUTS
 from squeezefilm.quantities.outputs import FROM_STATE, with_outputs
 from squeezefilm.reynolds import solve
+from squeezefilm.solution import OUTPUTS
 
 ASKED = tuple(name for name in OUTPUTS if name in FROM_STATE)
 

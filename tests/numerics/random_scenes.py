@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from squeezefilm.columns import cartesian
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.positions import cartesian
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.models.data import Factors
+from squeezefilm.tables import FACTOR_COLUMNS
 
 # Where the searches for the paper's forms (7) and (14) end on these plans (tests/unit/test_fit.py).
 SCREEN_THETA = (7.6240, 1.91659, -1.001314)

@@ -10,12 +10,12 @@ from physics_facts import fast_piston
 
 from squeezefilm.dynamics import levitation
 from squeezefilm.dynamics.averaged_film import refused
+from squeezefilm.errors import InputError
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Formula, Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import check_scene
-from squeezefilm.io.errors import InputError
 from squeezefilm.quantities.derivatives import moved, with_derivatives
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion, high_squeeze_limit

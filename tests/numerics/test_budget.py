@@ -17,7 +17,6 @@ from periodic_strip import PeriodicStrip
 from squeezefilm.cli.main import main
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.tables import write_table
 from squeezefilm.quantities import adjoint as sensitivity_module
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities import model_error as budget_module
@@ -39,6 +38,7 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.states import State
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.spectral import axis
+from squeezefilm.tables import write_table
 
 
 def slipping(scene: Scene, rarefaction: str = "slip") -> Scene:

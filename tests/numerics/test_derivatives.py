@@ -13,12 +13,12 @@ from films import PISTON, film
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.solution import Derivatives
-from squeezefilm.io.tables import DERIVATIVE_COLUMNS, read_forces, write_table
 from squeezefilm.quantities import adjoint
 from squeezefilm.quantities import derivatives as module
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.reynolds import solve
+from squeezefilm.solution import Derivatives
+from squeezefilm.tables import DERIVATIVE_COLUMNS, read_forces, write_table
 
 
 def derivatives(scene: Scene, *, tolerance: float) -> Derivatives:

@@ -9,13 +9,13 @@ from films import PISTON, film
 from physics_facts import fast_piston
 from scipy.special import ellipe, iv
 
+from squeezefilm.columns import cartesian
+from squeezefilm.errors import InputError
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import check_scene
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import cartesian
 from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.plan import previews

@@ -12,10 +12,10 @@ from films import PISTON, film
 from squeezefilm.cli.main import main
 from squeezefilm.dynamics import levitation
 from squeezefilm.dynamics.levitation import DAMPED, levitate, resonance
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.solution import Solution
+from squeezefilm.errors import InputError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.solution import Solution
 
 DEVICE = choose_device()
 SETTINGS = {"tolerance": 1e-6, "model_tolerance": 1e-3, "device": DEVICE}

@@ -12,7 +12,7 @@ import pytest
 from films import film
 from physics_facts import ASIDE_N, CENTRED_N
 
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 from squeezefilm.reynolds import solve
 from verification import chebyshev_march, finite_elements, numpy_periodic
 from verification.marching import Amplitude, FloatArray, periods_to_settle

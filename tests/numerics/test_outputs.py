@@ -22,8 +22,6 @@ from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.solution import OUTPUTS, Outputs
-from squeezefilm.io.tables import OUTPUT_COLUMNS, read_forces, write_table
 from squeezefilm.quantities import outputs as module
 from squeezefilm.quantities.adjoint import Fields, dot
 from squeezefilm.quantities.outputs import AROUND, STEP, at_ends, quotient, refusals, with_outputs
@@ -33,6 +31,8 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.solution import OUTPUTS, Outputs
+from squeezefilm.tables import OUTPUT_COLUMNS, read_forces, write_table
 
 AREA_M2 = LENGTH_M**2
 FORCE_N = PRESSURE_PA * AREA_M2

@@ -9,7 +9,6 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, reference_table
 
 from squeezefilm.config.loading import Config
-from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.cross_validation import error_sizes
 from squeezefilm.models.data import COLUMNS, Factors
 from squeezefilm.models.fitting import fit_model, local_fit
@@ -20,6 +19,7 @@ from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks import physics_limits as limits
 from squeezefilm.studies.tasks.physics_limits import with_limits
+from squeezefilm.tables import FACTOR_COLUMNS, scene_points
 
 
 def limits_of(table: pd.DataFrame, paper: Config) -> pd.DataFrame:

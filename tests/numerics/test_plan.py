@@ -12,10 +12,10 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Profile, StandingWave
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.plan import METHODS, previews
 from squeezefilm.studies.plans import plan
+from squeezefilm.tables import write_table
 
 PROFILES: tuple[Profile, ...] = (SINC, PISTON, PISTON, StandingWave(0.02, 30.0, 0.001))
 # What only solving shows.

@@ -23,9 +23,9 @@ from squeezefilm.dynamics.response import (
     slow_gains,
     steps_of,
 )
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.profiles import make_profile
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
 from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of

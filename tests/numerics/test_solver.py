@@ -9,7 +9,6 @@ from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 from physics_facts import ASIDE_N, CENTRED_N, slow_piston
 
 from squeezefilm.film.profiles import Sinc
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
@@ -18,6 +17,7 @@ from squeezefilm.reynolds.periodic import launch, refinement
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.plan import METHODS, previews
 from squeezefilm.studies.study import scene_of
+from squeezefilm.tables import ScenePoint
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,11 @@ from paper import uncertainty
 from reporting.results import Results
 from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.solution import SOLUTION_COLUMNS, Solution
-from squeezefilm.io.tables import (
+from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel
+from squeezefilm.models.prediction_interval import measured_interval
+from squeezefilm.solution import SOLUTION_COLUMNS, Solution
+from squeezefilm.tables import (
     DESIGN_COLUMNS,
     FACTOR_COLUMNS,
     FORCE_COLUMNS,
@@ -24,9 +27,6 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
-from squeezefilm.models.data import Factors
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel
-from squeezefilm.models.prediction_interval import measured_interval
 
 THETA = {
     "screen": SCREEN_THETA,

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 from reporting.figures import style
-from squeezefilm.io import atomic
-from squeezefilm.io.atomic import whole_file, write_text
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import write_json, write_table
+from squeezefilm import files
+from squeezefilm.errors import InputError
+from squeezefilm.files import whole_file, write_text
+from squeezefilm.tables import write_json, write_table
 
 TABLE = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6]})
 
@@ -43,7 +43,7 @@ def test_no_writer_shows_a_half_written_file(name, tmp_path, monkeypatch):
         seen.append((path.read_text(), [part.name for part in tmp_path.glob(".*.part")]))
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(atomic.os, "fsync", fail)
+    monkeypatch.setattr(files.os, "fsync", fail)
     with pytest.raises(InputError, match=f"{name}: cannot be written: No space left on device"):
         WRITERS[name](path)
     ((text, parts),) = seen
@@ -75,7 +75,7 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repositor
     path = tmp_path / "plan" / "forces.csv"
     write_text("before", path)
     code = (
-        "import os, signal; from squeezefilm.io.atomic import whole_file\n"
+        "import os, signal; from squeezefilm.files import whole_file\n"
         f"with whole_file({str(path)!r}) as part:\n"
         "    part.write_text('half')\n"
         "    os.kill(os.getpid(), signal.SIGKILL)"
@@ -84,7 +84,7 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repositor
     assert killed.returncode == -9
     assert path.read_text() == "before"
     assert len(list(path.parent.iterdir())) == 2
-    atomic.remove_parts(tmp_path)
+    files.remove_parts(tmp_path)
     assert list(path.parent.iterdir()) == [path]
 
 

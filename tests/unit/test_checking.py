@@ -28,7 +28,7 @@ from reporting.commands import reference
 from reporting.figures import style
 from reporting.results import Results
 from squeezefilm.cli import main as cli
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}

@@ -5,7 +5,7 @@ import pytest
 
 from squeezefilm.api import simulation
 from squeezefilm.config.loading import Config
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.studies import chunks
 from squeezefilm.studies.chunks import chunk_counts, expected_seconds
 

@@ -3,7 +3,7 @@
 import pytest
 
 from paper.claims import CLAIMS, COLUMNS, claim_values, judge
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,9 @@ import pytest
 from squeezefilm.api.simulation import merge_forces
 from squeezefilm.cli.main import commands_of, main, summary_of, with_negative_values
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.studies.plan_scenes import write_scenes
+from squeezefilm.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
 
 COMMANDS = commands_of()
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from squeezefilm.config.loading import Config, load_config
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.studies.plan_scenes import scenes_of
 from squeezefilm.studies.study import check_study
 

@@ -13,7 +13,7 @@ from squeezefilm.api.film import Film
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import Config, load_config, parse_config
 from squeezefilm.config.written import effective_text, origin, write_effective
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.studies.plans import finger_positions, plan_sizes
 from squeezefilm.studies.study import check_study
 from squeezefilm.units import in_unit

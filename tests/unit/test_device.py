@@ -9,7 +9,7 @@ import pytest
 from squeezefilm.api.simulation import compile_kernels
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.reynolds import device, self_test, solve
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
 from squeezefilm.studies.study import check_study

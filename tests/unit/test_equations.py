@@ -7,7 +7,7 @@ import pytest
 from paper.equations import CONDITIONS, FITS, compare, survives
 from reporting.results import Results
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 MORE = 1.02
 """Forces of the other study, over those of the first."""

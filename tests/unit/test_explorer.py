@@ -8,7 +8,7 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA
 
 from reporting.explorer import Models, explorer_page, models_of, modulation_of
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.fit_file import read_fit
 
 LIBRARY = "/* the drawing library */"

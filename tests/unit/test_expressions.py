@@ -5,8 +5,8 @@ import time
 import numpy as np
 import pytest
 
+from squeezefilm.errors import InputError
 from squeezefilm.formulas.expressions import FUNCTIONS, Expression, parse
-from squeezefilm.io.errors import InputError
 
 NAMES = ("a", "b", "x", "h0")
 

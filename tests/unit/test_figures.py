@@ -13,7 +13,7 @@ from reporting.figures import save, style
 from reporting.notes import rounded_up
 from reporting.results import Results
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from verification import work_precision as measured
 
 FIGURES = OF_ANY_STUDY | OF_THE_PAPER

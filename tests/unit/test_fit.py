@@ -5,7 +5,7 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA, reference_forces
 from scipy.optimize import least_squares
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import evolution, fit_model
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, get_model, make_model

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from example_scan import scan_text
 
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.errors import InputError
 
 RADIUS_M = 0.01
 # Every fourth point of the example, so that a fit takes a millisecond.

@@ -6,7 +6,7 @@ import pytest
 
 from squeezefilm.config.keys import key_table, schema, with_key_table
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 
 def rows() -> list[list[str]]:

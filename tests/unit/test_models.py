@@ -13,8 +13,7 @@ from reporting.models import compare, comparison_values
 from reporting.pages import render
 from reporting.results import Results
 from squeezefilm.cli import main as cli
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import SCENE_COLUMNS, read_ok_forces
+from squeezefilm.errors import InputError
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import read_fit
@@ -22,6 +21,7 @@ from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit
 from squeezefilm.models.force_model import TWO_FACTOR, check_models, get_model, make_model
 from squeezefilm.models.parameter_intervals import parameter_ranges
 from squeezefilm.models.search import nelder_mead
+from squeezefilm.tables import SCENE_COLUMNS, read_ok_forces
 
 
 def own(expression: str):

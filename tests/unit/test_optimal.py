@@ -8,13 +8,13 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.designs.paper_design import d_efficiency
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_ok_forces, read_scenes
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 from squeezefilm.models.parameter_intervals import RANGES_NOTE
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
+from squeezefilm.tables import read_ok_forces, read_scenes
 
 
 @pytest.fixture(scope="module", params=["two_factor", "four_factor"])

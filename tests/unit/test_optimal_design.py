@@ -9,7 +9,7 @@ from squeezefilm.designs.box import Box, grid
 from squeezefilm.designs.exact import exchange
 from squeezefilm.designs.optimal import maximin_design, optimal_in_box, optimal_weights
 from squeezefilm.designs.paper_design import Criterion, exchange_design, search_design
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 
 def exponential(x: np.ndarray, *, a: float = 2.0, b: float = 1500.0) -> np.ndarray:

@@ -11,7 +11,7 @@ from reporting.pages import front_page, render, to_html, write_pages
 from reporting.results import Results
 from reporting.summary import headline_values, summary_values
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 PLANS = ("screen", "two_factor_design", "error_map", "extrapolation", "four_factor")
 FITS = ("screen", "two_factor_design", "four_factor_design")

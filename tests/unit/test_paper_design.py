@@ -17,7 +17,7 @@ from squeezefilm.designs.paper_design import (
     search_design,
     spread_on_lines,
 )
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 
 FILM = Box(("h0_m", "hv_m"), (5e-6, 0.2e-6), (10e-6, 2e-6))

@@ -9,8 +9,8 @@ import time
 import psutil
 import pytest
 
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.parallel import parallel_map
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.parallel import parallel_map
 
 
 @pytest.mark.parametrize("processes", [1, 3])
@@ -44,7 +44,7 @@ def test_a_process_that_is_killed_is_told_and_not_waited_for():
 
 def test_processes_end_with_the_one_that_started_them(repository):
     code = (
-        "import os, time; from squeezefilm.io.parallel import parallel_map\n"
+        "import os, time; from squeezefilm.parallel import parallel_map\n"
         "task = lambda _: (os.write(1, b'%d\\n' % os.getpid()), time.sleep(60))\n"
         "parallel_map(task, [1, 2], processes=2)"
     )

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from scipy import stats
 
 from squeezefilm.cli import main as cli
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import fit_of
 from squeezefilm.models.force_model import get_model

@@ -5,7 +5,7 @@ import pytest
 from reference_forces import reference_forces
 from scipy import stats
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import local_fit, sum_of_squares
 from squeezefilm.models.force_model import TWO_FACTOR, make_model

@@ -12,16 +12,16 @@ from paper.figures import vibration
 from reporting.figures import style
 from reporting.results import Results
 from squeezefilm.config.loading import load_config
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan
 from squeezefilm.film.measured.tables import described, profile_table, summary_of
 from squeezefilm.film.profiles import Modes, Profile, Sinc, make_profile
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
+from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint
 
 RADIUS_M = 0.01
 

@@ -10,19 +10,19 @@ import yaml
 from example_scan import EXAMPLES, PLATE, scan_text
 
 from squeezefilm.config.loading import Config, load_config, parse_config
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.profiles import StandingWave, largest_magnitude
 from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.film.validity import check_scene, validity
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
 from squeezefilm.models.data import Factors
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, centred_grid, finger_positions, random_plan
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, scene_of, symmetry_of
+from squeezefilm.tables import ScenePoint, read_scenes, write_table
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
 PAD = {"shape": "rectangle", "length_x_m": 0.010, "length_y_m": 0.008}

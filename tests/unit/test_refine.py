@@ -15,9 +15,9 @@ from reporting.refinement import refinement_table
 from reporting.results import Results
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_forces
+from squeezefilm.errors import InputError
 from squeezefilm.studies.tasks import refined_model
+from squeezefilm.tables import read_forces
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.sequential import Goal, Outcome, Pool, Sequential, refine_loop
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 

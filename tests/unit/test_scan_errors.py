@@ -12,17 +12,17 @@ from scipy.stats import binom
 
 from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
 from squeezefilm.film.profiles import Modes, Profile, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.scan_errors import out_of_phase_effect, scan_errors
+from squeezefilm.tables import ScenePoint
 
 RADIUS_M = 0.01
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}

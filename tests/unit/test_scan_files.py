@@ -9,11 +9,11 @@ import pytest
 import pyuff
 
 from squeezefilm.config.loading import load_config
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured import smooth
 from squeezefilm.film.measured.read import UNIVERSAL, Scan, column_of, read_scan
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.errors import InputError
 from squeezefilm.studies import study as studies
 
 FREQUENCY_HZ = 43270.0

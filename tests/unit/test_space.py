@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.box import Box
+from squeezefilm.errors import InputError
 from squeezefilm.film.validity import check_scene
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.space import Space
+from squeezefilm.tables import ScenePoint
 
 
 @pytest.fixture(scope="module")

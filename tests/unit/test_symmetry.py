@@ -8,13 +8,13 @@ import pytest
 
 from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import Config, load_config
+from squeezefilm.errors import InputError
 from squeezefilm.film.symmetry import Directions, symmetry_from_dict
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, scene_of, symmetry_of
+from squeezefilm.tables import ScenePoint
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
 SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}

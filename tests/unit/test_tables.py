@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import (
+from squeezefilm.errors import InputError
+from squeezefilm.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
     read_columns,

@@ -11,8 +11,8 @@ from paper import uncertainty
 from paper.claims import CLAIMS
 from paper.uncertainty import ASSUMPTIONS, compare, differences, shown
 from squeezefilm.config.loading import Config
+from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 
 

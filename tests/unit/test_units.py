@@ -2,7 +2,7 @@
 
 import pytest
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, make_model
 
 

@@ -15,7 +15,7 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.export import LANGUAGES, source
 from squeezefilm.models.fit_file import read_fit

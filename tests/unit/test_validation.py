@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.cli.main import main
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.cross_validation import summarise
 
 SIMULATION = [1.0, 2.0, 4.0, 0.1]

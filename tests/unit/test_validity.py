@@ -17,8 +17,8 @@ from squeezefilm.film.validity import (
     exceeded,
     validity,
 )
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.study import scene_of
+from squeezefilm.tables import ScenePoint
 
 
 def at(scene, h0_um, hv_um=1e-3, *, hz=43270.0, side_m=0.01, gap=None, **gas):

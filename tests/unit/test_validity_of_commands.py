@@ -5,8 +5,8 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import read_forces, write_json, write_table
 from squeezefilm.studies.study import film_of
+from squeezefilm.tables import read_forces, write_json, write_table
 
 THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
 

@@ -96,7 +96,7 @@ def test_what_needs_an_extra_names_it(installed):
         "    'profile': {'kind': 'piston'}}, finger={'length_x': 0.01, 'length_y': 0.01})\n"
         "try:\n    film.pressure(5e-6, 1e-6)\n"
         "except sf.InputError as error:\n    print(error)\n"
-        "from squeezefilm.io.tables import read_scenes\n"
+        "from squeezefilm.tables import read_scenes\n"
         "try:\n    read_scenes('some.parquet')\n"
         "except sf.InputError as error:\n    print(error)\n"
         "from squeezefilm.models.search import genetic_search\n"

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import read_scenes
+from squeezefilm.tables import read_scenes
 
 from .conftest import copy_checkout, snakemake
 

@@ -4,7 +4,7 @@ import re
 
 import numpy
 
-from squeezefilm.io.tables import read_forces, read_json, read_scenes
+from squeezefilm.tables import read_forces, read_json, read_scenes
 
 from .conftest import EVERYTHING, QUICK, copy_checkout, snakemake
 

@@ -20,7 +20,7 @@ SCRIPT = """
 import os
 import subprocess
 from scripts.job import begin
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 snakemake = begin()
 print("printed", os.environ["POCL_MAX_PTHREAD_COUNT"])

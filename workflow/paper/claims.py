@@ -16,9 +16,9 @@ import numpy as np
 import pandas as pd
 
 from reporting.results import Results
-from squeezefilm.io.tables import read_timings
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.tables import read_timings
 
 COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation")
 CLAIMS = pd.read_csv(

@@ -15,8 +15,8 @@ from paper.claims import CLAIMS
 from paper.tables import SYMBOLS, UNITS
 from reporting.results import Results
 from squeezefilm.designs.paper_design import d_efficiency
-from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.models.data import Factors
+from squeezefilm.tables import FACTOR_COLUMNS
 
 FITS = {
     "screen": "all points, two factors",

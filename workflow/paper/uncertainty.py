@@ -16,10 +16,10 @@ import yaml
 from scipy.optimize import brentq
 
 from squeezefilm.config.loading import Config
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.study import scene_of
+from squeezefilm.tables import ScenePoint
 
 Force = Callable[[Scene], float]
 """The mean force of a scene in newtons; NaN where it cannot be simulated."""

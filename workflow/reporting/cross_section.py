@@ -5,8 +5,8 @@ from contextlib import suppress
 import numpy as np
 import pandas as pd
 
+from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import RunError
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
 

@@ -11,10 +11,10 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from reporting.markdown import markdown_table
 from reporting.notes import percent, rounded_up
-from squeezefilm.io.atomic import write_text
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.markdown import markdown_table
+from squeezefilm.errors import InputError
+from squeezefilm.files import write_text
 
 VERDICTS = {
     "good": ("agrees", "passed", "solved"),

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from reporting.figures import style
-from squeezefilm.io.atomic import whole_file
-from squeezefilm.io.errors import InputError, needing
+from squeezefilm.errors import InputError, needing
+from squeezefilm.files import whole_file
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset

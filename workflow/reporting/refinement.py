@@ -10,10 +10,10 @@ from scipy import stats
 from reporting.notes import VERDICTS, percent
 from reporting.results import Results
 from squeezefilm.designs.optimal import sensitivity
-from squeezefilm.io.tables import read_forces, read_ok_forces
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import check_columns
+from squeezefilm.tables import read_forces, read_ok_forces
 
 COLUMNS = (
     "model",

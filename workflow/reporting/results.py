@@ -10,9 +10,9 @@ import pandas as pd
 from reporting.notes import Inertia
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.config.written import NAME as STUDY
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_columns, read_design, read_json, read_ok_forces, read_scenes
+from squeezefilm.errors import InputError
 from squeezefilm.models.fit_file import FittedModel, number, read_fit
+from squeezefilm.tables import read_columns, read_design, read_json, read_ok_forces, read_scenes
 
 VALIDATION_NUMBERS = (
     *("points", "global_error", "sum_of_squares", "band", "share_within_band"),

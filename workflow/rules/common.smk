@@ -10,8 +10,8 @@ LIBRARY = Path(workflow.current_basedir).parent.resolve()
 IS_MODULE = not workflow.modifier.is_main_snakefile()
 sys.path.insert(0, str(LIBRARY))
 
-from squeezefilm.io import atomic
-from squeezefilm.io.errors import InputError
+from squeezefilm import files
+from squeezefilm.errors import InputError
 from squeezefilm.provenance import SOURCES, code_digest
 from squeezefilm.config import written
 from squeezefilm.config.loading import load_config
@@ -84,7 +84,7 @@ def sections(*names):
         for file, section in ((SCAN, "actuator"), (OUTLINE, "finger"))
         if file and section in found
     ]
-    found["files"] = [atomic.digest(file) for file in named if file.is_file()]
+    found["files"] = [files.digest(file) for file in named if file.is_file()]
     # The same text however a number is written: 43270, 43270.0 or 43.27 kHz.
     return json.dumps(json.loads(json.dumps(found), parse_int=float), sort_keys=True)
 
@@ -101,7 +101,7 @@ def checked_study():
 
     check_study(CONFIG)
     check_models(CONFIG["models"], CONFIG, place=Path(CONFIG_FILE))
-    atomic.write_text(json.dumps(chunk_counts(CONFIG)), kept)
+    files.write_text(json.dumps(chunk_counts(CONFIG)), kept)
     return json.loads(kept.read_text())
 
 
@@ -277,7 +277,7 @@ wildcard_constraints:
 
 onstart:
     try:
-        atomic.remove_parts(Path("results") / STUDY)
+        files.remove_parts(Path("results") / STUDY)
         write_effective(CONFIG, Path("results") / STUDY)
     except InputError as error:
         refuse(error)

@@ -2,10 +2,10 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import RunError
-from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scene_of
+from squeezefilm.tables import read_scenes, scene_points, write_table
 from verification.ablation import ablation
 
 TOLERANCES = (1e-2, 1e-4, 1e-6)

@@ -3,7 +3,7 @@
 from scripts.job import begin
 from squeezefilm.cli.use.budget import budget_table
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import read_scenes, write_table
+from squeezefilm.tables import read_scenes, write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

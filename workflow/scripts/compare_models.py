@@ -7,7 +7,7 @@ from reporting.pages import render, write_pages
 from reporting.results import Results
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import write_table
+from squeezefilm.tables import write_table
 
 snakemake = begin()
 space = snakemake.wildcards.space

@@ -3,7 +3,7 @@
 from scripts.job import begin
 from squeezefilm.api.simulation import compile_kernels
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import write_json
+from squeezefilm.tables import write_json
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

@@ -5,10 +5,10 @@ import pandas as pd
 from reporting.cross_section import cross_section
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scenes_in
+from squeezefilm.tables import read_scenes, write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

@@ -2,10 +2,10 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import naming
-from squeezefilm.io.tables import write_json, write_table
+from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
+from squeezefilm.tables import write_json, write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

@@ -8,7 +8,7 @@ from reporting.explorer import explorer_page, models_of, modulation_of
 from reporting.results import Results
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.atomic import write_text
+from squeezefilm.files import write_text
 
 snakemake = begin()
 config, params = load_config(snakemake.config["study_file"]), snakemake.params

@@ -4,11 +4,11 @@ from pathlib import Path
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.atomic import digest
-from squeezefilm.io.errors import naming
-from squeezefilm.io.tables import read_forces, read_ok_forces, write_json, write_table
+from squeezefilm.errors import naming
+from squeezefilm.files import digest
 from squeezefilm.models.force_model import model_named
 from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
+from squeezefilm.tables import read_forces, read_ok_forces, write_json, write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

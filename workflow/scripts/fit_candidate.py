@@ -4,11 +4,11 @@ from pathlib import Path
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.atomic import digest
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_forces, read_json, read_ok_forces, write_json
+from squeezefilm.errors import InputError
+from squeezefilm.files import digest
 from squeezefilm.models.force_model import model_named
 from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
+from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

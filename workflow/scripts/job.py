@@ -6,7 +6,7 @@ import traceback
 from types import TracebackType
 from typing import Any
 
-from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.errors import InputError, RunError
 
 
 def begin() -> Any:

@@ -5,8 +5,8 @@ import pandas as pd
 from scripts.job import begin
 from squeezefilm.cli.use.levitate import levitations, like, points_at
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import write_table
 from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.tables import write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

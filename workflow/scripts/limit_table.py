@@ -2,8 +2,8 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import write_json
 from squeezefilm.studies.tasks.fits import limit_table_values
+from squeezefilm.tables import write_json
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

@@ -2,8 +2,8 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.studies.tasks.fits import limits_of
+from squeezefilm.tables import read_scenes, write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

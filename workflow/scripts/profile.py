@@ -2,8 +2,8 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.studies.tasks.scan_errors import scan_report
+from squeezefilm.tables import write_json, write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

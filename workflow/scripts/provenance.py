@@ -2,8 +2,8 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import read_json, write_json
 from squeezefilm.provenance import provenance
+from squeezefilm.tables import read_json, write_json
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

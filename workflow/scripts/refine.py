@@ -2,10 +2,10 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import read_forces, write_json, write_table
 from squeezefilm.models.force_model import model_named
 from squeezefilm.studies.tasks.fits import profile_uncertainty
 from squeezefilm.studies.tasks.refined_model import refine
+from squeezefilm.tables import read_forces, write_json, write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

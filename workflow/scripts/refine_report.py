@@ -7,7 +7,7 @@ from reporting.refinement import refinement_table
 from reporting.results import Results
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import write_table
+from squeezefilm.tables import write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

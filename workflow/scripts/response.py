@@ -5,8 +5,8 @@ import numpy as np
 from scripts.job import begin
 from squeezefilm.cli.use.response import all_gains, summaries, table_and_scenes
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import write_table
 from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.tables import write_table
 
 FREQUENCY_HZ = np.array([3, 10, 30, 60, 100, 150, 200, 300, 500, 700, 1e3, 2e3, 4e3])
 

@@ -3,7 +3,7 @@
 from scripts.job import begin
 from squeezefilm.api.simulation import no_force, simulate_table
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 from squeezefilm.studies.plan_scenes import write_scenes
 from squeezefilm.studies.solver_settings import solver_settings
 

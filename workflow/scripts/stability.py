@@ -2,9 +2,9 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import RunError
-from squeezefilm.io.tables import write_table
+from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.tables import write_table
 from verification.cases import SAMPLE, cases
 from verification.stability import stability
 

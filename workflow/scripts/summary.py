@@ -7,7 +7,7 @@ from reporting.results import Results
 from reporting.summary import summary_values
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.atomic import write_text
+from squeezefilm.files import write_text
 
 snakemake = begin()
 config, params = load_config(snakemake.config["study_file"]), snakemake.params

@@ -5,9 +5,9 @@ from reporting.pages import render, write_pages
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.tables import write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

@@ -2,10 +2,10 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import naming
-from squeezefilm.io.tables import read_ok_forces, write_json, write_table
+from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.fits import errors_on
+from squeezefilm.tables import read_ok_forces, write_json, write_table
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

@@ -2,9 +2,9 @@
 
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.tables import write_table
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.tables import write_table
 from verification.work_precision import FILMS, work_precision
 
 BATCH = 100

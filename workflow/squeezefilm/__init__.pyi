@@ -3,9 +3,9 @@ from squeezefilm.api.fit import Fit as Fit
 from squeezefilm.api.forces import Force as Force
 from squeezefilm.api.study import Study as Study
 from squeezefilm.api.study import load as load
+from squeezefilm.errors import InputError as InputError
+from squeezefilm.errors import RunError as RunError
 from squeezefilm.film.scene import Scene as Scene
-from squeezefilm.io.errors import InputError as InputError
-from squeezefilm.io.errors import RunError as RunError
 
 __version__: str
 __all__ = ["Film", "Fit", "Force", "InputError", "RunError", "Scene", "Study", "load"]

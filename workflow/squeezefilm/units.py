@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
+from squeezefilm.errors import InputError
 from squeezefilm.formulas.expressions import Expression, Name, Node, Number
-from squeezefilm.io.errors import InputError
 
 Dimension = Mapping[str, Fraction]
 

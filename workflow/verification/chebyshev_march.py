@@ -18,7 +18,7 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 from verification.marching import Amplitude, FloatArray, Fold, Marched, march_to_periodic
 from verification.numpy_periodic import chebyshev_grid
 

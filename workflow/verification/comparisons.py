@@ -22,8 +22,8 @@ from squeezefilm.api.study import Study
 from squeezefilm.dynamics.averaged_film import averaged_film_of
 from squeezefilm.dynamics.levitation import levitate, resonance
 from squeezefilm.dynamics.response import response
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.quantities.model_error import ErrorBudget, error_budgets
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings

@@ -9,7 +9,7 @@ import pandas as pd
 from scipy.stats import betabinom
 
 from squeezefilm.api.study import Study
-from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
 from squeezefilm.studies.space import Space
 from verification.comparisons import Comparison, forces_and_errors

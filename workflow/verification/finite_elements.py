@@ -29,7 +29,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP2, Mesh, MeshQuad
 from skfem.helpers import dot, grad
 
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 from verification.marching import (
     Amplitude,
     FloatArray,

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 from verification.marching import Amplitude, FloatArray
 
 NEWTON_STEPS = 40

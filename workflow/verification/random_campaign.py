@@ -10,8 +10,8 @@ from tempfile import TemporaryDirectory
 import pandas as pd
 
 from squeezefilm.api.study import Study
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import write_table
+from squeezefilm.errors import InputError
+from squeezefilm.tables import write_table
 from verification.comparisons import OUTCOMES, Comparison, compared
 from verification.coverage import coverage
 from verification.random_studies import random_study

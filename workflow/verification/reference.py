@@ -23,7 +23,7 @@ from numpy.polynomial import legendre
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 from verification.marching import FloatArray, Fold
 
 Gap = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]

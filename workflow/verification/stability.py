@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from squeezefilm.errors import InputError
 from squeezefilm.film.validity import check_scene
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.progress import say
+from squeezefilm.parallel import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid

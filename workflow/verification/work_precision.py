@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.errors import RunError
-from squeezefilm.io.progress import say
+from squeezefilm.errors import RunError
+from squeezefilm.parallel import say
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from verification import chebyshev_march, finite_elements, numpy_periodic

@@ -10,8 +10,8 @@ import pandas as pd
 
 from reporting.check.quantities import PICTURES, Quantity, pictures_of, write_pictures
 from reporting.check.tolerances import SAME, Cells
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import write_table
+from squeezefilm.errors import InputError
+from squeezefilm.tables import write_table
 
 PASSED, FAILED = "passed", "failed"
 COLUMNS = (

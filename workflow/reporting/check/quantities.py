@@ -32,10 +32,10 @@ from reporting.check.tolerances import (
 )
 from reporting.figures.style import PLAIN
 from reporting.results import Results
+from squeezefilm.columns import POLAR, form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import coordinates, pair_distances
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import POLAR, form_of
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import factors_of
 from squeezefilm.studies.plans import box_of
 

@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 
 from squeezefilm.designs.paper_design import d_efficiency
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import get_model
 
 Cells = Mapping[str, str]

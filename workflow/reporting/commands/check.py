@@ -14,7 +14,7 @@ from pathlib import Path
 from reporting.check.compare import FAILED, compare, on_screen, read_reference
 from reporting.check.quantities import study_quantities
 from reporting.results import Results
-from squeezefilm.io.tables import write_table
+from squeezefilm.tables import write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -11,7 +11,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from reporting.results import Results
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 FORMATS = (".png", ".svg", ".pdf", ".csv")
 

@@ -11,7 +11,7 @@ the same files. Both need xarray: the extra `fields`.
 import argparse
 from pathlib import Path
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 FORMATS = (".png", ".svg", ".pdf", ".gif")
 

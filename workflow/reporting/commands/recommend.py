@@ -14,7 +14,7 @@ from pathlib import Path
 
 from reporting.models import recommend
 from reporting.results import Results
-from squeezefilm.io.tables import write_table
+from squeezefilm.tables import write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

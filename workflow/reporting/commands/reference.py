@@ -12,7 +12,7 @@ from pathlib import Path
 from reporting.check.compare import differences, read_reference, write_reference
 from reporting.check.quantities import study_quantities
 from reporting.results import Results
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 
 MOST_SHOWN = 60
 

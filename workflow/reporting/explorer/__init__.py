@@ -18,11 +18,11 @@ import pandas as pd
 
 from reporting.notes import Inertia
 from reporting.results import Results
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import as_in, form_of
-from squeezefilm.io.tables import FACTOR_COLUMNS, read_json
+from squeezefilm.columns import as_in, form_of
+from squeezefilm.errors import InputError
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
 HERE = Path(__file__).parent
 PAGE = "page.html"

@@ -21,7 +21,7 @@ from reporting.figures.profile import profile
 from reporting.figures.response import response
 from reporting.figures.verification import stability, work_precision
 from reporting.results import Results
-from squeezefilm.io.tables import write_table
+from squeezefilm.tables import write_table
 
 Draw = Callable[[Results], Figure | tuple[Figure, pd.DataFrame]]
 

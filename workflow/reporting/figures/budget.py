@@ -12,7 +12,7 @@ from reporting.figures import style
 from reporting.figures.axes import grid_of, label_plane
 from reporting.figures.tables import micrometres
 from reporting.results import Results
-from squeezefilm.io.positions import form_of
+from squeezefilm.columns import form_of
 
 EFFECTS = {
     "inertia": (style.BLUE, "inertia"),

@@ -13,8 +13,8 @@ from reporting.figures import style
 from reporting.figures.axes import label_plane
 from reporting.notes import VERDICTS
 from reporting.results import Results
-from squeezefilm.io.tables import ROUND_COLUMNS, WHERE_COLUMNS
 from squeezefilm.models.data import factors_of
+from squeezefilm.tables import ROUND_COLUMNS, WHERE_COLUMNS
 
 ACROSS = 4
 DECADES = 5

@@ -15,8 +15,8 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from squeezefilm.io.atomic import whole_file
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
+from squeezefilm.files import whole_file
 
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from squeezefilm.errors import InputError, needing
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError, needing
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device

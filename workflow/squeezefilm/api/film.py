@@ -14,9 +14,9 @@ from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
 from squeezefilm.api.points import Values, points_of, scene_points_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import Config, config_of
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of

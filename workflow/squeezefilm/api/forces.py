@@ -8,10 +8,10 @@ from math import isfinite
 
 import pandas as pd
 
+from squeezefilm.errors import RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
-from squeezefilm.io.errors import RunError
 from squeezefilm.quantities.derivatives import derivatives_text, with_derivatives
 from squeezefilm.quantities.model_error import (
     ErrorBudget,

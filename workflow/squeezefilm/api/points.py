@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import CARTESIAN, POLAR
-from squeezefilm.io.tables import ScenePoint
+from squeezefilm.columns import CARTESIAN, POLAR
+from squeezefilm.errors import InputError
+from squeezefilm.tables import ScenePoint
 from squeezefilm.units import quantities
 
 Values = str | float | Sequence[float] | np.ndarray

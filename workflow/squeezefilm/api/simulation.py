@@ -11,13 +11,19 @@ from typing import Any
 import pandas as pd
 
 from squeezefilm.api.forces import WITH_STATES, solved_with
+from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
+from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.io.errors import InputError, RunError, naming
-from squeezefilm.io.positions import as_in
-from squeezefilm.io.progress import progress_bar
-from squeezefilm.io.solution import Solutions
-from squeezefilm.io.tables import (
+from squeezefilm.parallel import progress_bar
+from squeezefilm.quantities.model_error import excluded_terms
+from squeezefilm.reynolds import Solution, node_cache
+from squeezefilm.reynolds.device import Device, describe
+from squeezefilm.reynolds.periodic.launch import warm
+from squeezefilm.solution import Solutions
+from squeezefilm.studies.solver_settings import SolverSettings, device_of
+from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
     TIMING_COLUMNS,
@@ -27,12 +33,6 @@ from squeezefilm.io.tables import (
     read_timings,
     table_writer,
 )
-from squeezefilm.quantities.model_error import excluded_terms
-from squeezefilm.reynolds import Solution, node_cache
-from squeezefilm.reynolds.device import Device, describe
-from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.studies.solver_settings import SolverSettings, device_of
-from squeezefilm.studies.study import scene_of, scenes_in
 
 PIECE = 4096
 """Scenes whose results are held before they are written."""

@@ -11,8 +11,7 @@ import pandas as pd
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
 from squeezefilm.config.loading import Config, load_config
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import FACTOR_COLUMNS
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import (
@@ -24,6 +23,7 @@ from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in, surface_of
 from squeezefilm.studies.tasks.fits import fit_to_forces, limit_table_values, profile_uncertainty
 from squeezefilm.studies.tasks.physics_limits import with_limits
+from squeezefilm.tables import FACTOR_COLUMNS
 
 
 @dataclass(frozen=True, repr=False)

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from squeezefilm import __version__
-from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.errors import InputError, RunError
 
 Groups = Mapping[str, tuple[str, tuple[str, ...]]]
 

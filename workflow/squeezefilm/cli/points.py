@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from squeezefilm.api.points import Values, points_of
-from squeezefilm.io.tables import write_table
+from squeezefilm.tables import write_table
 from squeezefilm.units import to_its_error
 
 OPTIONS = {

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from squeezefilm.config.loading import Config, load_film
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""

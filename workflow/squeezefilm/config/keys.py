@@ -13,7 +13,7 @@ import yaml
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 Part = Mapping[str, Any]
 """Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""

@@ -14,8 +14,8 @@ from pydantic import ValidationError
 from squeezefilm.config.film import FilmSections, key_of
 from squeezefilm.config.keys import Part, Place, allowed, part_at, schema
 from squeezefilm.config.study import Study
-from squeezefilm.io.atomic import read_text
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
+from squeezefilm.files import read_text
 from squeezefilm.units import DECIMAL, examples
 
 CONSTANTS = {"true": True, "false": False, "null": None, "~": None, "": None}

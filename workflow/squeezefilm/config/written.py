@@ -10,8 +10,8 @@ import yaml
 
 from squeezefilm.config.keys import Place, part_at, schema, unit_of
 from squeezefilm.config.loading import Config, config_of
-from squeezefilm.io.atomic import write_text
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
+from squeezefilm.files import write_text
 
 NAME = "study.yaml"
 """Of the file beside a study's results."""

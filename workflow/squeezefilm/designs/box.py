@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import CARTESIAN
+from squeezefilm.columns import CARTESIAN
+from squeezefilm.errors import InputError
 
 Array = NDArray[np.float64]
 Coordinates = Callable[[Array], Array]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from squeezefilm.designs.optimal import Array, Indices, stacked_derivatives
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 START_INFORMATION = 1e-6
 """Information of the search at its start, as a share of the candidates' mean: M is never singular.

@@ -30,7 +30,7 @@ from scipy.linalg import qr, solve_triangular
 from scipy.optimize import minimize
 
 from squeezefilm.designs.box import Box
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

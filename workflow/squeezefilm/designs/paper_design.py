@@ -19,7 +19,7 @@ from scipy.optimize import Bounds, linear_sum_assignment, minimize
 from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
 from squeezefilm.designs.exact import exchange
 from squeezefilm.designs.optimal import log_determinant
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
 
 Gradient = Callable[[Array], Array]

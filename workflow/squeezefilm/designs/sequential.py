@@ -40,7 +40,7 @@ from scipy import stats
 
 from squeezefilm.designs.exact import exchange
 from squeezefilm.designs.optimal import Array, Indices, sensitivity
-from squeezefilm.io.errors import InputError, naming
+from squeezefilm.errors import InputError, naming
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import (
     LEAST_SINGULAR_VALUE,

@@ -16,9 +16,9 @@ import numpy as np
 
 from squeezefilm.dynamics.averaged_film import averaged_film_of, refused
 from squeezefilm.dynamics.response import MOST_MODULATION
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
-from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.quantities.model_error import (
     OPEN,
     ErrorBudget,

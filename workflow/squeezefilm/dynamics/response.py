@@ -21,13 +21,13 @@ from squeezefilm.dynamics.averaged_film import (
     film_on,
     refused,
 )
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import LIMITS
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.solution import Solution
 from squeezefilm.quantities.outputs import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
+from squeezefilm.solution import Solution
 
 # Relative error of the settled force up to which the slow film's numbers are given.
 SLOW_ERROR = 0.03

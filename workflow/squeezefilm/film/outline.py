@@ -19,8 +19,8 @@ from typing import Protocol
 
 import numpy as np
 
+from squeezefilm.errors import InputError, naming
 from squeezefilm.film.measured.read import Column, column_of, numbers, read_cells
-from squeezefilm.io.errors import InputError, naming
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
 # of the disc itself would need no ν at the centre.

@@ -15,9 +15,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Disc, Orders, Surface
 from squeezefilm.formulas.expressions import Expression, parse
-from squeezefilm.io.errors import InputError
 
 UNBOUNDED = Disc(inf)
 MOST_KEPT = 1_000_000

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from squeezefilm.errors import InputError, naming
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.io.errors import InputError, naming
 
 OK = "ok"
 UNKNOWN, NOT_APPLICABLE = "error unknown", "the equation does not apply"

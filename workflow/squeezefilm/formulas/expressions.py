@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 Array = NDArray[Any]
 

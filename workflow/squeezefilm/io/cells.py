@@ -5,8 +5,8 @@ import io
 import math
 from pathlib import Path
 
-from squeezefilm.io.atomic import read_text
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
+from squeezefilm.files import read_text
 
 
 def read_cells(

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import CARTESIAN, POLAR, as_in
-from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
+from squeezefilm.columns import CARTESIAN, POLAR, as_in
+from squeezefilm.errors import InputError
+from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
 Array = NDArray[np.float64]
 

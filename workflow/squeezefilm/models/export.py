@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 
+from squeezefilm.columns import CARTESIAN, POLAR, form_of
+from squeezefilm.errors import InputError
 from squeezefilm.formulas.expressions import Name, Node, Number
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import CARTESIAN, POLAR, form_of
 from squeezefilm.models.data import COLUMNS, FACTORS, POSITION
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.limit_table import SLACK, LimitTable

@@ -21,16 +21,15 @@ from pydantic import (
     ValidationError,
 )
 
+from squeezefilm.columns import POLAR
 from squeezefilm.config.film import key_of
+from squeezefilm.errors import InputError
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validity
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import POLAR
-from squeezefilm.io.tables import read_json
 from squeezefilm.models.cross_validation import error_sizes, film_folds, left_out_predictions
 from squeezefilm.models.data import POSITION, Factors
 from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
@@ -41,6 +40,7 @@ from squeezefilm.models.prediction_interval import (
     error_scale,
     measured_interval,
 )
+from squeezefilm.tables import read_json
 
 Array = NDArray[np.float64]
 Ranges = Mapping[str, tuple[float, float]]

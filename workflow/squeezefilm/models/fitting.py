@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, differential_evolution, least_squares
 
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.parallel import parallel_map
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.search import Array, Found, Objective, genetic_search, nelder_mead
+from squeezefilm.parallel import parallel_map
 
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""

@@ -17,7 +17,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
-from squeezefilm.io.positions import form_of
+from squeezefilm.columns import form_of
 from squeezefilm.models.data import Factors
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 from scipy.special import fdtri
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import local_fit, sum_of_squares
 from squeezefilm.models.force_model import ExpressionModel

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from squeezefilm.io.errors import needing
+from squeezefilm.errors import needing
 
 Array = NDArray[np.float64]
 Objective = Callable[[Array], Array]

@@ -15,7 +15,6 @@ from math import isfinite
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.io.solution import DERIVATIVES, Derivatives, Solution
 from squeezefilm.quantities.adjoint import Fields, sensitivity
 from squeezefilm.quantities.states import alike, fields_of, remainder, with_states
 from squeezefilm.reynolds.device import Device
@@ -25,6 +24,7 @@ from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
+from squeezefilm.solution import DERIVATIVES, Derivatives, Solution
 from squeezefilm.units import to_its_error
 
 # Terms of the equation that ``residual`` and the adjoint have.

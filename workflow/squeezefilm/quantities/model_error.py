@@ -20,7 +20,6 @@ import numpy as np
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
-from squeezefilm.io.tables import THIS_SCENE
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities.adjoint import sensitivity
 from squeezefilm.quantities.first_order import ENTRANCE_LEAST, ENTRANCE_MOST, Answers
@@ -31,6 +30,7 @@ from squeezefilm.reynolds.terms import first_reason, terms_of
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.term import Term
+from squeezefilm.tables import THIS_SCENE
 
 # Relative error of the force of the states taken, and of the adjoint.
 GRID_TOLERANCE = 1e-3

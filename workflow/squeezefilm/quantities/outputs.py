@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from squeezefilm.errors import unexpected
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import unexpected
-from squeezefilm.io.solution import OUTPUTS, Outputs, Solution, checked_outputs
 from squeezefilm.quantities.adjoint import with_rim
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.states import remainder, with_states
@@ -34,6 +33,7 @@ from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Axis, axis, period
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
+from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
 from squeezefilm.units import to_its_error
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.solution import Solution
 from squeezefilm.quantities.adjoint import Fields
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
@@ -22,6 +21,7 @@ from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import stiffness_of, terms_of
+from squeezefilm.solution import Solution
 
 
 def with_states(

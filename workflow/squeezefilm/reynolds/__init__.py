@@ -1,6 +1,6 @@
 """The Reynolds equation solved: ``solve(scenes, tolerance=...)`` is the only door."""
 
-from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.solver import solve
+from squeezefilm.solution import Solution
 
 __all__ = ["Solution", "solve"]

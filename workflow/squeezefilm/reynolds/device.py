@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.reynolds import unknown_processor
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"

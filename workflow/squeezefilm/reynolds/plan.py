@@ -8,8 +8,8 @@ from math import log10, nan
 
 import numpy as np
 
+from squeezefilm.errors import each_on_its_own, unexpected
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import each_on_its_own, unexpected
 from squeezefilm.reynolds.asymptotics.scenes import Expanded, composite, not_derived_for
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from squeezefilm.errors import InputError
+from squeezefilm.files import write_text
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.atomic import write_text
-from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch

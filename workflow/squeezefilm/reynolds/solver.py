@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from squeezefilm.errors import each_on_its_own, unexpected
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validities
-from squeezefilm.io.errors import each_on_its_own, unexpected
-from squeezefilm.io.solution import Solution, Solutions
 from squeezefilm.reynolds.asymptotics.scenes import Expanded
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.needs import Needs, needs_of
@@ -19,6 +18,7 @@ from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.terms import left_out_of
+from squeezefilm.solution import Solution, Solutions
 
 
 def solve(

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
-from squeezefilm.io.errors import naming
-from squeezefilm.io.positions import as_in
-from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
+from squeezefilm.errors import naming
 from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.studies.plans import (
@@ -24,6 +23,7 @@ from squeezefilm.studies.plans import (
 )
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import surface_of
+from squeezefilm.tables import SCENE_COLUMNS, read_design, table_writer
 
 
 def write_scenes(

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.columns import POLAR, as_in, form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box
 from squeezefilm.film.symmetry import Symmetry
-from squeezefilm.io.positions import POLAR, as_in, form_of
-from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.studies.study import surface_of, symmetry_of
+from squeezefilm.tables import FACTOR_COLUMNS
 
 if TYPE_CHECKING:
     from scipy.stats import qmc

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from squeezefilm.config.loading import Config
+from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.solution import checked_outputs
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.plan import METHODS
+from squeezefilm.solution import checked_outputs
 
 TOLERANCES = (1e-10, 0.1)
 

@@ -13,15 +13,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from squeezefilm.columns import POLAR, form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates, grid
+from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import check_scene
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import POLAR, form_of
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import scene_of, surface_of
+from squeezefilm.tables import ScenePoint
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from squeezefilm.columns import POLAR
 from squeezefilm.config.loading import Config
+from squeezefilm.errors import InputError, naming
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
@@ -18,9 +20,7 @@ from squeezefilm.film.scene import Actuator, Film, Gas, Scene, Scenes
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
 from squeezefilm.film.validity import check_scene, check_scenes
-from squeezefilm.io.errors import InputError, naming
-from squeezefilm.io.positions import POLAR
-from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, as_in
+from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint, as_in
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,7 +15,7 @@ hold: it is sure and wrong.
 import argparse
 from pathlib import Path
 
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 from verification.random_campaign import (
     POOLED,
     coverages,

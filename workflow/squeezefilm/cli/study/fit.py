@@ -21,9 +21,8 @@ import argparse
 from pathlib import Path
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.atomic import digest
-from squeezefilm.io.errors import naming
-from squeezefilm.io.tables import read_forces, read_ok_forces, write_json, write_table
+from squeezefilm.errors import naming
+from squeezefilm.files import digest
 from squeezefilm.models.force_model import model_named
 from squeezefilm.studies.tasks.fits import (
     fit_to_forces,
@@ -31,6 +30,7 @@ from squeezefilm.studies.tasks.fits import (
     limits_of,
     profile_uncertainty,
 )
+from squeezefilm.tables import read_forces, read_ok_forces, write_json, write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

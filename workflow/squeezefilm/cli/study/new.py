@@ -13,8 +13,8 @@ import argparse
 import re
 from pathlib import Path
 
-from squeezefilm.io.atomic import write_text
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
+from squeezefilm.files import write_text
 
 EXAMPLES = Path(__file__).resolve().parents[4] / "config"
 EXAMPLE = "vibrometer"

@@ -19,11 +19,11 @@ Their D-efficiencies are printed, with a lower bound that does not need the best
 import argparse
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import naming
-from squeezefilm.io.tables import read_ok_forces, read_scenes, write_table
+from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.fits import limits_of
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
+from squeezefilm.tables import read_ok_forces, read_scenes, write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -13,9 +13,9 @@ their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
 import argparse
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import write_table
+from squeezefilm.errors import InputError
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, scan_report
+from squeezefilm.tables import write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

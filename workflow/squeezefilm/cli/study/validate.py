@@ -6,10 +6,10 @@ squeezefilm validate FIT.json FORCES.csv --config C.yaml --output ERRORS.csv
 import argparse
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import naming
-from squeezefilm.io.tables import read_ok_forces, write_table
+from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.fits import errors_on, limits_of
+from squeezefilm.tables import read_ok_forces, write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

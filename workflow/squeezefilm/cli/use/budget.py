@@ -21,11 +21,11 @@ import pandas as pd
 
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.film.validity import validity
-from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.quantities.model_error import budget_row, error_budgets
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scenes_in
+from squeezefilm.tables import read_scenes, write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

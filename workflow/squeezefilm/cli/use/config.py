@@ -13,7 +13,7 @@ import json
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.config.written import effective_text
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import check_models
 from squeezefilm.studies.chunks import chunk_counts
 from squeezefilm.studies.study import check_study

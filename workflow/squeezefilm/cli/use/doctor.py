@@ -7,7 +7,7 @@ import argparse
 import os
 from pathlib import Path
 
-from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.provenance import versions
 from squeezefilm.reynolds.device import (
     DEVICE_VARIABLE,

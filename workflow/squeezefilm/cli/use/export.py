@@ -15,7 +15,7 @@ not hold all over the study's space, a model cannot be exported.
 import argparse
 
 from squeezefilm.api.fit import Fit
-from squeezefilm.io.atomic import write_text
+from squeezefilm.files import write_text
 from squeezefilm.models.export import LANGUAGES
 
 

@@ -37,7 +37,7 @@ import pandas as pd
 from squeezefilm.api.forces import scan_parts
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
-from squeezefilm.cli.points import add_point_options, points_in
+from squeezefilm.cli.options import add_point_options, points_in
 from squeezefilm.config.loading import Config
 from squeezefilm.dynamics.levitation import (
     Levitation,
@@ -46,14 +46,14 @@ from squeezefilm.dynamics.levitation import (
     resonance,
     trustworthy,
 )
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import GAPS_M
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.progress import progress_bar
-from squeezefilm.io.tables import ScenePoint, read_forces, write_table
+from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import budget_text
 from squeezefilm.reynolds import node_cache
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.tables import ScenePoint, read_forces, write_table
 from squeezefilm.units import quantities, quantity
 
 LOADS, AMPLITUDES = 8, 3

@@ -22,12 +22,12 @@ import pandas as pd
 
 from squeezefilm.api.fit import Fit
 from squeezefilm.api.points import COLUMNS as FACTORS
-from squeezefilm.cli.points import add_point_options, points_in, write_points
+from squeezefilm.cli.options import add_point_options, points_in, write_points
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import OK
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import read_columns
 from squeezefilm.models.data import COLUMNS
 from squeezefilm.models.fit_file import FILM_UNKNOWN
+from squeezefilm.tables import read_columns
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

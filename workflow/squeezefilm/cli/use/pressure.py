@@ -13,10 +13,10 @@ import argparse
 from squeezefilm.api.field import LEAST_INSTANTS, LEAST_PLACES, MOST_INSTANTS, MOST_PLACES
 from squeezefilm.api.film import Film
 from squeezefilm.cli import which_study
-from squeezefilm.cli.points import OPTIONS, add_point_options
-from squeezefilm.io.atomic import whole_file
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import write_table
+from squeezefilm.cli.options import OPTIONS, add_point_options
+from squeezefilm.errors import InputError
+from squeezefilm.files import whole_file
+from squeezefilm.tables import write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -32,7 +32,7 @@ import pandas as pd
 
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
-from squeezefilm.cli.points import add_point_options, points_in
+from squeezefilm.cli.options import add_point_options, points_in
 from squeezefilm.config.loading import Config
 from squeezefilm.dynamics.response import (
     CHANGED,
@@ -45,15 +45,15 @@ from squeezefilm.dynamics.response import (
     slip_changes,
     steps_of,
 )
+from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import validity
-from squeezefilm.io.errors import InputError, RunError, naming
-from squeezefilm.io.progress import progress_bar
-from squeezefilm.io.tables import read_scenes, write_table
+from squeezefilm.parallel import progress_bar
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities
 
 CALLED = {

@@ -36,14 +36,13 @@ from squeezefilm.api.points import scene_points_of
 from squeezefilm.api.preview import preview_table, preview_text
 from squeezefilm.api.simulation import missing_of, scenes_of_table, simulate_table
 from squeezefilm.cli import which_study
-from squeezefilm.cli.points import add_point_options, points_in, write_points
+from squeezefilm.cli.options import add_point_options, points_in, write_points
 from squeezefilm.config.loading import Config
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import OK
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.solution import OUTPUTS
-from squeezefilm.io.tables import read_scenes, write_table
+from squeezefilm.solution import OUTPUTS
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
     add_solver_arguments,
@@ -51,6 +50,7 @@ from squeezefilm.studies.solver_settings import (
     solver_settings,
 )
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.tables import read_scenes, write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

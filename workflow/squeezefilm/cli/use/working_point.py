@@ -12,7 +12,7 @@ empty and `note` says why, or that no amplitude below contact gives the force.
 import argparse
 
 from squeezefilm.api.fit import Fit, newtons
-from squeezefilm.cli.points import add_point_options, points_in, write_points
+from squeezefilm.cli.options import add_point_options, points_in, write_points
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

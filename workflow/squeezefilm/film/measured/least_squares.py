@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Surface
-from squeezefilm.io.errors import InputError
 
 LARGEST_DEGREE = 24
 POINTS_PER_MODE = 3

@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.errors import InputError, naming
+from squeezefilm.errors import InputError, naming
 from squeezefilm.units import sizes
 
 LENGTHS_M = sizes("m")

@@ -27,13 +27,13 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from squeezefilm.errors import InputError
+from squeezefilm.files import digest, whole_file
 from squeezefilm.film.measured.least_squares import Fit, best_fit, wants_angles
 from squeezefilm.film.measured.read import Scan, read_scan
 from squeezefilm.film.measured.rectified import FOLDED, looks_folded
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
-from squeezefilm.io.atomic import digest, whole_file
-from squeezefilm.io.errors import InputError
 
 # A profile that is less sure than this share of its maximum somewhere is not known there.
 LARGEST_ERROR = 0.25

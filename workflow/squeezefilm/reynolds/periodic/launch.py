@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING, Device, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import (

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from squeezefilm.film.scene import Scenes, rows_alike
-from squeezefilm.io.solution import Solutions
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
@@ -34,6 +33,7 @@ from squeezefilm.reynolds.periodic.resolution import (
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, State, States
 from squeezefilm.reynolds.terms import Terms, size_share_of, states_refused, stiffness_of
+from squeezefilm.solution import Solutions
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-2

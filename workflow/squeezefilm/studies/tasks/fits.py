@@ -10,15 +10,9 @@ from typing import Any
 import pandas as pd
 
 from squeezefilm import __version__
+from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import as_in
-from squeezefilm.io.tables import (
-    FACTOR_COLUMNS,
-    LIMIT_COLUMNS,
-    SCENE_COLUMNS,
-    read_json,
-)
+from squeezefilm.errors import InputError
 from squeezefilm.models.cross_validation import relative_errors, summarise
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel, described_fit, fit_of, number
@@ -28,6 +22,12 @@ from squeezefilm.studies.plans import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
+from squeezefilm.tables import (
+    FACTOR_COLUMNS,
+    LIMIT_COLUMNS,
+    SCENE_COLUMNS,
+    read_json,
+)
 
 Limits = pd.DataFrame | Path | str | None
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.columns import CARTESIAN
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import corners
 from squeezefilm.designs.exact import exchange
@@ -21,8 +22,7 @@ from squeezefilm.designs.optimal import (
     optimal_weights,
     sensitivity,
 )
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import CARTESIAN
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import COLUMNS, Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit

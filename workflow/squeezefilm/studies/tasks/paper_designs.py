@@ -27,10 +27,10 @@ from squeezefilm.designs.paper_design import (
     search_design,
     spread_on_lines,
 )
-from squeezefilm.io.parallel import parallel_map
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel, get_model
+from squeezefilm.parallel import parallel_map
 from squeezefilm.studies.plans import box_of, plan
 
 DIGITS = 6

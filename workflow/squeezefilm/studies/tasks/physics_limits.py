@@ -13,11 +13,10 @@ import numpy as np
 import pandas as pd
 from numpy.polynomial import chebyshev
 
+from squeezefilm.columns import form_of
 from squeezefilm.config.loading import Config
+from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import form_of
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.limit_table import (
     LARGEST_EPSILON_SQUARE,
@@ -38,6 +37,7 @@ from squeezefilm.reynolds.asymptotics.scenes import Expanded, expanded, not_deri
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.tables import ScenePoint
 
 TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below what the limits leave out."""

@@ -8,17 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, refine_loop
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.positions import as_in
-from squeezefilm.io.tables import (
-    FACTOR_COLUMNS,
-    FORCE_COLUMNS,
-    LIMIT_COLUMNS,
-    ROUND_COLUMNS,
-    WHERE_COLUMNS,
-)
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.data import COLUMNS, Factors
 from squeezefilm.models.fit_file import describe, fit_of
 from squeezefilm.models.fitting import Fit
@@ -31,6 +24,13 @@ from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import film_of, scenes_in, symmetry_of
 from squeezefilm.studies.tasks.fits import validated
 from squeezefilm.studies.tasks.physics_limits import with_limits
+from squeezefilm.tables import (
+    FACTOR_COLUMNS,
+    FORCE_COLUMNS,
+    LIMIT_COLUMNS,
+    ROUND_COLUMNS,
+    WHERE_COLUMNS,
+)
 
 TYPICAL = 1000
 """Points of the fair sample of the space at which nothing is simulated."""

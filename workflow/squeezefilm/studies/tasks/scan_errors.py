@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config.loading import Config
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.measured.tables import described, profile_table, summary_of
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import Directions
-from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd

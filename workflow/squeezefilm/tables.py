@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.atomic import read_text, whole_file, write_text
-from squeezefilm.io.cells import as_number, read_cells
-from squeezefilm.io.errors import InputError, needing
-from squeezefilm.io.positions import CARTESIAN, POLAR, as_in, cartesian
-from squeezefilm.io.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
+from squeezefilm.columns import CARTESIAN, POLAR, as_in, cartesian
+from squeezefilm.errors import InputError, needing
+from squeezefilm.files import as_number, read_cells, read_text, whole_file, write_text
+from squeezefilm.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""

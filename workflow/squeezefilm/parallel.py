@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 
 PART = ".part"
 
