@@ -45,9 +45,7 @@ FOUR_FACTOR = {
 
 def test_every_target_can_be_planned(fresh):
     names = targets(fresh.folder)
-    assert {"paper", "all", "two_factor", "four_factor", "figures", "tables", "claims"} <= set(
-        names
-    )
+    assert {"paper", "all", "two_factor", "four_factor", "figures", "paper_tables"} <= set(names)
     assert {f"fig{number:02}" for number in range(5, 17)} <= set(names)
     planned = fresh.rows(*names)  # one name that cannot be planned, and none is
     assert len(planned) > len(fresh.rows("paper"))
@@ -56,7 +54,7 @@ def test_every_target_can_be_planned(fresh):
 def test_the_default_target_is_everything(fresh):
     everything = fresh.made_anew()
     assert everything == fresh.made_anew("paper")
-    for name in ("two_factor", "claims"):
+    for name in ("two_factor", "paper_tables"):
         assert fresh.made_anew(name) < everything
 
 

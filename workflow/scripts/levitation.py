@@ -2,14 +2,12 @@
 
 import pandas as pd
 
-from scripts.job import begin
+from scripts.job import begin_with_study
 from squeezefilm.cli.use.levitate import levitations, like, points_at
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.tables import write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 loads_n, amplitudes_m = like(snakemake.input.forces)
 settings = solver_settings(config)
 how = settings.how(device_of(config)) | {"model_tolerance": settings.model_tolerance}
