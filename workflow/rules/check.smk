@@ -21,18 +21,14 @@ rule compare_with_reference:
         csv="<results>/check/check.csv",
         markdown="<results>/check/check.md",
         text="<results>/check/check.txt",
-        page=report(
-            "<results>/report/check.html",
-            category="5 Check",
-            labels={"page": "Every number beside the stored reference"},
-            caption="../report/captions/check.rst",
+        page=listed(
+            "report/check.html",
+            "5 Check",
+            page="Every number beside the stored reference",
+            caption="check",
         ),
-    log:
-        "<logs>/check/compare.log",
     params:
-        code=CODE["figures"],
         study=sections(*CONFIG),
-        results=results_folder,
         reference=lambda wildcards: relative(REFERENCE),
     message:
         "Every number beside its reference"

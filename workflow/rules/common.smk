@@ -66,6 +66,7 @@ config = {"study_file": CONFIG_FILE}
 STUDY = CONFIG["study"]
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
 PAPER = CONFIG["paper"]
+SUMMARY = "1 Summary and claims" if PAPER else "1 Summary"
 SCAN = CONFIG["actuator"]["profile"].get("file")
 OUTLINE = CONFIG["finger"].get("outline", {}).get("file")
 
@@ -192,26 +193,6 @@ def results_folder(wildcards, output):
     return f"{str(output[0]).partition(f'results/{STUDY}/')[0]}results/{STUDY}"
 
 
-def in_report(place):
-    """A figure's drawing as the report lists it: the paper's by their numbers."""
-    folder, name = place.split("/")
-    labels = {"shows": FIGURES[place]}
-    if folder == "figures":
-        labels = {"figure": name.replace("fig", "Fig. ").replace("_", " "), **labels}
-    caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
-    return report(
-        f"<results>/{place}.svg",
-        category=CATEGORIES[folder],
-        labels=labels,
-        caption=f"../report/captions/{caption.get(folder, name)}.rst",
-    )
-
-
-def numbered(places):
-    """Those of the paper's numbered figures, which keep the table that they draw."""
-    return [place for place in places if place.startswith("figures/fig")]
-
-
 def limit_tables(space):
     """The files of what physics says of the points that a space's models are fitted to or judged by."""
     plans = [FITTED_PLAN[space], f"validation_{space}"]
@@ -248,6 +229,12 @@ def in_report(place):
         labels=labels,
         caption=f"../report/captions/{caption.get(folder, name)}.rst",
     )
+
+
+def listed(file, category, *, caption, **labels):
+    """A page as the report lists it."""
+    place = f"../report/captions/{caption}.rst"
+    return report(f"<results>/{file}", category=category, labels=labels, caption=place)
 
 
 def numbered(places):

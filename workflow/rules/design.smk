@@ -8,8 +8,6 @@ rule design_two_factor:
         designs=["<results>/designs/two_factor.csv"],
         searches="<results>/designs/two_factor_searches.csv",
         summary="<results>/designs/two_factor.json",
-    log:
-        "<logs>/design/two_factor.log",
     threads: cores_for(CONFIG["design"]["searches"])
     params:
         code=CODE["models"],
@@ -27,8 +25,6 @@ use rule design_two_factor as design_four_factor with:
         designs=expand("<results>/designs/four_factor{kind}.csv", kind=["", "_distinct"]),
         searches="<results>/designs/four_factor_searches.csv",
         summary="<results>/designs/four_factor.json",
-    log:
-        "<logs>/design/four_factor.log",
     threads: cores_for(CONFIG["four_factor_design"]["searches"])
     params:
         code=CODE["models"],

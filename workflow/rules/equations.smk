@@ -24,16 +24,13 @@ if BOTH_MADE:
         output:
             csv="<results>/tables/equations.csv",
             markdown="<results>/tables/equations.md",
-            page=report(
-                "<results>/report/equations.html",
-                category="1 Summary and claims",
-                labels={"page": "4 Inertia: does the paper's conclusion survive?"},
-                caption="../report/captions/equations.rst",
+            page=listed(
+                "report/equations.html",
+                SUMMARY,
+                page="4 Inertia: does the paper's conclusion survive?",
+                caption="equations",
             ),
-        log:
-            "<logs>/table/equations.log",
         params:
-            code=CODE["figures"],
             sides=list(SIDES.values()),
         message:
             "The paper's equation beside a gas that has inertia"

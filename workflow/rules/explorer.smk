@@ -24,12 +24,8 @@ rule explorer:
         expand("<results>/simulations/screen/{table}.csv", table=["response", "gains"]),
     output:
         "<results>/explorer.html",
-    log:
-        "<logs>/explorer.log",
     params:
-        code=CODE["figures"],
         study=sections(*CONFIG),
-        results=results_folder,
         fits=EXPLORER_FITS,
         candidates=EXPLORER_CANDIDATES,
         plans=EXPLORER_PLANS,

@@ -94,6 +94,17 @@ PAGES = {
     for page, (names, files) in PAGES.items()
     if page not in (["force_map"] if PAPER else ["uncertainty", "two_factor", "four_factor"])
 }
+# Figures of other stages, each on a page of its own.
+OTHERS = {
+    "numerics/work_precision": ["numerics/work_precision.csv"],
+    "numerics/stability": ["numerics/stability.csv"],
+    **({"figures/profile": ["figures/profile.csv", "profile/summary.json"]} if SCAN else {}),
+}
+for space in MODEL_SPACES:
+    OTHERS[f"models/{space}_errors"] = [f"models/{space}.csv", f"models/{space}_errors.csv"]
+    table = f"designs/optimal_{space}_sensitivity"
+    OTHERS[table] = [f"{table}.csv"]
+    OTHERS[f"refine/{space}_figure"] = [f"refine/{space}.csv"]
 # Tables and claims of the paper rest on nearly everything.
 OF_THE_PAPER = [
     *expand("simulations/{plan}/forces.csv", plan=["screen", "four_factor", "extrapolation"]),
@@ -121,7 +132,10 @@ CATEGORIES = {
 }
 
 
-for page, (places, files) in PAGES.items():
+for page, (places, files) in {
+    **PAGES,
+    **{"_".join(Path(place).parts): ([place], files) for place, files in OTHERS.items()},
+}.items():
 
     rule:
         name:
@@ -132,20 +146,18 @@ for page, (places, files) in PAGES.items():
         output:
             [in_report(place) for place in places],
             expand("<results>/{place}.png", place=places),
-            expand("<results>/check/{place}.plain.png", place=places),
+            [f"<results>/check/{place}.plain.png" for place in places if page in PAGES],
             expand("<results>/{place}.csv", place=numbered(places)),
-        log:
-            f"<logs>/plot/{page}.log",
         params:
-            code=CODE["figures"],
             study=sections(*CONFIG),
-            results=results_folder,
         message:
-            f"Draw the figures of the page {page}"
+            f"Draw the figures of {page}"
         script:
             "../scripts/draw_figures.py"
 
-    # One short target a figure.
+
+# One short target a figure.
+for page, (places, _) in PAGES.items():
     for place in places:
 
         rule:
@@ -153,42 +165,6 @@ for page, (places, files) in PAGES.items():
                 Path(place).name
             input:
                 getattr(rules, f"draw_{page}").output,
-
-
-# Figures of other stages, each from the tables of its own.
-for place, files in {
-    "numerics/work_precision": ["numerics/work_precision.csv"],
-    "numerics/stability": ["numerics/stability.csv"],
-    **{
-        f"models/{space}_errors": [f"models/{space}.csv", f"models/{space}_errors.csv"]
-        for space in MODEL_SPACES
-    },
-    **{
-        f"designs/optimal_{space}_sensitivity": [f"designs/optimal_{space}_sensitivity.csv"]
-        for space in MODEL_SPACES
-    },
-    **{f"refine/{space}_figure": [f"refine/{space}.csv"] for space in MODEL_SPACES},
-    **({"figures/profile": ["figures/profile.csv", "profile/summary.json"]} if SCAN else {}),
-}.items():
-
-    rule:
-        name:
-            f"draw_{Path(place).parent}_{Path(place).name}"
-        input:
-            expand("<results>/{file}", file=files),
-        output:
-            in_report(place),
-            f"<results>/{place}.png",
-        log:
-            f"<logs>/plot/{place}.log",
-        params:
-            code=CODE["figures"],
-            study=sections("screen", *FILM),
-            results=results_folder,
-        message:
-            f"Draw {place}"
-        script:
-            "../scripts/draw_figures.py"
 
 
 rule figures:
@@ -204,37 +180,25 @@ if PAPER:
         input:
             expand("<results>/{file}", file=OF_THE_PAPER),
         output:
-            report(
-                "<results>/report/claims.html",
-                category="1 Summary and claims",
-                labels={"page": "2 Claims: the paper beside ours, each with a verdict"},
-                caption="../report/captions/claims.rst",
+            listed(
+                "report/claims.html",
+                SUMMARY,
+                page="2 Claims: the paper beside ours, each with a verdict",
+                caption="claims",
             ),
             [
-                report(
-                    f"<results>/report/table{number}.html",
-                    category="2 Tables",
-                    labels={"table": number, "shows": shows},
-                    caption="../report/captions/table.rst",
+                listed(
+                    f"report/table{number}.html",
+                    "2 Tables",
+                    caption="table",
+                    table=number,
+                    shows=shows,
                 )
                 for number, shows in TABLES.items()
             ],
             expand("<results>/claims.{format}", format=["csv", "md"]),
             expand("<results>/tables/table{number}.{format}", number=TABLES, format=["csv", "md"]),
-        log:
-            "<logs>/paper_tables.log",
-        params:
-            code=CODE["figures"],
-            results=results_folder,
         message:
             "The paper's tables and claims beside ours"
         script:
             "../scripts/paper_tables.py"
-
-    rule tables:
-        input:
-            rules.paper_tables.output,
-
-    rule claims:
-        input:
-            rules.paper_tables.output,

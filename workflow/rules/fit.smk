@@ -11,8 +11,6 @@ rule fit:
     output:
         fit="<results>/fits/{fit}.json",
         runs="<results>/fits/{fit}_runs.csv",
-    log:
-        "<logs>/fit/{fit}.log",
     threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
     params:
         code=CODE["models"],

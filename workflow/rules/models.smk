@@ -18,8 +18,6 @@ rule limits:
         scenes="<results>/simulations/{plan}/scenes.csv",
     output:
         "<results>/simulations/{plan}/limits.csv",
-    log:
-        "<logs>/limits/{plan}.log",
     params:
         code=CODE["models"],
         study=sections(*FILM),
@@ -34,8 +32,6 @@ rule limit_table:
         profile=SMOOTHED,
     output:
         "<results>/models/limit_table.json",
-    log:
-        "<logs>/models/limit_table.log",
     params:
         code=CODE["models"],
         study=sections("screen", "positions", *FILM),
@@ -55,8 +51,6 @@ rule fit_candidate:
         scan=SCAN_SUMMARY,
     output:
         "<results>/models/{space}/{model}.json",
-    log:
-        "<logs>/models/{space}/{model}.log",
     params:
         code=CODE["models"],
         study=sections("fit", "models", "screen", "positions", *SHAPES),
@@ -78,18 +72,9 @@ rule compare:
         table="<results>/models/{space}.csv",
         text="<results>/models/{space}.md",
         errors="<results>/models/{space}_errors.csv",
-        page=report(
-            "<results>/models/{space}.html",
-            category="6 Models",
-            labels={"shows": "table, {space}"},
-            caption="../report/captions/models.rst",
-        ),
-    log:
-        "<logs>/models/compare_{space}.log",
+        page=listed("models/{space}.html", "6 Models", caption="models", shows="table, {space}"),
     params:
-        code=CODE["figures"],
         study=sections("comparison", "screen", *FILM),
-        results=results_folder,
     message:
         "Candidates side by side on {wildcards.space} points"
     script:
@@ -102,12 +87,8 @@ rule recommend:
         expand("<results>/simulations/{plan}/forces.csv", plan=RECOMMENDED_BY),
     output:
         "<results>/models/recommended.csv",
-    log:
-        "<logs>/models/recommend.log",
     params:
-        code=CODE["figures"],
         study=sections("extrapolation"),
-        results=results_folder,
     message:
         "The best model, and the amplitude for the wanted force at each position"
     script:

@@ -8,8 +8,6 @@ if SCAN:
             scan=ancient(relative(CONFIG.path.parent / SCAN)),
         output:
             SMOOTHED,
-        log:
-            "<logs>/smooth.log",
         resources:
             mem_mb=4000,
             runtime=30,
@@ -28,8 +26,6 @@ if SCAN:
             summary="<results>/profile/summary.json",
             forces="<results>/profile/forces.csv",
             figure="<results>/figures/profile.csv",
-        log:
-            "<logs>/profile.log",
         resources:
             mem_mb=2000,
             runtime=30,

@@ -28,8 +28,6 @@ rule optimal_design:
         efficiencies="<results>/designs/optimal_{space}_plans.csv",
         sensitivity="<results>/designs/optimal_{space}_sensitivity.csv",
         summary="<results>/designs/optimal_{space}.json",
-    log:
-        "<logs>/design/optimal_{space}.log",
     params:
         code=CODE["models"],
         study=sections("screen", "positions", "optimal", *FILM),
@@ -69,10 +67,6 @@ rule refine_model:
         where="<results>/refine/{space}/{model}/where.csv",
         fit="<results>/refine/{space}/{model}/fit.json",
         verdict="<results>/refine/{space}/{model}/verdict.json",
-    log:
-        "<logs>/refine/{space}/{model}.log",
-    benchmark:
-        "<benchmarks>/refine/{space}/{model}.tsv"
     resources:
         mem_mb=2000,
         runtime=60,
@@ -93,18 +87,14 @@ rule refine_report:
     output:
         table="<results>/refine/{space}.csv",
         text="<results>/refine/{space}.md",
-        page=report(
-            "<results>/refine/{space}.html",
-            category="7 Designs and refinement",
-            labels={"shows": "table, {space}"},
-            caption="../report/captions/refine.rst",
+        page=listed(
+            "refine/{space}.html",
+            "7 Designs and refinement",
+            caption="refine",
+            shows="table, {space}",
         ),
-    log:
-        "<logs>/refine/report_{space}.log",
     params:
-        code=CODE["figures"],
         study=sections("refine", "screen", *FILM),
-        results=results_folder,
     message:
         "What was estimated over the {wildcards.space} space, and the truth"
     script:

@@ -2,6 +2,7 @@
 #
 # Its categories stand in the order of their names, hence the numbers.
 
+VALIDATIONS = [*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR]
 SUMMARY_PLANS = [
     "screen",
     "two_factor_design",
@@ -21,10 +22,7 @@ FRONT_PICTURES = (
 
 rule summary:
     input:
-        expand(
-            "<results>/validation/{pair}.json",
-            pair=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
-        ),
+        expand("<results>/validation/{pair}.json", pair=VALIDATIONS),
         expand("<results>/simulations/{plan}/forces.csv", plan=SUMMARY_PLANS),
         expand("<results>/fits/{fit}.json", fit=MODEL_OF_FIT),
         "<results>/claims.csv" if PAPER else "<results>/models/recommended.csv",
@@ -34,25 +32,19 @@ rule summary:
         pictures=expand("<results>/figures/{name}.png", name=FRONT_PICTURES),
     output:
         markdown="<results>/summary.md",
-        page=report(
-            "<results>/report/summary.html",
-            category="1 Summary and claims" if PAPER else "1 Summary",
-            labels={
-                "page": "1 Summary: what was simulated, how accurate"
-                + (", where it differs" if PAPER else "")
-            },
-            caption="../report/captions/summary.rst",
+        page=listed(
+            "report/summary.html",
+            SUMMARY,
+            page="1 Summary: what was simulated, how accurate"
+            + (", where it differs" if PAPER else ""),
+            caption="summary",
         ),
         front="<results>/report/front.rst",
-    log:
-        "<logs>/report/summary.log",
     params:
-        code=CODE["figures"],
         study=sections(*CONFIG),
-        results=results_folder,
         plans=SUMMARY_PLANS,
         fits=list(MODEL_OF_FIT),
-        pairs=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
+        pairs=VALIDATIONS,
         paper=PAPER,
     message:
         "The study on one page, and the report's first page"

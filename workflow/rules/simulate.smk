@@ -11,8 +11,6 @@ rule compile_kernels:
         profile=SMOOTHED,
     output:
         "<results>/simulations/device.json",
-    log:
-        "<logs>/compile_kernels.log",
     params:
         code=CODE["solver"],
         study=sections("solver", *FILM),
@@ -57,8 +55,6 @@ rule plan:
         sources=lambda wildcards: SOURCES_OF_PLAN.get(wildcards.plan, []),
     output:
         f"{PLAN}/scenes.{{suffix}}",
-    log:
-        "<logs>/plan/{plan}.{suffix}.log",
     wildcard_constraints:
         plan="|".join(DIVIDED) or "(?!)",
     params:
@@ -101,8 +97,6 @@ rule merge:
     output:
         forces=f"{PLAN}/forces.{{suffix}}",
         timings=f"{PLAN}/timings.{{suffix}}",
-    log:
-        "<logs>/merge/{plan}.{suffix}.log",
     wildcard_constraints:
         plan="|".join(DIVIDED) or "(?!)",
     params:
@@ -127,8 +121,6 @@ rule plan_budget:
         kernels="<results>/simulations/device.json",
     output:
         f"{PLAN}/budget.csv",
-    log:
-        "<logs>/budget/{plan}.log",
     params:
         code=CODE["solver"],
         study=sections("solver", *FILM),
@@ -145,8 +137,6 @@ rule plan_response:
     output:
         response=f"{PLAN}/response.csv",
         gains=f"{PLAN}/gains.csv",
-    log:
-        "<logs>/response/{plan}.log",
     params:
         code=CODE["solver"],
         study=sections("solver", *FILM),
@@ -162,8 +152,6 @@ rule plan_levitation:
         kernels="<results>/simulations/device.json",
     output:
         f"{PLAN}/levitation.csv",
-    log:
-        "<logs>/levitation/{plan}.log",
     params:
         code=CODE["solver"],
         study=sections("solver", *FILM),
@@ -191,10 +179,7 @@ rule provenance:
         rules.compile_kernels.output,
     output:
         "<results>/provenance.json",
-    log:
-        "<logs>/provenance.log",
     params:
-        code=CODE["figures"],
         study=sections(*CONFIG),
     message:
         "What makes these results: code, packages, device, study"

@@ -10,16 +10,13 @@ if PAPER:
             csv="<results>/tables/uncertainty.csv",
             markdown="<results>/tables/uncertainty.md",
             curves="<results>/tables/uncertainty_curves.csv",
-            page=report(
-                "<results>/report/uncertainty.html",
-                category="1 Summary and claims",
-                labels={"page": "3 Uncertainty: what would explain a difference from the paper"},
-                caption="../report/captions/uncertainty.rst",
+            page=listed(
+                "report/uncertainty.html",
+                SUMMARY,
+                page="3 Uncertainty: what would explain a difference from the paper",
+                caption="uncertainty",
             ),
-        log:
-            "<logs>/table/uncertainty.log",
         params:
-            code=CODE["figures"],
             study=sections("solver", "screen", "extrapolation", *FILM),
         message:
             "What would explain the differences from the paper"
@@ -34,10 +31,7 @@ rule cross_section:
         kernels="<results>/simulations/device.json",
     output:
         "<results>/simulations/extrapolation/film.csv",
-    log:
-        "<logs>/cross_section.log",
     params:
-        code=CODE["figures"],
         study=sections("solver", *FILM),
     message:
         "Gap and pressure under the finger over a period"

@@ -16,8 +16,6 @@ rule validate_two_factor:
     output:
         errors=expand("<results>/validation/{{fit}}_on_{plan}.csv", plan=PLANS_TWO_FACTOR),
         summary=expand("<results>/validation/{{fit}}_on_{plan}.json", plan=PLANS_TWO_FACTOR),
-    log:
-        "<logs>/validate/{fit}.log",
     params:
         code=CODE["models"],
         study=sections("validation"),

@@ -9,10 +9,6 @@ rule work_precision:
         fit="<results>/fits/screen.json",
     output:
         "<results>/numerics/work_precision.csv",
-    log:
-        "<logs>/numerics/work_precision.log",
-    benchmark:
-        "<benchmarks>/numerics/work_precision.tsv"
     threads: ALONE
     resources:
         mem_mb=2000,
@@ -29,10 +25,6 @@ rule work_precision:
 rule stability:
     output:
         "<results>/numerics/stability.csv",
-    log:
-        "<logs>/numerics/stability.log",
-    benchmark:
-        "<benchmarks>/numerics/stability.tsv"
     resources:
         mem_mb=2000,
         runtime=30,
@@ -50,10 +42,6 @@ rule ablation:
         scenes=expand(f"{PLAN}/scenes.csv", plan=["screen", "four_factor"]),
     output:
         "<results>/numerics/ablation.csv",
-    log:
-        "<logs>/numerics/ablation.log",
-    benchmark:
-        "<benchmarks>/numerics/ablation.tsv"
     threads: ALONE
     resources:
         mem_mb=2000,

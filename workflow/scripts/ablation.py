@@ -1,7 +1,6 @@
 """Write what leaving things out saves; the estimates of forces must cover their errors."""
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scene_of
@@ -10,8 +9,7 @@ from verification.ablation import ablation
 
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 device, repeats = device_of(config), config["numerics"]["repeats"]
 points = [point for path in snakemake.input.scenes for point in scene_points(read_scenes(path))]
 settings = solver_settings(config, outputs=())

@@ -6,13 +6,11 @@ from reporting.check.compare import compare, on_screen, read_reference, summary
 from reporting.check.quantities import study_quantities
 from reporting.pages import render, write_pages
 from reporting.results import Results
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.files import write_text
 from squeezefilm.tables import write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 results, reference = (
     Results(Path(snakemake.params.results), config),
     Path(snakemake.params.reference),

@@ -5,13 +5,11 @@ from pathlib import Path
 from reporting.models import compare, comparison_values
 from reporting.pages import render, write_pages
 from reporting.results import Results
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.tables import write_table
 
-snakemake = begin()
+snakemake, config = begin_with_study()
 space = snakemake.wildcards.space
-config = load_config(snakemake.config["study_file"])
 results = Results(Path(snakemake.params.results), config)
 table, errors = compare(results, space)
 write_table(table, snakemake.output.table)

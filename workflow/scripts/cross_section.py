@@ -3,15 +3,13 @@
 import pandas as pd
 
 from reporting.cross_section import cross_section
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import read_scenes, write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 device = device_of(config)
 scenes = resolve_auto_terms(
     scenes_in(read_scenes(snakemake.input.scenes), config),

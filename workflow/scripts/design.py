@@ -1,14 +1,12 @@
 """Search the paper's D-optimal points of a fitted model, for two factors or for four."""
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
 from squeezefilm.tables import write_json, write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 fit, output = read_fit(snakemake.input.fit), snakemake.output
 designs_of = {"two_factor": two_factor_designs, "four_factor": four_factor_designs}[fit.model]
 with naming(snakemake.input.fit):

@@ -6,11 +6,10 @@ from pathlib import Path
 from paper.figures import FIGURES as OF_THE_PAPER
 from reporting.figures import FIGURES, save
 from reporting.results import Results
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 
-snakemake = begin()
-results = Results(Path(snakemake.params.results), load_config(snakemake.config["study_file"]))
+snakemake, config = begin_with_study()
+results = Results(Path(snakemake.params.results), config)
 files = defaultdict(list)
 for file in map(Path, snakemake.output):
     files[f"{file.parent.name}/{file.name.partition('.')[0]}"].append(file)

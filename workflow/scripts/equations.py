@@ -6,12 +6,10 @@ from paper.equations import compare, conditions, survives
 from paper.tables import five_digits
 from reporting.pages import render, write_pages
 from reporting.results import Results
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.tables import write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 table = compare(*(Results(Path(folder), config) for folder in snakemake.params.sides))
 write_table(table, snakemake.output.csv)
 heads = {"paper_equation": "the paper's equation", "with_inertia": "with inertia"}

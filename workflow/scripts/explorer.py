@@ -6,12 +6,11 @@ from plotly.offline import get_plotlyjs
 
 from reporting.explorer import explorer_page, models_of, modulation_of
 from reporting.results import Results
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.files import write_text
 
-snakemake = begin()
-config, params = load_config(snakemake.config["study_file"]), snakemake.params
+snakemake, config = begin_with_study()
+params = snakemake.params
 results = Results(Path(params.results), config)
 films = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
 gains = results.table("simulations/screen/gains.csv", "h0_m", "hv_m", "frequency_hz", "gain")

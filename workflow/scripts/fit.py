@@ -2,16 +2,14 @@
 
 from pathlib import Path
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.errors import naming
 from squeezefilm.files import digest
 from squeezefilm.models.force_model import model_named
 from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
 from squeezefilm.tables import read_forces, read_ok_forces, write_json, write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 files = snakemake.input
 with naming(files.forces):
     fit, runs = fit_to_forces(

@@ -6,6 +6,7 @@ import traceback
 from types import TracebackType
 from typing import Any
 
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError
 
 
@@ -35,3 +36,9 @@ def begin() -> Any:
 
     sys.excepthook = tell
     return job
+
+
+def begin_with_study() -> tuple[Any, Config]:
+    """Begin a script; the job, and the study that it belongs to."""
+    job = begin()
+    return job, load_config(job.config["study_file"])

@@ -2,17 +2,16 @@
 
 import pandas as pd
 
-from scripts.job import begin
+from scripts.job import begin_with_study
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import scan_error_of
-from squeezefilm.config.loading import load_config
 from squeezefilm.dynamics.tables import levitations, loads_like
 from squeezefilm.film.validity import GAPS_M
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.tables import write_table
 
-snakemake = begin()
-film = Film(load_config(snakemake.config["study_file"]))
+snakemake, config = begin_with_study()
+film = Film(config)
 loads_n, amplitudes_m = loads_like(snakemake.input.forces)
 scenes = film.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAPS_M[1]}))
 settings = solver_settings(film.config)

@@ -2,15 +2,13 @@
 
 from pathlib import Path
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 from squeezefilm.tables import read_json, read_ok_forces, read_scenes, write_json, write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 files, output = snakemake.input, snakemake.output
 with naming(files.fit):
     found = designs_of_fit(

@@ -6,12 +6,10 @@ from paper.claims import judge
 from paper.tables import TABLES
 from reporting.pages import render, write_pages
 from reporting.results import Results
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.tables import write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 results = Results(Path(snakemake.params.results), config)
 for number, build in TABLES.items():
     table = build(results)

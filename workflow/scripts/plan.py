@@ -1,10 +1,8 @@
 """Write the scenes of a plan."""
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.studies.plan_scenes import write_scenes
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 plan = snakemake.wildcards.plan
 write_scenes(plan, config, sources=snakemake.input.sources, output=snakemake.output[0])

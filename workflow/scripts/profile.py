@@ -1,12 +1,10 @@
 """Write what a smooth profile leaves open of its scan, and of forces simulated with it."""
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.studies.tasks.scan_errors import scan_report
 from squeezefilm.tables import write_json, write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 output = snakemake.output
 report = scan_report(config)
 write_table(report.forces, output.forces)

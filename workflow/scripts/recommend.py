@@ -4,10 +4,8 @@ from pathlib import Path
 
 from reporting.models import recommend
 from reporting.results import Results
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.tables import write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 write_table(recommend(Results(Path(snakemake.params.results), config)), snakemake.output[0])

@@ -1,14 +1,12 @@
 """Simulate, fit, judge, design, simulate …, until a model is good enough or cannot be."""
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.models.force_model import model_named
 from squeezefilm.studies.tasks.fits import profile_uncertainty
 from squeezefilm.studies.tasks.refined_model import refine
 from squeezefilm.tables import read_forces, write_json, write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 files, output = snakemake.input, snakemake.output
 found = refine(
     model_named(snakemake.wildcards.model, config["models"], place=config.path),

@@ -5,12 +5,10 @@ from pathlib import Path
 from reporting.pages import render, write_pages
 from reporting.refinement import refinement_table
 from reporting.results import Results
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.tables import write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 results = Results(Path(snakemake.params.results), config)
 table, values = refinement_table(results, snakemake.wildcards.space)
 write_table(table, snakemake.output.table)

@@ -1,12 +1,10 @@
 """Simulate one of the parts of a plan; every scene keeps its row."""
 
-from scripts.job import begin
+from scripts.job import begin_with_study
 from squeezefilm.api.simulation import simulate_table
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import solver_settings
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 failures, _ = simulate_table(
     snakemake.input.scenes,
     config,

@@ -1,14 +1,12 @@
 """Write the scenes of a plan and simulate all of them."""
 
-from scripts.job import begin
+from scripts.job import begin_with_study
 from squeezefilm.api.simulation import no_force, simulate_table
-from squeezefilm.config.loading import load_config
 from squeezefilm.errors import RunError
 from squeezefilm.studies.plan_scenes import write_scenes
 from squeezefilm.studies.solver_settings import solver_settings
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 plan, output = snakemake.wildcards.plan, snakemake.output
 write_scenes(plan, config, sources=snakemake.input.sources, output=output.scenes)
 failures, _ = simulate_table(

@@ -2,13 +2,11 @@
 
 from pathlib import Path
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.film.measured.smooth import write_smoothed
 from squeezefilm.studies.study import smoothed_anew, smoothing_settings
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 smoothed = smoothed_anew(config)
 write_smoothed(smoothed, Path(snakemake.output[0]), settings=smoothing_settings(config))
 print(*smoothed.warnings, sep="\n")

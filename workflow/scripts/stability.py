@@ -1,7 +1,6 @@
 """Write a verdict for each stiff or extreme film: solved, refused with a reason, or failed."""
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
@@ -10,8 +9,7 @@ from verification.stability import stability
 
 NOTE = "Forces to 1e-4; the checks, columns of the table, are explained in docs/numerics.md."
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 chosen = cases() if config["numerics"]["extent"] == "full" else cases()[SAMPLE]
 table = stability(chosen, device=device_of(config))
 write_table(table.assign(note=NOTE), snakemake.output[0])

@@ -5,12 +5,11 @@ from pathlib import Path
 from reporting.pages import front_page, render, write_pages
 from reporting.results import Results
 from reporting.summary import summary_values
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.files import write_text
 
-snakemake = begin()
-config, params = load_config(snakemake.config["study_file"]), snakemake.params
+snakemake, config = begin_with_study()
+params = snakemake.params
 results = Results(Path(params.results), config)
 values = summary_values(results, plans=params.plans, fits=params.fits, pairs=params.pairs)
 text = render("summary.md", **values)

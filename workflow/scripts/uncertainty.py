@@ -2,15 +2,13 @@
 
 from paper.uncertainty import compare, shown
 from reporting.pages import render, write_pages
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.tables import write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 settings, device = solver_settings(config, outputs=()), device_of(config)
 
 

@@ -1,14 +1,12 @@
 """Write the errors of a fit on sets of simulated forces, point by point and in all."""
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.fits import errors_on
 from squeezefilm.tables import read_ok_forces, write_json, write_table
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 files, output = snakemake.input, snakemake.output
 fit, band = read_fit(files.fit), config["validation"]["relative_error_band"]
 for forces, errors, summary in zip(files.forces, output.errors, output.summary, strict=True):

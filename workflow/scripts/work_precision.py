@@ -1,7 +1,6 @@
 """Write error against run time of the solver and of three other methods."""
 
-from scripts.job import begin
-from squeezefilm.config.loading import load_config
+from scripts.job import begin_with_study
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
@@ -9,8 +8,7 @@ from verification.work_precision import FILMS, work_precision
 
 BATCH = 100
 
-snakemake = begin()
-config = load_config(snakemake.config["study_file"])
+snakemake, config = begin_with_study()
 settings, device = config["numerics"], device_of(config)
 full = settings["extent"] == "full"
 table = work_precision(

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import legendre
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, gmres
+from scipy.special import eval_legendre, roots_jacobi
 
 from squeezefilm.errors import RunError
 from verification.marching import FloatArray, Fold
@@ -98,14 +98,9 @@ class _Side:
 
 def lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Gauss-Lobatto-Legendre nodes on [-1, 1], weights, and the derivative matrix."""
-    series = np.zeros(degree + 1)
-    series[-1] = 1
-    inner = np.sort(np.real(legendre.legroots(legendre.legder(series))))
-    for _ in range(3):  # polish the eigenvalues of the companion matrix
-        first, second = legendre.legder(series), legendre.legder(series, 2)
-        inner = inner - legendre.legval(inner, first) / legendre.legval(inner, second)
-    nodes = np.concatenate([[-1.0], inner, [1.0]])
-    at_nodes = legendre.legval(nodes, series)
+    # The inner nodes are the zeros of the derivative of Legendre's polynomial.
+    nodes = np.concatenate([[-1.0], roots_jacobi(degree - 1, 1, 1)[0], [1.0]])
+    at_nodes = eval_legendre(degree, nodes)
     weights = 2 / (degree * (degree + 1) * at_nodes**2)
     gap = nodes[:, None] - nodes + np.eye(degree + 1)
     derivative = at_nodes[:, None] / at_nodes / gap

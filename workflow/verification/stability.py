@@ -19,12 +19,11 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.resolution import finer_grid
 from squeezefilm.reynolds.periodic.states import States
 from verification import analytic
 from verification.cases import Case, beyond
 from verification.films import Film
-from verification.state_checks import StateChecks, check_state, unfold
+from verification.state_checks import check_state, unfold
 
 TOLERANCE = 1e-4
 # The defect is a first-order estimate of the force's error; a film in distress exceeds this by far.
@@ -32,9 +31,6 @@ DEFECT = 10 * TOLERANCE
 STATE_DEFECT = 2e-2
 # Near contact the force answers to a mass error by 1/H: states are iterated well beyond need.
 ITERATION = 1e-3 * TOLERANCE
-# Local values: in a layer thinner than the grid's spacing they are rougher than the force.
-FIELD = {"resolved layer": 1e-2, "thin layer": 0.2}
-THIN_LAYER_SIGMA = 1e4
 
 
 class Check(NamedTuple):
@@ -130,22 +126,12 @@ def _checks(film: Film, solution: Solution, *, device: Device) -> Iterator[Check
 def _of_state(film: Film, solution: Solution, *, device: Device) -> Iterator[Check]:
     """Of the pressure itself, solved again on the grid that the force was found on."""
     grid = _grid(film, solution.nx, solution.ny, solution.nt)
-    state = _checked(film, grid, device=device)
+    states = _on_grid(film, grid, tolerance=ITERATION, device=device)
+    state = check_state(film, unfold(states.overpressure[0], film.fold))
     force = solution.force_n / film.scene.force_scale_n
     yield Check("iterated_difference", abs(state.force / force - 1), DEFECT)
     yield Check("defect", state.defect, DEFECT)
     yield Check("state_defect", state.state_defect, STATE_DEFECT)
-    # A force is good on grids too coarse for its field everywhere: that is looked at on the next
-    # but one.
-    finer = finer_grid(grid) or grid
-    field = _checked(film, finer_grid(finer) or finer, device=device)
-    local = FIELD["thin layer" if film.sigma > THIN_LAYER_SIGMA else "resolved layer"]
-    yield Check("mass_balance", field.mass_balance, local)
-
-
-def _checked(film: Film, grid: Grid, *, device: Device) -> StateChecks:
-    states = _on_grid(film, grid, tolerance=ITERATION, device=device)
-    return check_state(film, unfold(states.overpressure[0], film.fold))
 
 
 def _grid(film: Film, nx: int, ny: int, nt: int) -> Grid:

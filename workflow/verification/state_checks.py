@@ -27,13 +27,11 @@ class StateChecks:
         defect: change of the force in one correction by the mean-coefficient operator, relative
             to the force. Blind to what changes the pressure and not its mean, as by symmetry.
         state_defect: root mean square of that correction relative to the mass perturbation H p.
-        mass_balance: mass that leaves over the rim in a period, net over gross.
     """
 
     force: float
     defect: float
     state_defect: float
-    mass_balance: float
 
 
 def unfold(overpressure: FloatArray, fold: Fold) -> FloatArray:
@@ -85,9 +83,6 @@ def check_state(film: Film, overpressure: FloatArray) -> StateChecks:
         force=force,
         defect=abs(defect / force),
         state_defect=math.sqrt(float(np.sum(inner * correction**2)) / size),
-        mass_balance=_mass_balance(
-            flux_x - film.bearing * gap, flux_y, grid_x, grid_y, film.aspect
-        ),
     )
 
 
@@ -142,20 +137,3 @@ def _correction(
     modes = np.matmul(np.linalg.inv(y_modes), np.tensordot(np.linalg.inv(x_modes), residual, 1))
     w = np.fft.irfft(np.fft.rfft(-modes) / symbol, n=times)
     return np.asarray(np.matmul(y_modes, np.tensordot(x_modes, w, 1)))
-
-
-def _mass_balance(
-    flux_x: FloatArray,
-    flux_y: FloatArray,
-    grid_x: ChebyshevGrid,
-    grid_y: ChebyshevGrid,
-    aspect: float,
-) -> float:
-    """Net over gross mass that passes the rim in a period."""
-    mean_x, mean_y = flux_x.mean(axis=-1), flux_y.mean(axis=-1)
-    net = grid_y.weights @ (mean_x[-1] - mean_x[0])
-    net += grid_x.weights @ (mean_y[:, -1] - mean_y[:, 0]) / aspect
-    size_x, size_y = np.abs(flux_x).mean(axis=-1), np.abs(flux_y).mean(axis=-1)
-    gross = grid_y.weights @ (size_x[-1] + size_x[0])
-    gross += grid_x.weights @ (size_y[:, -1] + size_y[:, 0]) / aspect
-    return float(abs(net) / gross)
