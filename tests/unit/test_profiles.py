@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from example_scan import scan_text
 from scipy.special import jv
@@ -20,8 +21,8 @@ from squeezefilm.film.profiles import Modes, Profile, Sinc, make_profile
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
-from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint
+from squeezefilm.studies.study import profile_of, scenes_in, smoothed_scan_of
+from squeezefilm.tables import FACTOR_COLUMNS
 
 RADIUS_M = 0.01
 
@@ -150,10 +151,7 @@ def test_forces_of_the_worked_example_are_within_two_percent(repository):
     """The example in config/ is the sinc with 2 % noise: exact forces are known."""
     config = load_config(repository / "config" / "vibrometer.yaml")
     places = [(5e-6, 2e-6, 0.0, 0.0), (10e-6, 0.2e-6, 0.0, 0.0), (5e-6, 2e-6, 0.0029, 45.0)]
-    points = [
-        ScenePoint.of("1", **dict(zip(FACTOR_COLUMNS, place, strict=True))) for place in places
-    ]
-    measured = [scene_of(point, config) for point in points]
+    measured = scenes_in(pd.DataFrame(places, columns=FACTOR_COLUMNS), config)
     exact = [
         replace(scene, actuator=replace(scene.actuator, profile=Sinc(109.8))) for scene in measured
     ]

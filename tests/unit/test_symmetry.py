@@ -13,8 +13,7 @@ from squeezefilm.film.symmetry import Directions, symmetry_from_dict
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import check_study, scene_of, symmetry_of
-from squeezefilm.tables import ScenePoint
+from squeezefilm.studies.study import check_study, scene_of, scenes_in, symmetry_of
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
 SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}
@@ -78,12 +77,8 @@ def test_a_direction_and_its_fold_have_one_force(case, quick):
     images = (11, -11, 2 * width - 11) if directions.mirror else (11, 11 + width)
     angles = [directions.start_deg + image for image in images]
     assert directions.fold(angles) == pytest.approx(directions.start_deg + 11)
-    scenes = [
-        scene_of(
-            ScenePoint.of(str(phi), h0_m=9e-6, hv_m=2e-6, phi_r_m=0.0007, phi_deg=phi % 360), config
-        )
-        for phi in angles
-    ]
+    at = {"h0_m": 9e-6, "hv_m": 2e-6, "phi_r_m": 0.0007}
+    scenes = scenes_in(pd.DataFrame({"phi_deg": angles}).assign(**at), config)
     solutions = solve(scenes, tolerance=1e-3)
     assert {solution.status for solution in solutions} == {"ok"}
     force = [solution.force_n for solution in solutions]
@@ -164,8 +159,8 @@ def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle):
     assert cli.main([*words, "--x=-1.5mm,0mm,2mm", "--y=-1mm,0mm,2mm"]) == 0
     table = pd.read_csv(out)
     scenes = [
-        scene_of(ScenePoint(str(n), 6e-6, 2e-6, x_m=x, y_m=y), config)
-        for n, (x, y) in enumerate(zip(table["x_m"], table["y_m"], strict=True))
+        scene_of(config, 6e-6, 2e-6, x_m=x, y_m=y)
+        for x, y in zip(table["x_m"], table["y_m"], strict=True)
     ]
     simulated = [solution.force_n for solution in solve(scenes, tolerance=1e-4)]
     np.testing.assert_allclose(table["force_n"], simulated, rtol=3e-3)

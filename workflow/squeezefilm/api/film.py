@@ -11,15 +11,15 @@ import pandas as pd
 
 from squeezefilm.api.field import TOLERANCE, field_of
 from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
-from squeezefilm.api.points import Values, points_of, scene_points_of
+from squeezefilm.api.points import Values, points_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import Config, config_of
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import SmoothedScan
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
-from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.studies.study import scenes_in, smoothed_scan_of
 
 if TYPE_CHECKING:
     import xarray
@@ -90,12 +90,12 @@ class Film:
             raise InputError(f"one scene is asked for, not {len(points)}: `curve` takes several")
         return self.scenes(points)[0]
 
-    def scenes(self, points: pd.DataFrame) -> list[Scene]:
+    def scenes(self, points: pd.DataFrame) -> Scenes:
         """The operating points of a table: h0_m, hv_m and a position, if any.
 
         Raises InputError as ``scene`` does.
         """
-        return [scene_of(point, self.config) for point in scene_points_of(points)]
+        return scenes_in(points, self.config)
 
     def force(
         self,

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError
-from squeezefilm.tables import ScenePoint
 from squeezefilm.units import quantities
 
 Values = str | float | Sequence[float] | np.ndarray
@@ -79,31 +78,6 @@ def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.D
     if count > MOST_POINTS:
         raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
     return Points(list(product(*levels.values())), columns=list(levels), dtype=float)
-
-
-def scene_points_of(points: pd.DataFrame) -> list[ScenePoint]:
-    """A table of points as points of scenes, numbered from 1: h0_m, hv_m and a position, if any.
-
-    Raises InputError where gap or amplitude is missing.
-    """
-    missing = [name for name in ("h0_m", "hv_m") if name not in points]
-    if missing:
-        raise InputError(f"points need the column {missing[0]!r}")
-    values = {
-        name: points[name].to_numpy(dtype=float) for name in COLUMNS.values() if name in points
-    }
-    given = [name for name in values if name not in ("h0_m", "hv_m")]
-    form = POLAR if any(name in POLAR for name in given) else CARTESIAN
-    columns = {name: values.get(name, np.zeros(len(points))) for name in form}
-    return [
-        ScenePoint.of(
-            str(row + 1),
-            h0_m=float(values["h0_m"][row]),
-            hv_m=float(values["hv_m"][row]),
-            **{name: float(column[row]) for name, column in columns.items()},
-        )
-        for row in range(len(points))
-    ]
 
 
 def _levels(values: Values, *, called: str, name: str) -> list[float]:

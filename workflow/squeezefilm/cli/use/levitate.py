@@ -35,7 +35,6 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.api.forces import scan_parts
-from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.options import add_point_options, points_in
 from squeezefilm.config.loading import Config
@@ -47,13 +46,13 @@ from squeezefilm.dynamics.levitation import (
     trustworthy,
 )
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.film.validity import GAPS_M
+from squeezefilm.film.validity import GAPS_M, check_scene
 from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import budget_text
 from squeezefilm.reynolds import node_cache
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
-from squeezefilm.studies.study import scene_of, smoothed_scan_of
-from squeezefilm.tables import ScenePoint, read_forces, write_table
+from squeezefilm.studies.study import scenes_in, smoothed_scan_of
+from squeezefilm.tables import read_forces, write_table
 from squeezefilm.units import quantities, quantity
 
 LOADS, AMPLITUDES = 8, 3
@@ -117,7 +116,7 @@ def run(options: argparse.Namespace) -> None:
         print(table.to_string(index=False, na_rep="", float_format="{:.4g}".format))
         return
     if failures:
-        failures.append(trustworthy(scene_of(points[0], config), **how))
+        failures.append(trustworthy(scenes_in(points, config)[0], **how))
         raise RunError("; ".join(failures))
     assert found is not None
     _show(found)
@@ -127,7 +126,7 @@ def run(options: argparse.Namespace) -> None:
 
 def levitations(
     loads_n: Sequence[float],
-    points: Sequence[ScenePoint],
+    points: pd.DataFrame,
     config: Config,
     how: dict[str, Any],
     *,
@@ -137,11 +136,12 @@ def levitations(
     smoothed, rows, failures = smoothed_scan_of(config), [], []
     found = moving = None
     with progress_bar(len(loads_n) * len(points), unit="load", name="levitate") as bar:
-        for point in points:
+        for scene in scenes_in(points, config, check=False):
             for load_n in loads_n:
-                row: dict[str, object] = {"load_n": load_n, "hv_m": point.hv_m}
+                row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
                 try:
-                    found = levitate(scene_of(point, config), load_n=load_n, **how)
+                    check_scene(scene)
+                    found = levitate(scene, load_n=load_n, **how)
                     if smoothed is not None:
                         (part,) = scan_parts([found.scene], smoothed, device=how["device"])
                         more_m = part.total_n / abs(found.stiffness_n_per_m)
@@ -171,7 +171,7 @@ def like(path: str) -> tuple[list[float], list[float]]:
 
 def _asked(
     options: argparse.Namespace, *, mass_kg: float | None
-) -> tuple[list[float], list[ScenePoint]]:
+) -> tuple[list[float], pd.DataFrame]:
     """Loads, or the mass's weight, and the places and amplitudes that they are asked at."""
     if options.like is not None:
         if options.load is not None or options.hv is not None:
@@ -190,14 +190,14 @@ def _asked(
     return loads_n, points_at(points_in(options))
 
 
-def points_at(points: pd.DataFrame) -> list[ScenePoint]:
+def points_at(points: pd.DataFrame) -> pd.DataFrame:
     """The amplitudes and places at which gaps are sought."""
     wrong = points.loc[~points["hv_m"].between(*AMPLITUDES_M), "hv_m"]
     if len(wrong):
         least, most = AMPLITUDES_M
         raise InputError(f"--hv: {wrong.iloc[0]:g} m must lie within {least:g} … {most:g} m")
     # Of the gap, which is sought, the largest: there surface and finger do not touch.
-    return scene_points_of(points.assign(h0_m=GAPS_M[1]))
+    return points.assign(h0_m=GAPS_M[1])
 
 
 def _row(found: Levitation, moving: Resonance | None) -> dict[str, object]:

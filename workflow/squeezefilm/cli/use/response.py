@@ -30,7 +30,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.options import add_point_options, points_in
 from squeezefilm.config.loading import Config
@@ -52,7 +51,7 @@ from squeezefilm.parallel import progress_bar
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
-from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities
 
@@ -99,7 +98,7 @@ def run(options: argparse.Namespace) -> None:
     if options.scenes is None:
         if len(points) != 1 or not {"h0_m", "hv_m"} <= set(points):
             raise InputError("give a table of scenes, or one scene by --h0 and --hv")
-        scene = scene_of(scene_points_of(points)[0], config)
+        scene = scenes_in(points, config)[0]
         _show(scene, gains(scene, frequency_hz), _neglected([scene], settings, device)[0])
         print(f"validity  {_validity(scene)}")
         return

@@ -32,7 +32,6 @@ import sys
 import pandas as pd
 
 from squeezefilm.api.forces import force_of, forces_of, forces_table
-from squeezefilm.api.points import scene_points_of
 from squeezefilm.api.preview import preview_table, preview_text
 from squeezefilm.api.simulation import missing_of, scenes_of_table, simulate_table
 from squeezefilm.cli import which_study
@@ -40,7 +39,6 @@ from squeezefilm.cli.options import add_point_options, points_in, write_points
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
-from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import OK
 from squeezefilm.solution import OUTPUTS
 from squeezefilm.studies.solver_settings import (
@@ -49,7 +47,7 @@ from squeezefilm.studies.solver_settings import (
     device_of,
     solver_settings,
 )
-from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.studies.study import scenes_in, smoothed_scan_of
 from squeezefilm.tables import read_scenes, write_table
 
 
@@ -105,7 +103,7 @@ def _preview(
         rows = read_scenes(options.scenes)
         scenes = scenes_of_table(rows, config=config, path=options.scenes)
     elif {"h0_m", "hv_m"} <= set(points):
-        scenes = Scenes.of([scene_of(point, config) for point in scene_points_of(points)])
+        scenes = scenes_in(points, config)
     else:
         raise InputError("give both --h0 and --hv")
     device = device_of(config, option=options.device)
@@ -123,7 +121,7 @@ def _simulate_points(
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give both --h0 and --hv")
-    scenes = [scene_of(point, config) for point in scene_points_of(points)]
+    scenes = scenes_in(points, config)
     device = device_of(config, option=options.device)
     smoothed = smoothed_scan_of(config)
     if len(scenes) == 1 and not options.output:
