@@ -17,7 +17,6 @@ from squeezefilm.config.film import key_of
 from squeezefilm.config.loading import load_config
 from squeezefilm.provenance import WORKFLOW
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint
 
 SHARING_ONE_RUN = tuple(
     f"tests/workflow/test_{name}.py" for name in ("run", "reruns", "pages", "results")
@@ -59,7 +58,7 @@ def quick(repository):
 @pytest.fixture(scope="session")
 def scene(paper):
     """The paper's operating point beyond its screen."""
-    return scene_of(ScenePoint("1", 5e-6, 2.2e-6), paper)
+    return scene_of(paper, 5e-6, 2.2e-6)
 
 
 @pytest.fixture(scope="session")

@@ -18,7 +18,7 @@ from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
+from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces
 
 from .conftest import Browser
 
@@ -167,8 +167,7 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results):
     )
     row = screen.iloc[len(screen) // 2]
     (shown,) = explorer.browser.run(films, row.h0_m, row.hv_m)["films"]
-    point = ScenePoint(point_id="1", h0_m=row.h0_m, hv_m=row.hv_m, x_m=0.0, y_m=0.0)
-    scene = scene_of(point, config)
+    scene = scene_of(config, row.h0_m, row.hv_m)
     library = response(scene)
     for name in ("corner_hz", "static_gain", "prompt_gain"):
         assert shown[name] == pytest.approx(getattr(library, name), rel=1e-6)

@@ -229,7 +229,7 @@ def test_a_patch_of_no_symmetry_has_the_force_of_finite_elements(epsilon, sigma,
     middle = (dense.real.max() + dense.real.min() + 1j * (dense.imag.max() + dense.imag.min())) / 2
 
     def amplitude(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        return scene.parts(0.5 + x, 0.5 + y * sides_m[0] / sides_m[1])[0]
+        return scene.amplitude(0.5 + x, 0.5 + y * sides_m[0] / sides_m[1])
 
     mesh = triangles((patch(TURN) - middle) / unit, refined=3)
     coarse, fine = (

@@ -16,14 +16,14 @@ from squeezefilm.models.force_model import get_model
 from squeezefilm.models.limit_table import MOST_NODES
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, random_plan
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks import physics_limits as limits
 from squeezefilm.studies.tasks.physics_limits import with_limits
-from squeezefilm.tables import FACTOR_COLUMNS, scene_points
+from squeezefilm.tables import FACTOR_COLUMNS
 
 
 def limits_of(table: pd.DataFrame, paper: Config) -> pd.DataFrame:
-    return with_limits(table, [scene_of(point, paper) for point in scene_points(table)])
+    return with_limits(table, scenes_in(table, paper))
 
 
 def factors_of(table: pd.DataFrame) -> Factors:
@@ -40,7 +40,7 @@ def control(paper):
     """A thousand random points of the four-factor space, by the periodic state."""
     ranges = box_of(paper).ranges
     table = limits_of(random_plan(points=1000, seed=11, **ranges), paper)
-    scenes = [scene_of(point, paper) for point in scene_points(table)]
+    scenes = scenes_in(table, paper)
     solutions = solve(scenes, tolerance=1e-5, method="periodic")
     return factors_of(table), np.array([each.force_n for each in solutions])
 
@@ -72,7 +72,7 @@ def test_each_corrective_parameter_makes_it_better(paper, control):
 
 def with_inertia(table: pd.DataFrame, paper: Config) -> tuple[Factors, np.ndarray, np.ndarray]:
     """A plan's factors with the limits, their errors and the forces by the periodic state."""
-    scenes = [scene_of(point, paper) for point in scene_points(table)]
+    scenes = scenes_in(table, paper)
     scenes = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
     known = with_limits(table, scenes)
     solutions = solve(scenes, tolerance=1e-5, method="periodic")

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 from physics_facts import ASIDE_N, CENTRED_N, slow_piston
@@ -15,27 +16,23 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.plan import METHODS, previews
-from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint
+from squeezefilm.studies.study import scenes_in
 
 
 @pytest.fixture(scope="module")
 def paper_scenes(paper):
     """Random operating points over the paper's four factors."""
     random = np.random.default_rng(20140503)
-    return [
-        scene_of(
-            ScenePoint.of(
-                str(index),
-                h0_m=random.uniform(5e-6, 10e-6),
-                hv_m=random.uniform(0.2e-6, 2e-6),
-                phi_r_m=random.uniform(0, 2.9e-3) * (index % 4 > 0),
-                phi_deg=float(random.choice([0.0, 45.0, random.uniform(0, 45)])),
-            ),
-            paper,
-        )
+    points = [
+        {
+            "h0_m": random.uniform(5e-6, 10e-6),
+            "hv_m": random.uniform(0.2e-6, 2e-6),
+            "phi_r_m": random.uniform(0, 2.9e-3) * (index % 4 > 0),
+            "phi_deg": float(random.choice([0.0, 45.0, random.uniform(0, 45)])),
+        }
         for index in range(300)
     ]
+    return list(scenes_in(pd.DataFrame(points), paper))
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,6 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.scan_errors import scan_errors
-from squeezefilm.tables import ScenePoint
 
 RADIUS_M = 0.01
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}
@@ -73,7 +72,7 @@ def smooth(scan: Scan, **settings: Any) -> SmoothedScan:
 @pytest.fixture(scope="module")
 def scene(repository):
     config = load_config(repository / "config" / "paper.yaml")
-    return scene_of(ScenePoint("1", 5e-6, 2e-6), config)
+    return scene_of(config, 5e-6, 2e-6)
 
 
 def on(scene: Scene, shape: Profile) -> Scene:

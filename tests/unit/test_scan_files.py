@@ -80,7 +80,6 @@ FORMS: dict[str, bytes] = {
 
 def same(scan: Scan, *, digits: float = 1e-6) -> None:
     """Whether a scan has the points above, but for one phase of all."""
-    assert scan.y_m is not None
     assert scan.x_m == pytest.approx(X / 1e3, rel=digits, abs=1e-12)
     assert scan.y_m == pytest.approx(Y / 1e3, rel=digits, abs=1e-12)
     one = scan.amplitude_m[np.argmax(np.abs(U))]
@@ -211,3 +210,18 @@ def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothin
     said = "2 points without an amplitude, excluded from profile and noise (lines 12, 31)"
     assert gaps.warnings == (f"note: {said}",)
     assert rest.warnings == ()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_function_without_an_amplitude_is_named_and_excluded(tmp_path, value):
+    """Pyuff writes NaN as zeros and infinity as the largest number: both were read as such."""
+
+    def damaged(one: dict[str, Any]) -> None:
+        one["data"] = one["data"] * (value if one["rsp_node"] == 70 else 1)
+
+    path = universal(tmp_path / "scan.uff", edit=damaged)
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    said = "1 point without an amplitude, excluded from profile and noise (function 70)"
+    assert scan.notes[-1] == said
+    assert (scan.missing, len(scan.x_m)) == (1, len(X) - 1)
+    assert np.abs(scan.amplitude_m).max() < 1.3e-6

@@ -14,7 +14,6 @@ from squeezefilm.film.scene import Scenes
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import check_scene
 from squeezefilm.studies.study import scene_of, scenes_in
-from squeezefilm.tables import scene_points
 
 
 def test_dimensionless_numbers_of_the_paper(scene):
@@ -61,7 +60,8 @@ def test_scenes_as_columns_have_the_numbers_of_each(scene):
         assert getattr(scenes, name) == pytest.approx(alone, rel=1e-15), name
     assert scenes.closure == pytest.approx([one.closure() for one in each], rel=1e-15)
     assert scenes.closure[1] > scenes.closure[0]
-    assert np.transpose(scenes.rest_range) == pytest.approx(np.array([e.rest_range for e in each]))
+    alone = np.concatenate([Scenes.of([one]).rest_range for one in each], axis=1)
+    assert np.array(scenes.rest_range) == pytest.approx(alone, rel=1e-15)
 
 
 @pytest.mark.parametrize("polar", [True, False])
@@ -72,10 +72,11 @@ def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
         places = {"x_m": [0.0, 1e-3], "y_m": [0.0, -2e-3]}
     table = points.assign(**places)
     scenes = scenes_in(table, paper)
-    for found, point in zip(scenes, scene_points(table), strict=True):
-        expected = scene_of(point, paper)
-        assert (found.x_m, found.y_m) == pytest.approx((expected.x_m, expected.y_m), abs=1e-18)
-        assert replace(found, x_m=expected.x_m, y_m=expected.y_m) == expected
+    x_m, y_m = (1e-3 * 3**0.5, 1e-3) if polar else (1e-3, -2e-3)
+    assert scenes[0] == replace(scene_of(paper, 5e-6, 2e-6), point_id="a")
+    expected = replace(scene_of(paper, 9e-6, 1e-6, x_m=x_m, y_m=y_m), point_id="b")
+    assert (scenes[1].x_m, scenes[1].y_m) == pytest.approx((x_m, y_m), abs=1e-18)
+    assert replace(scenes[1], x_m=x_m, y_m=y_m) == expected
     with pytest.raises(InputError, match="point b: hv_m = 1e-06 reaches h0_m = 1e-06"):
         scenes_in(table.assign(h0_m=[5e-6, 1e-6]), paper)
 

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from squeezefilm.config.loading import Config
@@ -10,8 +11,7 @@ from squeezefilm.film.symmetry import Directions
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scene_of, symmetry_of
-from squeezefilm.tables import ScenePoint
+from squeezefilm.studies.study import scenes_in, symmetry_of
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
 SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}
@@ -69,12 +69,8 @@ def test_a_direction_and_its_fold_have_one_force(case, quick):
     images = (11, -11, 2 * width - 11) if directions.mirror else (11, 11 + width)
     angles = [directions.start_deg + image for image in images]
     assert directions.fold(angles) == pytest.approx(directions.start_deg + 11)
-    scenes = [
-        scene_of(
-            ScenePoint.of(str(phi), h0_m=9e-6, hv_m=2e-6, phi_r_m=0.0007, phi_deg=phi % 360), config
-        )
-        for phi in angles
-    ]
+    at = {"h0_m": 9e-6, "hv_m": 2e-6, "phi_r_m": 0.0007}
+    scenes = scenes_in(pd.DataFrame({"phi_deg": angles}).assign(**at), config)
     solutions = solve(scenes, tolerance=1e-3)
     assert {solution.status for solution in solutions} == {"ok"}
     force = [solution.force_n for solution in solutions]

@@ -6,7 +6,7 @@ tell it. What is plausible was set from what the paper states, with how many dig
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,6 @@ from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint
 
 Force = Callable[[Scene], float]
 """The mean force of a scene in newtons; NaN where it cannot be simulated."""
@@ -38,7 +37,7 @@ class Difference:
     claim: str
     paper_n: float
     half_digit_n: float
-    point: ScenePoint
+    point: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -74,8 +73,8 @@ ASSUMPTIONS = tuple(Assumption(**entry) for entry in yaml.safe_load(_TABLE))
 def differences(config: Config) -> tuple[Difference, ...]:
     """The forces in which the paper's simulations and ours differ."""
     beyond, screen = config["extrapolation"], config["screen"]
-    operating = ScenePoint("operating_point", beyond["h0_m"], beyond["hv_m"])
-    smallest = ScenePoint("smallest", screen["h0_m"]["stop"], screen["hv_m"]["start"])
+    operating = {name: beyond[name] for name in ("h0_m", "hv_m")}
+    smallest = {"h0_m": screen["h0_m"]["stop"], "hv_m": screen["hv_m"]["start"]}
     return (
         Difference("simulation_at_2.2", f"force at {_place(operating)}", 0.99, 0.005, operating),
         Difference(
@@ -88,8 +87,8 @@ def differences(config: Config) -> tuple[Difference, ...]:
     )
 
 
-def _place(point: ScenePoint) -> str:
-    return f"h0 = {1e6 * point.h0_m:g} µm, hv = {1e6 * point.hv_m:g} µm"
+def _place(point: Mapping[str, float]) -> str:
+    return f"h0 = {1e6 * point['h0_m']:g} µm, hv = {1e6 * point['hv_m']:g} µm"
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,7 @@ class Trial:
         """Least and largest plausible value, in SI."""
         if self.assumption.plausible is not None:
             return self.assumption.plausible
-        value = self.difference.point.hv_m / self.assumption.scale
+        value = self.difference.point["hv_m"] / self.assumption.scale
         half = 0.5 * 10.0 ** -len(f"{value:g}".partition(".")[2])
         return (value - half) * self.assumption.scale, (value + half) * self.assumption.scale
 
@@ -131,10 +130,10 @@ class Trial:
             settings: dict[str, Any] = dict.fromkeys(self.assumption.places, value)
             for place, setting in {**settings, **self.assumption.switch}.items():
                 values = _changed(values, place.split("."), setting)
-            point = replace(point, **values.pop("point"))
+            point = values.pop("point")
             config = Config(path=config.path, sections=values)
         try:
-            return self.force(scene_of(point, config))
+            return self.force(scene_of(config, **point))
         except InputError:
             return float("nan")
 
@@ -143,7 +142,7 @@ class Trial:
         return np.array([self.force_n(float(value)) for value in values])
 
     def _values(self) -> dict[str, Any]:
-        return {**self.config.sections, "point": {"hv_m": self.difference.point.hv_m}}
+        return {**self.config.sections, "point": self.difference.point}
 
 
 def _changed(values: dict[str, Any], place: Sequence[str], setting: Any) -> dict[str, Any]:
@@ -164,9 +163,9 @@ def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame
     """
     rows, curves = [], []
     for difference in differences(config):
-        ours_n = force(scene_of(difference.point, config))
+        ours_n = force(scene_of(config, **difference.point))
         if not np.isfinite(ours_n):
-            raise RunError(f"point {difference.point.point_id}: the film could not be simulated")
+            raise RunError(f"{difference.claim_id}: the film could not be simulated")
         for assumption in ASSUMPTIONS:
             trial = Trial(config, difference, assumption, force)
             if trial.assumed is not None:

@@ -1,19 +1,21 @@
 """Write what leaving things out saves; the estimates of forces must cover their errors."""
 
+import pandas as pd
+
 from scripts.job import begin_with_study
 from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of, solver_settings
-from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import read_scenes, scene_points, write_table
+from squeezefilm.studies.study import scenes_in
+from squeezefilm.tables import read_scenes, write_table
 from verification.ablation import ablation
 
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 
 snakemake, config = begin_with_study()
 device, repeats = device_of(config), config["numerics"]["repeats"]
-points = [point for path in snakemake.input.scenes for point in scene_points(read_scenes(path))]
+points = pd.concat([read_scenes(path) for path in snakemake.input.scenes])
 settings = solver_settings(config, outputs=())
-scenes = settings.resolved([scene_of(point, config) for point in points], device)
+scenes = settings.resolved(scenes_in(points, config), device)
 table = ablation(scenes, tolerances=TOLERANCES, repeats=repeats, device=device)
 write_table(table.assign(repeats=repeats, device=device.name), snakemake.output[0])
 print(table.to_string(index=False))

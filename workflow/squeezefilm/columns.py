@@ -1,7 +1,10 @@
 """The two forms in which a finger's position stands in tables, polar and Cartesian."""
 
 from collections.abc import Iterable
-from math import cos, radians, sin
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 
@@ -18,7 +21,7 @@ def as_in(columns: Iterable[str], table: Iterable[object]) -> list[str]:
     return [form.get(name, name) for name in columns]
 
 
-def cartesian(phi_r_m: float, phi_deg: float) -> dict[str, float]:
-    """The Cartesian position of a polar one."""
-    angle = radians(phi_deg)
-    return {"x_m": phi_r_m * cos(angle), "y_m": phi_r_m * sin(angle)}
+def cartesian(phi_r_m: ArrayLike, phi_deg: ArrayLike) -> dict[str, Any]:
+    """The Cartesian position of a polar one, or of many as columns."""
+    angle = np.radians(phi_deg)
+    return {"x_m": phi_r_m * np.cos(angle), "y_m": phi_r_m * np.sin(angle)}

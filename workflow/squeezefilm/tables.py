@@ -9,7 +9,6 @@ import io
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import CARTESIAN, POLAR, as_in, cartesian
+from squeezefilm.columns import CARTESIAN, POLAR, as_in
 from squeezefilm.errors import InputError, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
@@ -49,30 +48,6 @@ OUTPUT_COLUMNS = tuple(Outputs(asked=tuple(OUTPUTS)).columns())
 
 Rows = Callable[[int], slice]
 """Which rows of a table, given how many there are; ``slice`` is all of them."""
-
-
-@dataclass(frozen=True)
-class ScenePoint:
-    """One row of a plan: gap, amplitude and finger position."""
-
-    point_id: str
-    h0_m: float
-    hv_m: float
-    x_m: float = field(default=0.0, kw_only=True)
-    y_m: float = field(default=0.0, kw_only=True)
-
-    @classmethod
-    def of(cls, point_id: str, **factors: float) -> "ScenePoint":
-        """A point from its factors, the position in polar or Cartesian form.
-
-        Raises InputError naming the point, for a distance below zero.
-        """
-        if POLAR[0] in factors:
-            radius_m, angle_deg = factors.pop(POLAR[0]), factors.pop(POLAR[1])
-            if radius_m < 0:
-                raise InputError(f"point {point_id}: phi_r_m = {radius_m:g} must not be negative")
-            factors |= cartesian(radius_m, angle_deg)
-        return cls(point_id, **factors)
 
 
 def read_scenes(path: Path | str, *, rows: Rows = slice) -> pd.DataFrame:
@@ -137,15 +112,6 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
         names = "; ".join(f"point {row.point_id}: {row.status}" for row in failed.itertuples())
         raise InputError(f"{path}: no force for {names}")
     return table
-
-
-def scene_points(table: pd.DataFrame) -> list[ScenePoint]:
-    """The rows of a plan as points."""
-    names = as_in(FACTOR_COLUMNS, table)
-    return [
-        ScenePoint.of(str(point_id), **dict(zip(names, map(float, factors), strict=True)))
-        for point_id, *factors in table[["point_id", *names]].itertuples(index=False)
-    ]
 
 
 def _read(

@@ -90,9 +90,9 @@ class Film:
         """Whether the film is even about the middle of x and of y, probed at some points."""
         nodes = np.linspace(0.03, 0.46, 7)
         x, y = np.meshgrid(nodes, 1.1 * nodes, indexing="ij")
-        s = self.scene.parts(x, y)
-        even_x = np.allclose(self.scene.parts(1 - x, y), s, rtol=0, atol=1e-13)
-        even_y = np.allclose(self.scene.parts(x, 1 - y), s, rtol=0, atol=1e-13)
+        s = self.amplitude(x, y)
+        even_x = np.allclose(self.amplitude(1 - x, y), s, rtol=0, atol=1e-13)
+        even_y = np.allclose(self.amplitude(x, 1 - y), s, rtol=0, atol=1e-13)
         even_x = even_x and self.bearing == 0 and self.gap.tilt_x_m == 0
         return bool(even_x), bool(even_y and self.gap.tilt_y_m == 0)
 

@@ -156,7 +156,7 @@ def analytic_limit(film: Film) -> tuple[float, float] | None:
     if film.reynolds or film.bearing or not film.gap.flat or not square:
         return None
     eps, sigma = film.epsilon, film.sigma
-    if eps <= 1e-2 and film.knudsen == 0 and film.scene.plain:
+    if eps <= 1e-2 and film.knudsen == 0 and not film.scene.actuator.profile.is_complex:
         force = analytic.small_amplitude(epsilon=eps, sigma=sigma, amplitude=film.amplitude)
         return force, 3 * eps**2 + TOLERANCE
     if sigma >= 1e5:

@@ -17,7 +17,7 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The profile seen from above; layers surface, centre_limit (dashed) and finger."""
     config = results.config
     finger, limit_mm = finger_of(config), centre_limit_mm(config)
-    rim = np.round(np.array(finger.outline()) * 1e3, 9)
+    rim = np.round(finger.outline() * 1e3, 9)
     closed = np.vstack([rim, rim[:1]])
     outline = pd.DataFrame({"layer": "finger", "x_mm": closed[:, 0], "y_mm": closed[:, 1]})
     angle_deg = np.linspace(0, 360, 121)

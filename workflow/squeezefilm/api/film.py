@@ -11,7 +11,7 @@ import pandas as pd
 
 from squeezefilm.api.field import TOLERANCE, field_of
 from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
-from squeezefilm.api.points import Position, Values, plan_of, points_of
+from squeezefilm.api.points import Position, Values, points_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import Config, config_of
 from squeezefilm.errors import InputError
@@ -86,7 +86,7 @@ class Film:
 
         Raises InputError as ``scene`` does.
         """
-        return scenes_in(plan_of(points), self.config)
+        return scenes_in(points, self.config)
 
     def force(
         self,

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from itertools import product
 from math import prod
-from typing import Any, TypedDict
+from typing import TypedDict
 
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import CARTESIAN, POLAR, form_of
+from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError
-from squeezefilm.studies.plans import plan
 from squeezefilm.units import quantities
 
 Values = str | float | Sequence[float] | np.ndarray
@@ -96,20 +95,6 @@ def points_of(
     if (count := prod(map(len, levels.values()))) > MOST_POINTS:
         raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
     return Points(list(product(*levels.values())), columns=list(levels), dtype=float)
-
-
-def plan_of(points: pd.DataFrame) -> pd.DataFrame:
-    """Points as a plan, numbered from 1: h0_m, hv_m and a position, the centre if there is none.
-
-    Raises InputError where gap or amplitude is missing.
-    """
-    for name in ("h0_m", "hv_m"):
-        if name not in points:
-            raise InputError(f"points need the column {name!r}")
-    place: dict[str, Any] = {
-        name: points[name].to_numpy() for name in form_of(points) if name in points
-    }
-    return plan(h0_m=points["h0_m"].to_numpy(), hv_m=points["hv_m"].to_numpy(), **place)
 
 
 def _levels(values: Values, *, called: str, unit: str) -> list[float]:

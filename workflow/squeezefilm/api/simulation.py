@@ -23,11 +23,10 @@ from squeezefilm.reynolds.device import Device, describe
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.solution import Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
-from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.studies.study import film_in, scenes_in
 from squeezefilm.tables import (
     SCENE_COLUMNS,
     TIMING_COLUMNS,
-    ScenePoint,
     read_forces,
     read_scenes,
     read_timings,
@@ -50,9 +49,8 @@ def device_ready(config: Config, *, option: str | None, scene: Scene) -> Device:
 
 def compile_kernels(config: Config) -> dict[str, Any]:
     """Compile the kernels of a study, so that jobs find them in the caches; name its device."""
-    at_rest = ScenePoint("any", h0_m=5e-6, hv_m=0.0)
     # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
-    scene = scene_of(at_rest, config, check=False)
+    scene = film_in(config).scene(h0_m=5e-6, hv_m=0.0)
     facts = describe(device_ready(config, option=None, scene=scene))
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     return facts

@@ -11,6 +11,7 @@ from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, TypeVar
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -359,7 +360,8 @@ class OutlineFile(Section):
     scatter_m: Annotated[float, Number("m", 0, 1)] = 0.0
 
 
-class GapShape(Section):
+@dataclass(frozen=True)
+class GapShape:
     """How the gap at rest differs from h0, the gap at the finger's centre; all zero if pad and
     surface are parallel.
 
@@ -370,9 +372,21 @@ class GapShape(Section):
             distance; positive for a pad that bulges towards the surface
     """
 
+    __pydantic_config__ = KEYS
+
     tilt_x_m: Rise = 0.0
     tilt_y_m: Rise = 0.0
     bulge_m: Rise = 0.0
+
+    @property
+    def flat(self) -> bool:
+        return not (self.tilt_x_m or self.tilt_y_m or self.bulge_m)
+
+    def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Gap at rest less h0 at positions in [0, 1] across the finger."""
+        x, y = x - 0.5, y - 0.5
+        tilt: np.ndarray = self.tilt_x_m * x + self.tilt_y_m * y
+        return tilt + 4 * self.bulge_m * (x**2 + y**2)
 
 
 class Finger(Section):

@@ -5,6 +5,8 @@ import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -220,7 +222,7 @@ def _about_key(error: Any, place: Place, whole: Part, values: Any) -> str:
         close = _close(key, known) or _close(key_of(key), known)
         hint = f"did you mean {close!r}?" if close else f"allowed are {', '.join(sorted(known))}"
         return f"{where}: unknown key {key!r}; {hint}"
-    written = _at(values, place[:-1])
+    written = reduce(getitem, place[:-1], values)
     if any(_close(name, known) == key for name in written if name not in known):
         return ""
     wanted = known[key]
@@ -256,12 +258,6 @@ def _about_value(error: Any, place: Place, whole: Part, values: Any) -> str:
     unit = part.get("unit")
     like = f" {unit}, as a number or with its unit, like {examples(unit)}" if unit else ""
     return f"{text}; allowed: {allowed(part)}{like}"
-
-
-def _at(values: Any, place: Place) -> Any:
-    for step in place:
-        values = values[step]
-    return values
 
 
 def _close(key: str, known: Iterable[str]) -> str:

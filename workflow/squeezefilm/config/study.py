@@ -425,7 +425,7 @@ class Study(FilmSections, Header):
         known = (
             finger.shape == "rectangle"
             and finger.speed_x_m_per_s == 0
-            and not any(finger.gap.model_dump().values())
+            and finger.gap.flat
             and (one_phase or gas.inertia == "none")
             and gas.rarefaction == "none"
             and gas.polytropic_exponent == 1

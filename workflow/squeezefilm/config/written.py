@@ -1,5 +1,6 @@
 """A study written down as it is computed, and one that another workflow gives as a mapping."""
 
+import argparse
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -101,14 +102,7 @@ def configfiles_in(words: Sequence[str]) -> list[str]:
 
     Snakemake keeps those of the last such option alone, without a word.
     """
-    files, taking = [], False
-    for word in words:
-        option, _, value = word.partition("=")
-        if option in OPTIONS:
-            files += [value] if value else []
-            taking = not value
-        elif word.startswith("-"):
-            taking = False
-        elif taking:
-            files.append(word)
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument(*OPTIONS, nargs="*", action="extend", default=[], dest="files")
+    files: list[str] = parser.parse_known_args(words)[0].files
     return files

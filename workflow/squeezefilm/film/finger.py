@@ -1,41 +1,19 @@
 """The finger over the surface: its pad's outline and how its gap at rest is shaped."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from math import cos, hypot, pi, radians, sin, sqrt
+from functools import lru_cache
+from math import cos, pi, radians, sin, sqrt
 from typing import TypeVar
 
 import numpy as np
 
+from squeezefilm.config.film import GapShape as GapShape
 from squeezefilm.film.outline import DENSE, Outline, ellipse
 
 OUTLINE_POINTS = 144
+EVEN = GapShape()
 
 Number = TypeVar("Number", float, np.ndarray)
-
-
-@dataclass(frozen=True)
-class GapShape:
-    """How the gap at rest differs from place to place under the finger; zero at its centre.
-
-    ``tilt_x_m`` is the gap at the middle of the side at +x less that at −x, ``tilt_y_m`` likewise;
-    ``bulge_m`` the gap at the middle of a side less that at the centre: positive for a pad that
-    bulges towards the surface.
-    """
-
-    tilt_x_m: float = 0.0
-    tilt_y_m: float = 0.0
-    bulge_m: float = 0.0
-
-    @cached_property
-    def flat(self) -> bool:
-        return not (self.tilt_x_m or self.tilt_y_m or self.bulge_m)
-
-    def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Gap at rest less h0 at positions in [0, 1] across the finger."""
-        x, y = x - 0.5, y - 0.5
-        tilt: np.ndarray = self.tilt_x_m * x + self.tilt_y_m * y
-        return tilt + 4 * self.bulge_m * (x**2 + y**2)
 
 
 @dataclass(frozen=True)
@@ -52,7 +30,7 @@ class Finger:
     speed_x_m_per_s: float
     shape: str = "rectangle"
     rotation_deg: float = 0.0
-    gap: GapShape = GapShape()
+    gap: GapShape = EVEN
     contour: Outline | None = None
 
     @property
@@ -65,11 +43,7 @@ class Finger:
     @property
     def reach_m(self) -> float:
         """Distance of the outline's farthest point from the finger's centre."""
-        if self.contour:
-            return float(np.abs(self.contour.points).max()) * self.length_x_m
-        if self.shape == "ellipse":
-            return max(self.length_x_m, self.length_y_m) / 2
-        return hypot(self.length_x_m, self.length_y_m) / 2
+        return float(np.hypot(*self.outline().T).max())
 
     @property
     def rectangle_within(self) -> float:
@@ -87,21 +61,21 @@ class Finger:
             return self.contour
         return ellipse(self.length_y_m / self.length_x_m) if self.shape == "ellipse" else None
 
-    def outline(self) -> list[tuple[float, float]]:
-        """Points on the rim from the finger's centre, along the actuator's axes: (x_m, y_m).
+    def outline(self) -> np.ndarray:
+        """Points on the rim from the finger's centre, along the actuator's axes: (points, 2) in m.
 
         A rectangle's four corners, or points all around another pad.
         """
-        half_x, half_y = self.length_x_m / 2, self.length_y_m / 2
+        half_m = np.array([self.length_x_m, self.length_y_m]) / 2
         if self.contour:
             rim = self.contour.points[:: DENSE // (2 * OUTLINE_POINTS)] * self.length_x_m
-            points = list(zip(rim.real.tolist(), rim.imag.tolist(), strict=True))
+            points_m = np.stack([rim.real, rim.imag], axis=1)
         elif self.shape == "ellipse":
-            angles = (2 * pi * step / OUTLINE_POINTS for step in range(OUTLINE_POINTS))
-            points = [(half_x * cos(angle), half_y * sin(angle)) for angle in angles]
+            angles = 2 * pi * np.arange(OUTLINE_POINTS) / OUTLINE_POINTS
+            points_m = half_m * np.stack([np.cos(angles), np.sin(angles)], axis=1)
         else:
-            points = [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
-        return [self.turned(x, y) for x, y in points]
+            points_m = half_m * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+        return np.stack(self.turned(*points_m.T), axis=1)
 
     def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Whether places in [0, 1] across the sides lie under the pad."""

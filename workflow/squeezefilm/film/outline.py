@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import atanh, log, pi, sqrt
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
@@ -37,16 +36,6 @@ DENSE = 1024
 
 
 Curve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-
-
-class Folds(Protocol):
-    """Whether a film is even about its pad's middle along x, y."""
-
-    @property
-    def fold_x(self) -> bool: ...
-
-    @property
-    def fold_y(self) -> bool: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +80,9 @@ class Outline:
         n = np.arange(len(self.coefficients))
         return float(pi / 2 * (n * np.abs(self.coefficients) ** 2) @ np.sinh(2 * n * self.rim))
 
-    def folds(self, film: Folds) -> tuple[bool, bool]:
-        """Whether a film under it is the same at ν and −ν, and at ν and π − ν."""
-        return (film.fold_x, film.fold_y) if self.turned else (film.fold_y, film.fold_x)
+    def folds(self, fold_x: bool, fold_y: bool) -> tuple[bool, bool]:
+        """Whether a film that is even along x, y is the same at ν and −ν, and at ν and π − ν."""
+        return (fold_x, fold_y) if self.turned else (fold_y, fold_x)
 
     def positions(self, across: np.ndarray, nu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places in [0, 1] across the pad's sides, for μ from −rim to rim in [0, 1] and ν."""

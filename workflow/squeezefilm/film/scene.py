@@ -1,5 +1,7 @@
 """One operating point of a squeeze film, and the dimensionless numbers that govern it."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
@@ -118,31 +120,13 @@ class Scene(OperatingPoints):
         return self.gas.ambient_pressure_pa * self.finger.area_m2
 
     @property
-    def film(self) -> "Film":
+    def film(self) -> Film:
         """What stays the same between operating points."""
         return Film(self.gas, self.actuator, self.finger)
 
-    @property
-    def place(self) -> tuple[Profile, Finger, float, float]:
-        """All that the profile under the finger depends on: equal for scenes that share it."""
-        return self.actuator.profile, self.finger, self.x_m, self.y_m
-
-    @property
-    def plain(self) -> bool:
-        """Whether the gap is even at rest and moves in one phase."""
-        return self.finger.gap.flat and not self.actuator.profile.is_complex
-
     def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's s at positions x, y in [0, 1] across the finger, any common shape."""
-        along_x, along_y = self.finger.turned(
-            (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
-        )
-        return self.actuator.profile.amplitude(x_m=self.x_m + along_x, y_m=self.y_m + along_y)
-
-    def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Real and, of a complex one, imaginary part of ``amplitude``, shape (1 or 2, …)."""
-        s = self.amplitude(x, y)
-        return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
+        return self.film.pad_profile.amplitude(x, y, x_m=self.x_m, y_m=self.y_m)
 
     def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Gap over h0 without vibration at positions in [0, 1] across the finger."""
@@ -159,29 +143,19 @@ class Scene(OperatingPoints):
     @property
     def narrowest(self) -> float:
         """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        return 1 - self.epsilon if self.finger.gap.flat else float(_alone(self).narrowest[0])
+        return float(self._alone.narrowest[0])
 
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and finger touch (``Scenes``)."""
-        if self.finger.gap.flat:
-            return self.epsilon * getattr(self.actuator.profile, "largest", 1.0)
-        return float(_alone(self).closure[0])
-
-    @property
-    def rest_range(self) -> tuple[float, float]:
-        """Least and largest gap over h0 without vibration."""
-        if self.finger.gap.flat:
-            return 1.0, 1.0
-        least, most = _alone(self).rest_range
-        return float(least[0]), float(most[0])
+        return float(self._alone.closure[0])
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
         """A net of points x, y over the finger, rim included, in [0, 1]."""
         return net(self.finger)
 
-
-def _alone(scene: Scene) -> "Scenes":
-    return Scenes.of([scene])
+    @cached_property
+    def _alone(self) -> Scenes:
+        return Scenes.of([self])
 
 
 @dataclass(frozen=True)
@@ -198,19 +172,14 @@ class PadProfile:
     def _hash(self) -> int:  # once: it takes as long as many a step of preparing a scene
         return hash((self.profile, self.finger))
 
-    def parts(
-        self, x: np.ndarray, y: np.ndarray, *, x_m: np.ndarray, y_m: np.ndarray
+    def amplitude(
+        self, x: np.ndarray, y: np.ndarray, *, x_m: float | np.ndarray, y_m: float | np.ndarray
     ) -> np.ndarray:
-        """The profile's real and, of a complex one, imaginary part, with the pad at some positions.
-
-        At points x, y (points,) in [0, 1] across the pad, whose centre is at x_m, y_m (positions,);
-        shape (parts, positions, points).
-        """
+        """The profile's s at points x, y in [0, 1] across the pad, whose centre is at x_m, y_m."""
         along_x, along_y = self.finger.turned(
             (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
         )
-        s = self.profile.amplitude(x_m=x_m[:, None] + along_x, y_m=y_m[:, None] + along_y)
-        return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
+        return self.profile.amplitude(x_m=x_m + along_x, y_m=y_m + along_y)
 
 
 @dataclass(frozen=True)
@@ -231,6 +200,20 @@ class Film:
     @cached_property
     def pad_profile(self) -> PadProfile:
         return PadProfile(self.actuator.profile, self.finger)
+
+    def scene(
+        self, h0_m: float, hv_m: float, x_m: float = 0.0, y_m: float = 0.0, *, point_id: str = "1"
+    ) -> Scene:
+        """An operating point of the film, which may not exist (film/validity.py)."""
+        return Scene(point_id, h0_m, hv_m, x_m, y_m, self.gas, self.actuator, self.finger)
+
+    def scenes(
+        self, h0_m: np.ndarray, hv_m: np.ndarray, x_m: np.ndarray, y_m: np.ndarray
+    ) -> Scenes:
+        """Operating points of the film, numbered from 1, which may not exist."""
+        point_id = np.array([str(row + 1) for row in range(len(h0_m))], dtype=object)
+        index = np.zeros(len(h0_m), dtype=np.int64)
+        return Scenes((self,), index, h0_m, hv_m, x_m, y_m, point_id)
 
 
 # Which of some scenes.
@@ -267,10 +250,14 @@ class Places(NamedTuple):
         return self.pad, self.x_m.tobytes(), self.y_m.tobytes()
 
     def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The profile's parts at points across the pad, shape (phases, positions, points)."""
-        return self.pad.parts(x, y, x_m=self.x_m, y_m=self.y_m)
+        """The profile's real and, of a complex one, imaginary part at points across the pad.
 
-    def some(self, rows: Rows) -> "Places":
+        Shape (parts, positions, points).
+        """
+        s = self.pad.amplitude(x, y, x_m=self.x_m[:, None], y_m=self.y_m[:, None])
+        return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
+
+    def some(self, rows: Rows) -> Places:
         return Places(self.pad, self.x_m[rows], self.y_m[rows])
 
 
@@ -292,20 +279,12 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     point_id: np.ndarray
 
     @classmethod
-    def of(cls, scenes: "Sequence[Scene] | Scenes") -> "Scenes":
+    def of(cls, scenes: Sequence[Scene] | Scenes) -> Scenes:
         """The columns of some scenes."""
         if isinstance(scenes, Scenes):
             return scenes
         films: dict[Film, int] = {}
-        index, last, film = [], None, 0
-        for scene in scenes:  # mostly of the very same film
-            if last is None or not (
-                scene.gas is last.gas
-                and scene.finger is last.finger
-                and scene.actuator is last.actuator
-            ):
-                last, film = scene, films.setdefault(scene.film, len(films))
-            index.append(film)
+        index = [films.setdefault(scene.film, len(films)) for scene in scenes]
         columns = np.array([(each.h0_m, each.hv_m, each.x_m, each.y_m) for each in scenes])
         point_id = np.array([each.point_id for each in scenes], dtype=object)
         h0_m, hv_m, x_m, y_m = columns.reshape(-1, 4).T.copy()
@@ -317,13 +296,12 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @overload
     def __getitem__(self, rows: int) -> Scene: ...
     @overload
-    def __getitem__(self, rows: Rows) -> "Scenes": ...
-    def __getitem__(self, rows: int | Rows) -> "Scene | Scenes":
+    def __getitem__(self, rows: Rows) -> Scenes: ...
+    def __getitem__(self, rows: int | Rows) -> Scene | Scenes:
         index, point_id = self.film_index[rows], self.point_id[rows]
         numbers = [each[rows] for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)]
         if isinstance(rows, (int, np.integer)):
-            film = self.films[index]
-            return Scene(point_id, *map(float, numbers), film.gas, film.actuator, film.finger)  # type: ignore[call-arg, arg-type]
+            return self.films[index].scene(*map(float, numbers), point_id=str(point_id))
         return Scenes(self.films, index, *numbers, point_id)  # type: ignore[call-arg]
 
     def column(self, of_film: Callable[[Film], Any]) -> Any:
@@ -332,7 +310,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
             return of_film(self.films[0])
         return np.array([of_film(film) for film in self.films])[self.film_index]
 
-    def of_each_film(self) -> Iterator[tuple[Film, Rows, "Scenes"]]:
+    def of_each_film(self) -> Iterator[tuple[Film, Rows, Scenes]]:
         """Each film that scenes have, which rows these are, and the scenes."""
         if len(self.films) == 1:
             yield self.films[0], slice(None), self
@@ -461,5 +439,5 @@ def _rises(finger: Finger) -> tuple[float, float, float, float]:
 def _moves(pad: PadProfile, x_m: bytes, y_m: bytes) -> np.ndarray:
     """How far the surface moves on a net over the pad, in units of hv: (positions, points)."""
     x, y = (each.ravel() for each in net(pad.finger))
-    parts = pad.parts(x, y, x_m=np.frombuffer(x_m), y_m=np.frombuffer(y_m))
-    return np.abs(parts[0]) if len(parts) == 1 else np.hypot(*parts)
+    at_x_m, at_y_m = (np.frombuffer(each)[:, None] for each in (x_m, y_m))
+    return np.abs(pad.amplitude(x, y, x_m=at_x_m, y_m=at_y_m))

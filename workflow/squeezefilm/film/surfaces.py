@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, pi, radians, sin, sqrt
+from math import cos, pi, radians, sin
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
@@ -18,9 +18,6 @@ from squeezefilm.columns import CARTESIAN, POLAR
 RADII, ANGLES = 41, 72
 LINES = 53
 """Points of the nets on which a profile is looked at all over: along a radius, around; a side."""
-GOLDEN_ANGLE = pi * (3 - sqrt(5))
-PLASTIC = 1.32471795724474602596
-"""The number whose powers spread points over a square as the golden one does along a line."""
 
 Place = tuple[np.ndarray, np.ndarray]
 Coordinate = float | np.ndarray
@@ -68,12 +65,6 @@ class Disc:
             indexing="ij",
         )
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
-
-    def probes(self, count: int) -> Place:
-        """Points x_m, y_m all over it of which no two are related by symmetry."""
-        number = np.arange(count) + 0.5
-        radius, angle = self.radius_m * np.sqrt(number / count), GOLDEN_ANGLE * number
-        return radius * np.cos(angle), radius * np.sin(angle)
 
     def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
         """A fine net by two numbers each, their place in metres, first steps to improve one."""
@@ -153,11 +144,6 @@ class Rectangle:
         share[[0, -1]] = 0.5
         x, y = np.meshgrid(side, side, indexing="ij")
         return x * self.half_m[0], y * self.half_m[1], np.outer(share, share)
-
-    def probes(self, count: int) -> Place:
-        number = np.arange(count) + 0.5
-        x, y = 2 * (number / PLASTIC % 1) - 1, 2 * (number / PLASTIC**2 % 1) - 1
-        return x * self.half_m[0], y * self.half_m[1]
 
     def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
         def place(x: Coordinate, y: Coordinate) -> Place:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import atan2, cos, degrees, isfinite, radians, sin
+from math import atan2, degrees, isfinite, radians
 from typing import Any
 
 import numpy as np
@@ -162,8 +162,9 @@ def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
     raise InputError(f"{place}: must have start_deg, width_deg and mirror, as `fit` writes")
 
 
-# Places on the surface at which a profile is compared with its image.
-PROBES = 4000
+# Places at which a profile is compared with its image, over half the surface: no two are related by
+# symmetry.
+PROBES = np.random.default_rng(1).uniform(-1, 1, (2, 5000))
 EQUAL = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
 
@@ -180,7 +181,7 @@ def symmetry(finger: Finger, profile: Profile, *, surface: Surface) -> Symmetry:
     """What the force over the finger's position has in common with pad, profile and surface."""
     if not isinstance(surface, Rectangle):
         return _directions(finger, profile, surface)
-    x, y = (_keeps(_mirror(axis_deg), finger, profile, surface) for axis_deg in (90, 0))
+    x, y = (_keeps(turn, finger, profile, surface, mirror=True) for turn in (180.0, 0.0))
     return Mirrors(x, y)
 
 
@@ -194,15 +195,15 @@ def _directions(finger: Finger, profile: Profile, surface: Surface) -> Direction
     those of a circular pad on a profile with three nodal diameters, make the sector larger than it
     need be, never too small.
     """
-    sectors = []
+    sectors, film = [], (finger, profile, surface)
     for base_deg in _axes(finger, profile):
         axes = [base_deg + step for step in (0, 45, 90, 135)]
-        mirrors = [each for each in axes if _keeps(_mirror(each), finger, profile, surface)]
+        mirrors = [each for each in axes if _keeps(2 * each, *film, mirror=True)]
         if mirrors:
             width = 180.0 / len(mirrors)
             sectors.append(Directions(min(mirrors) % width, width, mirror=True))
             continue
-        turns = [each for each in (90.0, 180.0) if _keeps(_turn(each), finger, profile, surface)]
+        turns = [each for each in (90.0, 180.0) if _keeps(each, *film)]
         sectors.append(Directions(0.0, min(turns, default=360.0), mirror=False))
     return min(sectors, key=lambda sector: sector.width_deg)
 
@@ -217,38 +218,36 @@ def _axes(finger: Finger, profile: Profile) -> Iterator[float]:
         yield float(getattr(profile, "direction_deg", 0.0))
 
 
-def _mirror(axis_deg: float) -> np.ndarray:
-    twice = 2 * radians(axis_deg)
-    return np.array([[cos(twice), sin(twice)], [sin(twice), -cos(twice)]])
+def _keeps(
+    turn_deg: float, finger: Finger, profile: Profile, surface: Surface, *, mirror: bool = False
+) -> bool:
+    """Whether a turn leaves outline, gap at rest, velocity and vibration as they are.
 
-
-def _turn(angle_deg: float) -> np.ndarray:
-    c, s = cos(radians(angle_deg)), sin(radians(angle_deg))
-    return np.array([[c, -s], [s, c]])
-
-
-def _keeps(change: np.ndarray, finger: Finger, profile: Profile, surface: Surface) -> bool:
-    """Whether a mirror or turn leaves outline, gap at rest, velocity and vibration as they are.
-
-    In the pad's own axes. A bulge has the outline's symmetry: it grows as the same squares.
+    With ``mirror`` they are mirrored at the x axis before, so that the axis lies at half the turn.
+    A bulge has the outline's symmetry: it grows as the same squares.
     """
     if finger.contour:
         return False  # a measured one is its own image under no mirror, nor turn
-    rotation = _turn(finger.rotation_deg)
-    own = rotation.T @ change @ rotation
-    sides = np.array([finger.length_x_m, finger.length_y_m])
-    outline = np.diag((sides[0] / sides) ** 2)
-    tilt = np.array([finger.gap.tilt_x_m, finger.gap.tilt_y_m]) / sides
-    velocity = np.array([finger.speed_x_m_per_s, 0.0])
-    if not np.allclose(own.T @ outline @ own, outline, rtol=0, atol=EQUAL):
+
+    def image(z: Any, angle_deg: float) -> Any:
+        return np.exp(1j * radians(angle_deg)) * (np.conj(z) if mirror else z)
+
+    own_deg = turn_deg - 2 * finger.rotation_deg * mirror  # in the pad's own axes
+    length_x_m, length_y_m = finger.length_x_m, finger.length_y_m
+    longer = 1 - (length_x_m / length_y_m) ** 2
+    if abs(np.exp(2j * radians(own_deg)) - 1) * abs(longer) > EQUAL:
         return False
-    for vector in (tilt, velocity):
-        if np.linalg.norm(own @ vector - vector) > EQUAL * np.linalg.norm(vector):
+    tilt = complex(finger.gap.tilt_x_m / length_x_m, finger.gap.tilt_y_m / length_y_m)
+    for vector in (tilt, complex(finger.speed_x_m_per_s)):
+        if abs(image(vector, own_deg) - vector) > EQUAL * abs(vector):
             return False
-    x_m, y_m = surface.probes(PROBES)
-    image_x_m, image_y_m = change @ np.stack([x_m, y_m])
+    half_x_m, half_y_m = surface.half_m
+    x_m, y_m = half_x_m * PROBES[0], half_y_m * PROBES[1]
+    on_surface = surface.reach(x_m, y_m) <= 1
+    x_m, y_m = x_m[on_surface], y_m[on_surface]
+    there = image(x_m + 1j * y_m, turn_deg)
     s = profile.amplitude(x_m=x_m, y_m=y_m)
-    image = profile.amplitude(x_m=image_x_m, y_m=image_y_m)
-    together = np.vdot(s, image)
-    turn = together / abs(together) if together else 1.0
-    return bool(np.abs(image - turn * s).max() <= EQUAL)
+    s_there = profile.amplitude(x_m=there.real, y_m=there.imag)
+    together = np.vdot(s, s_there)
+    sign = together / abs(together) if together else 1.0
+    return bool(np.abs(s_there - sign * s).max() <= EQUAL)

@@ -155,18 +155,22 @@ SLACK = 1e-9
 
 def check_scenes(scenes: Scenes) -> None:
     """Refuse scenes as ``check_scene`` does, the first of them that has no solution."""
+    for row in np.flatnonzero(~exist(scenes)).tolist():
+        check_scene(scenes[row])
+
+
+def exist(scenes: Scenes) -> np.ndarray:
+    """Return which scenes have a solution and lie on the actuator, shape (n,)."""
     columns = (scenes.h0_m, scenes.hv_m, scenes.x_m, scenes.y_m)
     sound = np.isfinite(np.stack(columns)).all(axis=0)
     sound &= (GAPS_M[0] <= scenes.h0_m) & (scenes.h0_m <= GAPS_M[1])
     sound &= (scenes.hv_m >= 0) & (scenes.hv_m < scenes.h0_m)
     for film, rows, some in scenes.of_each_film():
-        outline = np.array(film.finger.outline())
+        outline = film.finger.outline()
         x_m, y_m = (np.add.outer(at, outline[:, k]) for k, at in enumerate((some.x_m, some.y_m)))
         sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + SLACK).all(axis=1)
-    if sound.all():
-        sound &= scenes.closure < 1
-    for row in np.flatnonzero(~sound).tolist():
-        check_scene(scenes[row])
+    sound[sound] = (scenes if sound.all() else scenes[sound]).closure < 1
+    return sound
 
 
 def check_scene(scene: Scene) -> None:
@@ -200,7 +204,7 @@ def _check_film(scene: Scene) -> None:
 
 
 def _check_place(scene: Scene) -> None:
-    surface, outline = scene.actuator.surface, np.array(scene.finger.outline())
+    surface, outline = scene.actuator.surface, scene.finger.outline()
     x_m, y_m = scene.x_m + outline[:, 0], scene.y_m + outline[:, 1]
     reach = surface.reach(x_m, y_m)
     farthest = int(np.argmax(reach))

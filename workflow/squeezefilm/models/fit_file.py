@@ -53,22 +53,27 @@ FOLDS, FOLD_SEED = 5, 1
 """Of the cross-validation that gives a fit's error at points it was not fitted to."""
 
 
+def _by_keys(values: Any) -> Any:
+    """Values by the keys of a study; a fit's file has its names with units."""
+    if not isinstance(values, Mapping):
+        return values
+    return {key_of(name): value for name, value in values.items()}
+
+
 class Pad(BaseModel):
     """The pad of a fit's film, as far as limits of validity go."""
 
     length_x_m: float
     length_y_m: float
-    gap: GapShape
+    gap: Annotated[GapShape, BeforeValidator(_by_keys)]
 
 
 def _gas_by_names(values: Any) -> Any:
-    """A gas with the keys of a study; a fit's file has its names with units, and all of them."""
-    if not isinstance(values, Mapping):
-        return values
-    missing = [each.name for each in fields(Gas) if each.name not in values]
-    if missing:
+    """A gas by the keys of a study, of which a fit's file has all."""
+    names = [each.name for each in fields(Gas)] if isinstance(values, Mapping) else []
+    if missing := [name for name in names if name not in values]:
         raise ValueError(f"{', '.join(missing)}: not there")
-    return {key_of(name): value for name, value in values.items()}
+    return _by_keys(values)
 
 
 class Film(BaseModel):

@@ -159,7 +159,8 @@ def _growths(
 
 def _equation(scene: Scene) -> object:
     """All that a scene's dimensionless equation depends on."""
-    return numbers_table(Scenes.of([scene]), terms_of(scene)).tobytes(), scene.place
+    scenes = Scenes.of([scene])
+    return numbers_table(scenes, terms_of(scene)).tobytes(), scenes.places[0].key
 
 
 def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:

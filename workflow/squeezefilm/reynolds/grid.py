@@ -50,7 +50,10 @@ class Grid:
 
     @cached_property
     def x(self) -> Axis:
-        return axis(self.nx, self.outline.folds(self)[0] if self.outline else self.fold_x)
+        return axis(
+            self.nx,
+            self.outline.folds(self.fold_x, self.fold_y)[0] if self.outline else self.fold_x,
+        )
 
     @cached_property
     def y(self) -> Axis | Around:
@@ -61,7 +64,7 @@ class Grid:
         """ν of an outline."""
         if self.outline is None:
             raise ValueError("a rectangle's grid has nothing around it")
-        return around(self.ny, *self.outline.folds(self))
+        return around(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
 
     @property
     def t(self) -> Period:

@@ -102,13 +102,8 @@ def four_factor_plan(
     position: tuple[str, ...] = POLAR,
 ) -> pd.DataFrame:
     """Every finger position with every (h0, hv) point of a two-factor design (section V)."""
-    rows = [
-        (gap, amplitude, *place)
-        for place in positions
-        for gap, amplitude in zip(h0_m, hv_m, strict=True)
-    ]
-    names = ("h0_m", "hv_m", *position)
-    return plan(**dict(zip(names, zip(*rows, strict=True), strict=True)))
+    design = pd.DataFrame({"h0_m": h0_m, "hv_m": hv_m})
+    return plan(**pd.DataFrame(positions, columns=position).merge(design, how="cross"))
 
 
 def box_of(config: Config, *, centred: bool = False) -> Box:
@@ -158,15 +153,12 @@ def sweep_pieces(
     sequence = _sobol(4, seed=seed)
     if first:
         sequence.fast_forward(first)
-    names = as_in(FACTOR_COLUMNS, ranges)
-    lower, upper = np.transpose([ranges[name] for name in names])
     for begin in range(first, first + points, PIECE):
         end = min(begin + PIECE, first + points)
         with warnings.catch_warnings():
             # Of numbers of points that are no power of two: they fill the box less evenly.
             warnings.filterwarnings("ignore", message="The balance", category=UserWarning)
-            drawn = lower + (upper - lower) * sequence.random(end - begin)
-        table = plan(**dict(zip(names, drawn.T, strict=True)))
+            table = _within(ranges, sequence.random(end - begin))
         yield table.assign(point_id=np.arange(begin + 1, end + 1).astype(str))
 
 
@@ -181,7 +173,11 @@ def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.
 
     Equal seeds give equal points.
     """
+    return _within(ranges, np.random.default_rng(seed).random((points, 4)))
+
+
+def _within(ranges: dict[str, tuple[float, float]], unit: np.ndarray) -> pd.DataFrame:
+    """The plan of points in [0, 1] over ranges, shape (points, 4)."""
     names = as_in(FACTOR_COLUMNS, ranges)
     lower, upper = np.transpose([ranges[name] for name in names])
-    drawn = np.random.default_rng(seed).uniform(lower, upper, size=(points, 4))
-    return plan(**dict(zip(names, drawn.T, strict=True)))
+    return plan(**dict(zip(names, (lower + (upper - lower) * unit).T, strict=True)))

@@ -7,42 +7,40 @@ point can be simulated where surface and finger do not touch and the finger lies
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from squeezefilm.columns import POLAR, form_of
+from squeezefilm.columns import POLAR, cartesian, form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates, grid
 from squeezefilm.errors import InputError
-from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import check_scene
+from squeezefilm.film.scene import Film
+from squeezefilm.film.validity import exist
 from squeezefilm.studies.plans import box_of, plan
-from squeezefilm.studies.study import scene_of, surface_of
-from squeezefilm.tables import ScenePoint
+from squeezefilm.studies.study import film_in, surface_of
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Space:
-    """The limits of a study's factors, and one scene of it, from which others differ by factors.
+    """The limits of a study's factors, and its film.
 
     box names h0_m and hv_m for a finger that stays at the centre, or all four factors.
     """
 
     box: Box
-    scene: Scene
+    film: Film
     position: tuple[str, str] = POLAR
 
     @classmethod
     def of(cls, config: Config, *, centred: bool) -> Space:
         """The space of a study: the screen's ranges and the finger positions'."""
         box = box_of(config, centred=centred)
-        middle = ScenePoint("space", box.ranges["h0_m"][1], box.ranges["hv_m"][0])
-        return cls(box, scene_of(middle, config), surface_of(config).position)
+        return cls(box, film_in(config), surface_of(config).position)
 
     @property
     def centred(self) -> bool:
@@ -50,18 +48,11 @@ class Space:
 
     def allowed(self, points: Array) -> NDArray[np.bool_]:
         """Which points, shape (n, k), can be simulated, shape (n,)."""
-        fits: dict[tuple[float, ...], bool] = {}
-        for point in map(tuple, points):
-            fits[point] = self._fits(point)
-        return np.array([fits[point] for point in map(tuple, points)], dtype=bool)
-
-    def _fits(self, point: tuple[float, ...]) -> bool:
-        factors = dict(zip(self.box.names, map(float, point), strict=True))
-        try:
-            check_scene(replace(self.scene, **vars(ScenePoint.of("space", **factors))))
-        except InputError:
-            return False
-        return True
+        columns = dict(zip(self.box.names, np.transpose(points), strict=True))
+        x_m, y_m = (columns.get(name, np.zeros(len(points))) for name in self.position)
+        if self.position == POLAR:
+            x_m, y_m = cartesian(x_m, y_m).values()
+        return exist(self.film.scenes(columns["h0_m"], columns["hv_m"], x_m, y_m))
 
     def grid(self, most: int, *, distinct: bool) -> Array:
         """A grid of at most so many points, limits included, without those not allowed.

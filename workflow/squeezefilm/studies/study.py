@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
-from squeezefilm.columns import POLAR
+from squeezefilm.columns import POLAR, as_in, cartesian
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, naming
 from squeezefilm.film.finger import Finger, GapShape
@@ -20,11 +22,9 @@ from squeezefilm.film.scene import Actuator, Film, Gas, Scene, Scenes
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
 from squeezefilm.film.validity import check_scene, check_scenes
-from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint, as_in
+from squeezefilm.tables import FACTOR_COLUMNS
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from squeezefilm.film.measured.smooth import SmoothedScan
 
 SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
@@ -165,54 +165,45 @@ def film_in(config: Config, *, profile: Profile | None = None) -> Film:
     return Film(Gas(**config["gas"]), actuator, finger_of(config))
 
 
-def scenes_in(table: pd.DataFrame, config: Config, *, profile: Profile | None = None) -> Scenes:
-    """The scenes of a plan on the study's film.
+def scenes_in(
+    table: pd.DataFrame, config: Config, *, profile: Profile | None = None, check: bool = True
+) -> Scenes:
+    """The scenes of a table on the study's film.
 
     Args:
-        table: ``point_id``, ``h0_m``, ``hv_m`` and a position in polar or Cartesian form.
+        table: ``h0_m``, ``hv_m`` and a position in polar or Cartesian form, at the centre where it
+            has none; ``point_id``, or else rows are numbered from 1.
         profile: stands in for the study's own.
+        check: whether scenes must exist.
 
     Raises InputError naming the point and the factor that has no physical meaning.
     """
-    names = as_in(FACTOR_COLUMNS, table)
-    h0_m, hv_m, x_m, y_m = (table[name].to_numpy(dtype=float) for name in names)
-    point_id = table["point_id"].astype(str).to_numpy(dtype=object)
+    if missing := [name for name in FACTOR_COLUMNS[:2] if name not in table]:
+        raise InputError(f"points need the column {missing[0]!r}")
+    names, centre = as_in(FACTOR_COLUMNS, table), np.zeros(len(table))
+    h0_m, hv_m, x_m, y_m = (np.asarray(table.get(name, centre), dtype=float) for name in names)
+    numbered = table.get("point_id", np.arange(1, len(table) + 1))
+    point_id = np.array(list(map(str, numbered)), dtype=object)
     if POLAR[0] in names:
-        radius_m, angle = x_m, np.radians(y_m)
-        for row in np.flatnonzero(radius_m < 0)[:1]:
-            raise InputError(
-                f"point {point_id[row]}: phi_r_m = {radius_m[row]:g} must not be negative"
-            )
-        x_m, y_m = radius_m * np.cos(angle), radius_m * np.sin(angle)
-    film = film_in(config, profile=profile)
-    index = np.zeros(len(table), dtype=np.int64)
-    scenes = Scenes((film,), index, h0_m, hv_m, x_m, y_m, point_id)
-    check_scenes(scenes)
+        for row in np.flatnonzero(x_m < 0)[:1]:
+            raise InputError(f"point {point_id[row]}: phi_r_m = {x_m[row]:g} must not be negative")
+        x_m, y_m = cartesian(x_m, y_m).values()
+    scenes = film_in(config, profile=profile).scenes(h0_m, hv_m, x_m, y_m)
+    scenes = replace(scenes, point_id=point_id)
+    if check:
+        check_scenes(scenes)
     return scenes
 
 
 def scene_of(
-    point: ScenePoint, config: Config, *, check: bool = True, profile: Profile | None = None
+    config: Config, h0_m: float, hv_m: float, *, x_m: float = 0.0, y_m: float = 0.0
 ) -> Scene:
-    """The scene of one point of a plan on the study's film, checked unless only its terms matter.
+    """One scene on the study's film.
 
-    ``profile`` stands in for the study's own.
-
-    Raises InputError naming the point and the factor that has no physical meaning.
+    Raises InputError as ``scenes_in`` does.
     """
-    film = film_in(config, profile=profile)
-    scene = Scene(
-        point_id=point.point_id,
-        h0_m=point.h0_m,
-        hv_m=point.hv_m,
-        x_m=point.x_m,
-        y_m=point.y_m,
-        gas=film.gas,
-        actuator=film.actuator,
-        finger=film.finger,
-    )
-    if check:
-        check_scene(scene)
+    scene = film_in(config).scene(h0_m, hv_m, x_m=x_m, y_m=y_m)
+    check_scene(scene)
     return scene
 
 
@@ -227,42 +218,42 @@ def check_study(config: Config) -> Config:
         finger_of(config)
         _check_scan(config)
         profile = planned_profile_of(config)
-    for section, point in _extreme_points(config):
+    for section, points in _extreme_points(config):
         with naming(f"{config.path}: {section}"):
-            scene_of(point, config, profile=profile)
+            scenes_in(points, config, profile=profile)
     return config
 
 
 def _check_scan(config: Config) -> None:
     """Refuse a scan that cannot be read, or has points off the surface."""
     from squeezefilm.film.measured.read import read_scan
-    from squeezefilm.film.measured.smooth import places_on
+    from squeezefilm.film.measured.smooth import check_places
 
     path, actuator = scan_path(config), config["actuator"]
     if path is not None:
-        places_on(
+        check_places(
             read_scan(path, frequency_hz=actuator["frequency_hz"]),
             surface_of(config),
             axisymmetric=actuator["profile"]["axisymmetric"],
         )
 
 
-def _extreme_points(config: Config) -> Iterator[tuple[str, ScenePoint]]:
-    """The points of a study at which a film may fail to exist, each with its section."""
+def _extreme_points(config: Config) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The points of a study at which a film may fail to exist, by section."""
     screen, extrapolation = config["screen"], config["extrapolation"]
-    gap, amplitude = screen["h0_m"]["start"], screen["hv_m"]["stop"]
-    yield "screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude)
-    yield "extrapolation", ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"])
+    closest = {"h0_m": screen["h0_m"]["start"], "hv_m": screen["hv_m"]["stop"]}
+    yield "screen", pd.DataFrame([{"point_id": "smallest gap, largest amplitude", **closest}])
+    beyond = {name: extrapolation[name] for name in closest}
+    yield "extrapolation", pd.DataFrame([{"point_id": "wanted", **beyond}])
     found, positions = symmetry_of(config), config["positions"]
     places = found.places(positions)
     if isinstance(found, Directions):
         # Designs and control points may lie between the directions given: also where the pad's
         # farthest point is farthest out.
-        x_m, y_m = max(finger_of(config).outline(), key=lambda place: hypot(*place))
+        x_m, y_m = max(finger_of(config).outline().tolist(), key=lambda place: hypot(*place))
         farthest = float(found.fold(degrees(atan2(y_m, x_m))))
         places += [(radius, farthest) for radius in positions["phi_r_m"]]
-    for place in places:
-        factors = dict(zip(found.position, place, strict=True))
-        name = ", ".join(f"{key} = {value:g}" for key, value in factors.items())
-        point = ScenePoint.of(f"({name})", h0_m=gap, hv_m=amplitude, **factors)
-        yield "positions", point
+    first, second = found.position
+    names = [f"({first} = {one:g}, {second} = {other:g})" for one, other in places]
+    table = pd.DataFrame(places, columns=[first, second])
+    yield "positions", table.assign(point_id=names, **closest)

@@ -1,13 +1,15 @@
 """Least squares on a surface's smooth modes, the degree by cross-validation."""
 
-from dataclasses import dataclass
-from functools import lru_cache
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.surfaces import Surface
+from squeezefilm.film.surfaces import Orders, Surface
 
 LARGEST_DEGREE = 24
 POINTS_PER_MODE = 3
@@ -17,6 +19,48 @@ DEGREES_MORE = 2
 # An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
 # the points that this is looked at with.
 LESS_WITH_ANGLES, MOST_LOOKED_AT = 0.5, 2000
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Where a scan was measured.
+
+    Attributes:
+        path: of the scan, for messages.
+        axisymmetric: whether modes have no angles.
+        x, y: the points, scaled to the surface, shape (points,).
+    """
+
+    path: Path
+    surface: Surface
+    axisymmetric: bool
+    x: np.ndarray
+    y: np.ndarray
+
+    def some(self, rows: np.ndarray | slice) -> Points:
+        """Some of the points."""
+        return replace(self, x=self.x[rows], y=self.y[rows])
+
+    def orders(self, degree: int) -> Orders:
+        """The modes up to a degree; those of a degree come before those of the next."""
+        return self.surface.orders_up_to(degree, axisymmetric=self.axisymmetric)
+
+    def modes(self, orders: Orders) -> np.ndarray:
+        """Values of modes at the points, shape (points, modes)."""
+        return self.surface.modes_at(orders, x=self.x, y=self.y)
+
+    @cached_property
+    def degrees(self) -> list[int]:
+        """Degrees that so many points allow."""
+        step = 2 if self.axisymmetric else 1
+        enough = len(self.x) / POINTS_PER_MODE
+        return [n for n in range(0, LARGEST_DEGREE + 1, step) if len(self.orders(n)) <= enough]
+
+    @cached_property
+    def decomposed(self) -> tuple[np.ndarray, np.ndarray]:
+        """The QR decomposition of the modes up to the largest degree, which serves all."""
+        orthogonal, triangle = np.linalg.qr(self.modes(self.orders(self.degrees[-1])))
+        return orthogonal, triangle
 
 
 @dataclass(frozen=True)
@@ -29,40 +73,29 @@ class Fit:
     """
 
     degree: int
-    orders: tuple[tuple[int, int], ...]
+    orders: Orders
     coefficients: np.ndarray
     held_out: np.ndarray
     root: np.ndarray
     scores: dict[int, float]
 
 
-def best_fit(
-    path: Path,
-    surface: Surface,
-    x: np.ndarray,
-    y: np.ndarray,
-    measured: np.ndarray,
-    axisymmetric: bool,
-) -> Fit:
+def best_fit(points: Points, measured: np.ndarray) -> Fit:
     """Least squares, DEGREES_MORE above the degree of least leave-one-out error.
 
     The error at a left-out point is e/(1 − h), h its leverage, without fitting again (Allen's
     PRESS).
 
-    Args:
-        path: of the scan, for messages.
-        x, y: the points, scaled.
-
     Raises InputError where the points determine no profile.
     """
-    degrees, orthogonal, triangle = _decomposed(surface, x.tobytes(), y.tobytes(), axisymmetric)
+    orthogonal, triangle = points.decomposed
     along = orthogonal.T @ measured
     # More modes are never better determined: where the most are, one condition number will do.
     sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
     scores: dict[int, float] = {}
     errors: dict[int, np.ndarray] = {}
-    for degree in degrees:
-        count = len(surface.orders_up_to(degree, axisymmetric=axisymmetric))
+    for degree in points.degrees:
+        count = len(points.orders(degree))
         leverage = np.sum(orthogonal[:, :count] ** 2, axis=1)
         determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
         if not determined or leverage.max() > 1 - 1e-6:
@@ -71,41 +104,19 @@ def best_fit(
         errors[degree] = residual / (1 - leverage)
         scores[degree] = float(np.sqrt(np.mean(np.abs(errors[degree]) ** 2)))
     if not scores:
-        raise InputError(f"{path}: the points do not determine a profile")
+        raise InputError(f"{points.path}: the points do not determine a profile")
     best = min(scores, key=lambda degree: scores[degree])
     degree = max(each for each in scores if each <= best + DEGREES_MORE)
-    orders = surface.orders_up_to(degree, axisymmetric=axisymmetric)
+    orders = points.orders(degree)
     root = np.linalg.inv(triangle[: len(orders), : len(orders)])
     return Fit(degree, orders, root @ along[: len(orders)], errors[degree], root, scores)
 
 
-@lru_cache(maxsize=2)
-def _decomposed(
-    surface: Surface, x: bytes, y: bytes, axisymmetric: bool
-) -> tuple[tuple[int, ...], np.ndarray, np.ndarray]:
-    """Degrees that so many points allow, and the QR decomposition of their modes there.
-
-    The modes of a degree come before those of the next: one decomposition serves all. It is kept,
-    as the same points are fitted again.
-    """
-    places = {"x": np.frombuffer(x), "y": np.frombuffer(y)}
-    degrees = tuple(
-        degree
-        for degree in range(0, LARGEST_DEGREE + 1, 2 if axisymmetric else 1)
-        if POINTS_PER_MODE * len(surface.orders_up_to(degree, axisymmetric=axisymmetric))
-        <= len(places["x"])
-    )
-    orders = surface.orders_up_to(degrees[-1], axisymmetric=axisymmetric)
-    return degrees, *np.linalg.qr(surface.modes_at(orders, **places))
-
-
-def wants_angles(
-    path: Path, surface: Surface, x: np.ndarray, y: np.ndarray, measured: np.ndarray, fit: Fit
-) -> str:
+def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> str:
     """What is to be said where a profile with angles leaves far less; empty where none does."""
-    some = slice(None, None, -(-len(x) // MOST_LOOKED_AT))
+    some = slice(None, None, -(-len(measured) // MOST_LOOKED_AT))
     try:
-        free = best_fit(path, surface, x[some], y[some], measured[some], False)
+        free = best_fit(replace(points.some(some), axisymmetric=False), measured[some])
     except InputError:  # too few points for angles
         return ""
     share = min(free.scores.values()) / min(fit.scores.values())

@@ -60,8 +60,8 @@ BESIDE = {"position", "pos", "coordinate", "coord", "displacement", "velocity", 
 IN_BRACKETS = re.compile(r"(?P<words>.*?)[\s_]*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]")
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
 
-SEPARATORS = ("\t", ";", ",", None)
-"""None: blanks, as many as there are."""
+SEPARATORS = ("\t", ";", ",", " ")
+"""Blanks: as many as there are."""
 FIRST_LINES, FEWEST_NAMED = 100, 2
 """Among which the one that names columns is sought, and by how many quantities it is known."""
 MISSING = ("", "nan", "na", "n/a", "-")
@@ -86,20 +86,21 @@ FARTHEST_LINE, FARTHEST_SHARE = 0.6, 0.01
 class Scan:
     """Measured points in metres and the complex amplitude there, each of shape (points,).
 
-    Without angles ``y_m`` is None and ``x_m`` the distance from the centre. ``lines`` are the
-    rows' places in the file and ``missing`` counts points without an amplitude. ``signed`` tells
-    whether phase, sign or an amplitude below zero tells on which side of a node a point is.
-    ``notes`` say how the file was read.
+    Without angles it is ``radial``: ``x_m`` is the distance from the centre and ``y_m`` zero.
+    ``lines`` are the rows' places in the file and ``missing`` counts points without an amplitude.
+    ``signed`` tells whether phase, sign or an amplitude below zero tells on which side of a node a
+    point is. ``notes`` say how the file was read.
     """
 
     path: Path
     x_m: np.ndarray
-    y_m: np.ndarray | None
+    y_m: np.ndarray
     amplitude_m: np.ndarray
     lines: np.ndarray
     missing: int
     signed: bool
     notes: tuple[str, ...] = ()
+    radial: bool = False
 
 
 def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
@@ -278,20 +279,20 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
     else:
         amplitude = table["amplitude"] * np.exp(1j * table.get("phase", 0.0))
     amplitude = amplitude * table.get("sign", 1.0)
-    x_m, y_m = table.get("x", table.get("r")), table.get("y")
-    assert x_m is not None
-    if "phi" in table:
-        x_m, y_m = x_m * np.cos(table["phi"]), x_m * np.sin(table["phi"])
+    if radial := "r" in table and "phi" not in table:
+        table["phi"] = np.zeros(len(lines))
+    place = table["r"] * np.exp(1j * table["phi"]) if "r" in table else table["x"] + 1j * table["y"]
     signed = {"phase", "sign", "imaginary"} & set(table) or np.any(amplitude.real < 0)
     return Scan(
         path=path,
-        x_m=x_m,
-        y_m=y_m,
+        x_m=place.real,
+        y_m=place.imag,
         amplitude_m=amplitude,
         lines=lines,
         missing=len(lacking),
         signed=bool(signed),
         notes=(*notes, *_excluded(lacking, what="line")),
+        radial=radial,
     )
 
 
@@ -308,17 +309,13 @@ def read_cells(
         with naming(path):
             index, separator = _header(lines, what=what, form=form)
         lines[index] = re.sub(r"^\s*#[#\s]*", "", lines[index])
-        numbered: list[tuple[int, list[str]]]
-        if separator is None:
-            numbered = [(at, line.split()) for at, line in enumerate(lines[index:], index + 1)]
-        else:
-            reader = csv.reader(
-                (f"{line}\n" for line in lines[index:]), delimiter=separator, strict=True
-            )
-            numbered = [(index + reader.line_num, cells) for cells in reader]
+        if separator == " ":
+            lines = [" ".join(line.split()) for line in lines]
+        text_lines = (f"{line}\n" for line in lines[index:])
+        reader = csv.reader(text_lines, delimiter=separator, strict=True)
+        rows = [(index + reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
     except (OSError, csv.Error) as error:
         raise InputError(f"{path}: the {what} cannot be read: {error}") from None
-    rows = [(line, [cell.strip() for cell in cells]) for line, cells in numbered]
     (_, header), *rows = [(n, cells) for n, cells in rows if any(cells) and cells[0][:1] != "#"]
     for line, cells in rows:
         if len(cells) != len(header):
@@ -340,19 +337,16 @@ def read_cells(
 
 
 def _decoded(content: bytes) -> tuple[str, str]:
-    """A text and its encoding: by the byte order mark, by zeros between letters, or as it fits."""
-    start, half = content[:1000], min(len(content), 1000) / 4
-    little = start.startswith(b"\xff\xfe") or start[1::2].count(0) > half
-    if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
-        encoding = "utf-16-le" if little else "utf-16-be"
-        return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
+    """A text and its encoding: UTF-16 by zeros between letters, else as it fits."""
+    if content[:1000].count(0) > min(len(content), 1000) / 4:
+        return content.decode("utf-16", errors="replace"), "utf-16"
     try:
         return content.decode("utf-8-sig"), "utf-8"
     except UnicodeDecodeError:
         return content.decode("latin-1"), "latin-1"
 
 
-def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str | None]:
+def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str]:
     """The place of the line that names columns, which may be a comment, and its separator."""
     filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
     plain = [index for index in filled if not lines[index].lstrip().startswith("#")]
@@ -372,7 +366,7 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str | N
     if re.fullmatch(r"[-+\d.,;eE\s]+", first):
         raise InputError(f"line {line_number}: no header names the columns; give {form}")
     # Words in the names of columns do not make blanks the separator where there is another one.
-    cells = first.split(next((each for each in SEPARATORS if each and each in first), None))
+    cells = first.split(next((each for each in SEPARATORS if each in first), " "))
     names = ", ".join(repr(cell.strip()) for cell in cells if not column_of(cell))
     other = f"unknown column {names}" if names else f"{first.strip()!r} is no table"
     raise InputError(f"line {line_number}: {other}; it needs {form}")

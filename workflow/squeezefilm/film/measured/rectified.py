@@ -7,12 +7,10 @@ of nodes. Where no region is found whose sign matters, there is no fold.
 """
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.film.measured.least_squares import POINTS_PER_MODE, best_fit
-from squeezefilm.film.surfaces import Surface
+from squeezefilm.film.measured.least_squares import Points, best_fit
 
 FOLDED = (
     "the scan has no phase or sign and looks folded up at a node line: the force is that of "
@@ -30,31 +28,18 @@ LEAST_TURNED = 3.0
 LEAST_NOISE = 1e-3
 
 
-def looks_folded(
-    path: Path,
-    surface: Surface,
-    *,
-    x: np.ndarray,
-    y: np.ndarray,
-    amplitude: np.ndarray,
-    axisymmetric: bool,
-) -> bool:
-    """Whether signs describe the amplitudes, none negative, clearly better than none.
-
-    Args:
-        path: of the scan, for messages.
-        x, y: the points, scaled, shape (points,).
-    """
+def looks_folded(points: Points, amplitude: np.ndarray) -> bool:
+    """Whether signs describe the amplitudes, none negative, clearly better than none."""
     # Strays would draw the fits to themselves.
     amplitude = np.minimum(amplitude, 1.3 * float(np.quantile(amplitude, 0.98)))
-    signs = _best_signs(surface, x, y, amplitude, axisymmetric)
+    signs = _best_signs(points, amplitude)
     turned = signs < 0
     if turned.mean() > 0.5:
         turned = ~turned
     if not turned.any():
         return False
-    signed = best_fit(path, surface, x, y, signs * amplitude, axisymmetric).held_out
-    plain = best_fit(path, surface, x, y, amplitude, axisymmetric).held_out
+    signed = best_fit(points, signs * amplitude).held_out
+    plain = best_fit(points, amplitude).held_out
     noise = 1.4826 * float(np.median(np.abs(signed))) + LEAST_NOISE * float(np.median(amplitude))
     if amplitude[turned].mean() < LEAST_TURNED * noise:
         return False
@@ -63,17 +48,11 @@ def looks_folded(
     return bool(squares[0] - squares[1] > least)
 
 
-def _best_signs(
-    surface: Surface, x: np.ndarray, y: np.ndarray, amplitude: np.ndarray, axisymmetric: bool
-) -> np.ndarray:
+def _best_signs(points: Points, amplitude: np.ndarray) -> np.ndarray:
     """The signs under which modes of SEARCH_DEGREE or less leave least of the amplitudes."""
-    degree = SEARCH_DEGREE
-    orders = surface.orders_up_to(degree, axisymmetric=axisymmetric)
-    while degree and POINTS_PER_MODE * len(orders) > len(x):
-        degree -= 1
-        orders = surface.orders_up_to(degree, axisymmetric=axisymmetric)
-    orthogonal, _ = np.linalg.qr(surface.modes_at(orders, x=x, y=y))
-    patterns = _rings(x, y) if axisymmetric else _patterns(x, y)
+    degree = max(each for each in points.degrees if each <= SEARCH_DEGREE)
+    orthogonal = points.decomposed[0][:, : len(points.orders(degree))]
+    patterns = (_rings if points.axisymmetric else _patterns)(points.x, points.y)
     signs = np.where(np.stack(list(patterns)) < 0, -1.0, 1.0)  # (patterns, points)
     for _ in range(ROUNDS):
         fitted = (signs * amplitude) @ orthogonal @ orthogonal.T

@@ -19,7 +19,7 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import digest, whole_file
-from squeezefilm.film.measured.least_squares import Fit, best_fit, wants_angles
+from squeezefilm.film.measured.least_squares import Fit, Points, best_fit, wants_angles
 from squeezefilm.film.measured.read import Scan, read_scan
 from squeezefilm.film.measured.rectified import FOLDED, looks_folded
 from squeezefilm.film.profiles import Modes, largest_magnitude
@@ -65,11 +65,9 @@ class SmoothedScan:
         peak_m: amplitude at the maximum, and ``peak_bias_m`` what was taken off it as the noise's.
         noise_m: standard deviation of the noise, from the residuals.
         quadrature: rms share of the motion that is out of phase, its noise included.
-        degree: of the polynomial; ``cross_validation_m`` is its rms error of cross-validation.
-        x_m, y_m: the points.
-        measured_m: their amplitudes, turned to the phase of most of the motion; complex where the
-            profile is, else the part in this phase.
-        residual_m: what the profile leaves of these.
+        degree: of the polynomial.
+        measured_m: the points' amplitudes, turned to the phase of most of the motion; complex where
+            the profile is, else the part in this phase.
         outliers: which of them lie further from the rest than noise does; they are not fitted.
         root: (modes, modes) factor by which noise enters the coefficients.
         folded: all amplitudes were taken to one side although they look folded at a node line.
@@ -83,11 +81,7 @@ class SmoothedScan:
     noise_m: float
     quadrature: float
     degree: int
-    cross_validation_m: float
-    x_m: np.ndarray
-    y_m: np.ndarray
     measured_m: np.ndarray
-    residual_m: np.ndarray
     outliers: np.ndarray
     root: np.ndarray
     folded: bool
@@ -98,13 +92,10 @@ class SmoothedScan:
         return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.root, axis=-1)
 
     @property
-    def out_of_phase_effect(self) -> float:
-        """By which share forces are low without the motion out of phase, on average."""
-        part, whole = (
-            _mean_square(np.real(each.coefficients), each.orders, each.surface)
-            for each in (self.out_of_phase, self.profile)
-        )
-        return part / whole
+    def residual_m(self) -> np.ndarray:
+        """What the profile leaves of the amplitudes."""
+        fitted = self.profile.amplitude(x_m=self.scan.x_m, y_m=self.scan.y_m)
+        return np.asarray(self.measured_m - self.peak_m * fitted)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -119,9 +110,10 @@ class SmoothedScan:
         fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2).
         """
         surface, orders, fitted = self.profile.surface, self.profile.orders, ~self.outliers
-        basis = _modes_at(orders, surface, self.x_m[fitted], self.y_m[fitted])
+        basis = _modes_at(orders, surface, self.scan.x_m[fitted], self.scan.y_m[fitted])
         points, modes = basis.shape
-        residual = self.residual_m[fitted] - self.residual_m[fitted].mean()
+        residual = self.residual_m[fitted]
+        residual = residual - residual.mean()
         noise_m = np.random.default_rng(seed).choice(
             residual * math.sqrt(points / (points - modes)), size=(count, points)
         )
@@ -168,18 +160,15 @@ def smoothed(
 
     Raises InputError naming the file, and what its points do not determine.
     """
-    places_on(scan, surface, axisymmetric=axisymmetric)  # names a line of the file
+    check_places(scan, surface, axisymmetric=axisymmetric)
     scan = thinned(scan)
-    x_m, y_m = places_on(scan, surface, axisymmetric=axisymmetric)
     half_x_m, half_y_m = surface.half_m
-    x, y = x_m / half_x_m, y_m / half_y_m
+    points = Points(scan.path, surface, axisymmetric, x=scan.x_m / half_x_m, y=scan.y_m / half_y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
     quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
-    folded = not scan.signed and looks_folded(
-        scan.path, surface, x=x, y=y, amplitude=np.abs(measured.real), axisymmetric=axisymmetric
-    )
+    folded = not scan.signed and looks_folded(points, np.abs(measured.real))
     if folded and sign != "unknown":
         raise InputError(
             f"{scan.path}: the amplitudes have no phase and no sign, and look like those of a mode "
@@ -187,28 +176,26 @@ def smoothed(
             "column phase_deg or sign, or say actuator.profile.sign: unknown to take them as they "
             "are"
         )
-    fit, kept = _without_outliers(scan, surface, x, y, measured.real, axisymmetric)
-    other = best_fit(scan.path, surface, x[kept], y[kept], measured.imag[kept], axisymmetric)
+    fit, kept, fitted = _without_outliers(points, scan.lines, measured.real)
+    other = best_fit(fitted, measured.imag[kept])
     in_phase, apart = (
         _mean_square(each.coefficients, each.orders, surface) for each in (fit, other)
     )
     if apart > LARGEST_OUT_OF_PHASE * in_phase:
-        fit, kept = _without_outliers(scan, surface, x, y, measured, axisymmetric)
+        fit, kept, _ = _without_outliers(points, scan.lines, measured)
     else:
         measured = measured.real
-    residual = measured - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients
+    smooth = points.modes(fit.orders) @ fit.coefficients
     # Half a period later every amplitude has the other sign: positive at its largest by choice.
-    fitted = np.real(measured - residual)
-    turn = 1.0 if fitted[np.argmax(np.abs(fitted))] > 0 else -1.0
-    parts = 1 + np.iscomplexobj(measured)
-    freedom = parts * (kept.sum() - len(fit.orders))
-    noise_m = float(np.linalg.norm(residual[kept]) / math.sqrt(freedom))
+    turn = 1.0 if smooth.real[np.argmax(np.abs(smooth.real))] > 0 else -1.0
+    freedom = (1 + np.iscomplexobj(measured)) * (kept.sum() - len(fit.orders))
+    noise_m = float(np.linalg.norm((measured - smooth)[kept]) / math.sqrt(freedom))
     raw = Modes(fit.orders, tuple((turn * fit.coefficients).tolist()), surface)
     largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
     bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
-    round_by_choice = axisymmetric and scan.y_m is not None
-    if round_by_choice and (note := wants_angles(scan.path, surface, x, y, measured.real, fit)):
+    round_by_choice = axisymmetric and not scan.radial
+    if round_by_choice and (note := wants_angles(points, measured.real, fit)):
         scan = replace(scan, notes=(*scan.notes, note))
     result = SmoothedScan(
         scan=scan,
@@ -225,11 +212,7 @@ def smoothed(
         noise_m=noise_m,
         quadrature=quadrature,
         degree=fit.degree,
-        cross_validation_m=fit.scores[fit.degree],
-        x_m=x_m,
-        y_m=y_m,
         measured_m=turn * measured,
-        residual_m=turn * residual,
         outliers=~kept,
         root=fit.root,
         folded=folded,
@@ -238,25 +221,19 @@ def smoothed(
     return result
 
 
-def places_on(scan: Scan, surface: Surface, *, axisymmetric: bool) -> tuple[np.ndarray, np.ndarray]:
-    """The points' x_m and y_m, all of them on the surface.
-
-    Raises InputError naming the line of one that is not.
-    """
-    if scan.y_m is None and not axisymmetric:
+def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool) -> None:
+    """Refuse a scan with a point off the surface, naming its line, or with too few coordinates."""
+    if scan.radial and not axisymmetric:
         raise InputError(
             f"{scan.path}: points along a radius, without angles, can only give an axisymmetric "
             "profile; say so by actuator.profile.axisymmetric: true"
         )
-    x_m, y_m = scan.x_m, np.zeros_like(scan.x_m) if scan.y_m is None else scan.y_m
-    off = np.flatnonzero(surface.reach(x_m, y_m) > 1 + 1e-6)
-    if len(off):
+    for row in np.flatnonzero(surface.reach(scan.x_m, scan.y_m) > 1 + 1e-6)[:1]:
         raise InputError(
-            f"{scan.path}: line {scan.lines[off[0]]}: the point lies "
-            f"{surface.where(x_m[off[0]], y_m[off[0]])}, off the actuator's {surface.text} "
+            f"{scan.path}: line {scan.lines[row]}: the point lies "
+            f"{surface.where(scan.x_m[row], scan.y_m[row])}, off the actuator's {surface.text} "
             f"({surface.key})"
         )
-    return x_m, y_m
 
 
 def thinned(scan: Scan) -> Scan:
@@ -269,7 +246,7 @@ def thinned(scan: Scan) -> Scan:
     return replace(
         scan,
         x_m=scan.x_m[drawn],
-        y_m=None if scan.y_m is None else scan.y_m[drawn],
+        y_m=scan.y_m[drawn],
         amplitude_m=scan.amplitude_m[drawn],
         lines=scan.lines[drawn],
         notes=(*scan.notes, f"{MOST_FITTED} of {points} points are fitted, drawn at random"),
@@ -277,38 +254,33 @@ def thinned(scan: Scan) -> Scan:
 
 
 def _without_outliers(
-    scan: Scan,
-    surface: Surface,
-    x: np.ndarray,
-    y: np.ndarray,
-    measured: np.ndarray,
-    axisymmetric: bool,
-) -> tuple[Fit, np.ndarray]:
-    """Least squares on the points that are not far from the rest, and which those are.
+    points: Points, lines: np.ndarray, measured: np.ndarray
+) -> tuple[Fit, np.ndarray, Points]:
+    """Least squares on the points that are not far from the rest; which those are, and they.
 
     Points are excluded and taken back in until they stay the same (iterated trimming; Rousseeuw
     and Leroy, Robust Regression and Outlier Detection, 1987).
     """
-    kept: np.ndarray = np.ones(len(measured), dtype=bool)
-    floor = LEAST_OUTLIER * float(np.median(np.sort(np.abs(measured))[-max(5, len(x) // 20) :]))
+    kept, near = points, np.ones(len(measured), dtype=bool)
+    largest = np.sort(np.abs(measured))[-max(5, len(measured) // 20) :]
+    floor = LEAST_OUTLIER * float(np.median(largest))
     for _ in range(REFITS):
-        fit = best_fit(scan.path, surface, x[kept], y[kept], measured[kept], axisymmetric)
-        residual = measured - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients
+        fit = best_fit(kept, measured[near])
+        residual = measured - points.modes(fit.orders) @ fit.coefficients
         parts = np.abs([residual.real, residual.imag][: 1 + np.iscomplexobj(residual)])
         noise = 1.4826 * np.median(parts, axis=1, keepdims=True)
-        near = np.all(parts <= np.maximum(OUTLIER * noise, floor), axis=0)
-        if np.array_equal(near, kept):
+        last, near = near, np.all(parts <= np.maximum(OUTLIER * noise, floor), axis=0)
+        if np.array_equal(near, last):
             break
-        kept = near
-    outliers = np.flatnonzero(~kept)
-    if len(outliers) > max(1, MOST_OUTLIERS * len(kept)):
-        lines = ", ".join(str(line) for line in scan.lines[outliers[:6]])
+        kept = points.some(near)
+    outliers = np.flatnonzero(~near)
+    if len(outliers) > max(1, MOST_OUTLIERS * len(measured)):
+        named = ", ".join(map(str, lines[outliers[:6]]))
         raise InputError(
-            f"{scan.path}: {len(outliers)} of {len(kept)} points (lines {lines}, …) lie far from "
-            "every smooth profile through the rest: more than stray points; look at them"
+            f"{points.path}: {len(outliers)} of {len(measured)} points (lines {named}, …) lie far "
+            "from every smooth profile through the rest: more than stray points; look at them"
         )
-    fit = best_fit(scan.path, surface, x[kept], y[kept], measured[kept], axisymmetric)
-    return fit, kept
+    return best_fit(kept, measured[near]), near, kept
 
 
 def _modes_at(orders: Orders, surface: Surface, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
@@ -352,14 +324,15 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     """Refuse a profile that the scan leaves open somewhere on the surface."""
     from scipy.spatial import cKDTree
 
-    path, surface = smoothed.scan.path, smoothed.profile.surface
+    scan, surface = smoothed.scan, smoothed.profile.surface
+    path = scan.path
     x_m, y_m, _ = surface.net()
     seen = ~smoothed.outliers
     if axisymmetric:  # a point stands for the circle through it
-        measured = np.hypot(smoothed.x_m, smoothed.y_m)[seen, None]
+        measured = np.hypot(scan.x_m, scan.y_m)[seen, None]
         places = np.hypot(x_m, y_m)[..., None]
     else:
-        measured = np.column_stack([smoothed.x_m, smoothed.y_m])[seen]
+        measured = np.column_stack([scan.x_m, scan.y_m])[seen]
         places = np.stack([x_m, y_m], axis=-1)
     distance, _ = cKDTree(measured).query(places)
     error = smoothed.standard_error(x_m=x_m, y_m=y_m)
@@ -386,6 +359,7 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
 
 PARTS: dict[str, type] = {"scan": Scan, "profile": Modes, "out_of_phase": Modes}
 NOT_KEPT = {"path", "surface", *PARTS}
+TUPLES = ("orders", "coefficients", "notes")
 
 
 def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str, Any]) -> None:
@@ -398,12 +372,12 @@ def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str,
 
     Raises InputError where the file cannot be written.
     """
-    things = {"": smoothed} | {f"{name}.": getattr(smoothed, name) for name in PARTS}
+    parts = {"smoothed": smoothed} | {name: getattr(smoothed, name) for name in PARTS}
     arrays: dict[str, Any] = {
-        f"{prefix}{field.name}": np.asarray(value)
-        for prefix, thing in things.items()
-        for field in fields(thing)
-        if field.name not in NOT_KEPT and (value := getattr(thing, field.name)) is not None
+        f"{part}.{name}": np.asarray(value)
+        for part, thing in parts.items()
+        for name, value in vars(thing).items()
+        if name not in NOT_KEPT
     }
     made_from = np.array(_made_from(smoothed.scan.path, settings))
     with whole_file(path) as part, part.open("wb") as handle:
@@ -431,24 +405,20 @@ def read_smoothed(path: Path, scan: Path, *, settings: Mapping[str, Any]) -> Smo
             "actuator.profile; `snakemake profile` makes it anew"
         )
 
-    def values(kind: type, prefix: str) -> dict[str, Any]:
-        names = [field.name for field in fields(kind) if field.name not in NOT_KEPT]
-        return {name: _plain(arrays.get(f"{prefix}{name}"), name) for name in names}
-
+    parts: dict[str, dict[str, Any]] = {name: {} for name in ("", "smoothed", *PARTS)}
+    for key, array in arrays.items():
+        part, _, name = key.rpartition(".")
+        value = array.tolist() if name in TUPLES or not array.ndim else array
+        if name in TUPLES:
+            value = tuple(tuple(row) if name == "orders" else row for row in value)
+        parts[part][name] = value
     surface = settings["surface"]
     return SmoothedScan(
-        scan=Scan(path=scan, **values(Scan, "scan.")),
-        profile=Modes(surface=surface, **values(Modes, "profile.")),
-        out_of_phase=Modes(surface=surface, **values(Modes, "out_of_phase.")),
-        **values(SmoothedScan, ""),
+        scan=Scan(path=scan, **parts["scan"]),
+        profile=Modes(surface=surface, **parts["profile"]),
+        out_of_phase=Modes(surface=surface, **parts["out_of_phase"]),
+        **parts["smoothed"],
     )
-
-
-def _plain(array: np.ndarray | None, name: str) -> Any:
-    """A number from an array without dimensions, and a tuple where a field has one."""
-    if name in ("orders", "coefficients", "notes") and array is not None:
-        return tuple(tuple(row) if name == "orders" else row for row in array.tolist())
-    return array if array is None or array.ndim else array.item()
 
 
 def _made_from(scan: Path, settings: Mapping[str, Any]) -> str:

@@ -9,10 +9,6 @@ from squeezefilm.film.measured.rectified import FOLDED
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.surfaces import Disc
 
-RADII, ANGLES = 81, 72
-SIDE = 61
-"""Points of the profile's map along each side of a rectangle."""
-
 
 def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
     """The points and what the profile leaves of them, and the profile with its standard error.
@@ -21,34 +17,25 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
     angles and the largest error at each distance from the centre; of a rectangle ``map``.
     """
     surface, micrometres = smoothed.profile.surface, smoothed.peak_m * 1e6
-    half_x_m, half_y_m = surface.half_m
+    scan = smoothed.scan
     points = pd.DataFrame(
         {
             "layer": np.where(smoothed.outliers, "outliers", "points"),
-            "line": smoothed.scan.lines,
-            "x_mm": smoothed.x_m * 1e3,
-            "y_mm": smoothed.y_m * 1e3,
-            "r_mm": np.hypot(smoothed.x_m, smoothed.y_m) * 1e3,
+            "line": scan.lines,
+            "x_mm": scan.x_m * 1e3,
+            "y_mm": scan.y_m * 1e3,
+            "r_mm": np.hypot(scan.x_m, scan.y_m) * 1e3,
             "amplitude_um": smoothed.measured_m.real * 1e6,
             "residual_um": smoothed.residual_m.real * 1e6,
         }
     )
-    if isinstance(surface, Disc):
-        r_m, phi = np.meshgrid(
-            np.linspace(0, half_x_m, RADII),
-            np.linspace(0, 2 * np.pi, ANGLES, endpoint=False),
-            indexing="ij",
-        )
-        x_m, y_m = r_m * np.cos(phi), r_m * np.sin(phi)
-    else:
-        side = np.linspace(-1, 1, SIDE)
-        x_m, y_m = (each.ravel() for each in np.meshgrid(half_x_m * side, half_y_m * side))
+    x_m, y_m, _ = surface.net()
     profile = smoothed.profile.amplitude(x_m=x_m, y_m=y_m).real * micrometres
     error = smoothed.standard_error(x_m=x_m, y_m=y_m) * micrometres
     if isinstance(surface, Disc):
         drawn = {
             "layer": "profile",
-            "r_mm": r_m[:, 0] * 1e3,
+            "r_mm": x_m[:, 0] * 1e3,
             "lowest_um": profile.min(axis=1),
             "highest_um": profile.max(axis=1),
             "error_um": error.max(axis=1),
@@ -56,10 +43,10 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
     else:
         drawn = {
             "layer": "map",
-            "x_mm": x_m * 1e3,
-            "y_mm": y_m * 1e3,
-            "profile_um": profile,
-            "error_um": error,
+            "x_mm": x_m.ravel() * 1e3,
+            "y_mm": y_m.ravel() * 1e3,
+            "profile_um": profile.ravel(),
+            "error_um": error.ravel(),
         }
     table = pd.concat([points, pd.DataFrame(drawn)], ignore_index=True).round(9)
     return table.astype({"line": "Int64"}).assign(noise_um=round(smoothed.noise_m * 1e6, 9))
@@ -72,23 +59,18 @@ def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[st
         noise: largest share of a force that the noise leaves open, at 95 %.
         error: the same with what motion out of phase would do.
     """
-    x_m, y_m, weights = smoothed.profile.surface.net()
-    standard = smoothed.standard_error(x_m=x_m, y_m=y_m)
+    x_m, y_m, _ = smoothed.profile.surface.net()
     return {
         "points": len(smoothed.measured_m),
         "missing": smoothed.scan.missing,
         "outlier_lines": [int(line) for line in smoothed.scan.lines[smoothed.outliers]],
         "degree": smoothed.degree,
-        "modes": len(smoothed.root),
         "peak_um": smoothed.peak_m * 1e6,
         "noise_um": smoothed.noise_m * 1e6,
         "noise_share": smoothed.noise_m / smoothed.peak_m,
-        "cross_validation_share": smoothed.cross_validation_m / smoothed.peak_m,
         "quadrature_share": smoothed.quadrature,
-        "largest_standard_error_share": float(standard.max()),
-        "mean_standard_error_share": float(np.average(standard, weights=weights)),
+        "largest_standard_error_share": float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()),
         "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
-        "out_of_phase_effect": smoothed.out_of_phase_effect,
         "two_phases": smoothed.profile.is_complex,
         "notes": list(smoothed.scan.notes),
         "signed": smoothed.scan.signed,

@@ -50,14 +50,10 @@ class AnyGap(Term):
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:
-        if scene.plain:
+        shaped, complex_ = not scene.finger.gap.flat, scene.actuator.profile.is_complex
+        if not (shaped or complex_):
             return None
-        shaped = not scene.finger.gap.flat
-        both = ", ".join(
-            label
-            for label, has in ((SHAPED, shaped), (TWO_PHASES, scene.actuator.profile.is_complex))
-            if has
-        )
+        both = ", ".join(label for label, has in ((SHAPED, shaped), (TWO_PHASES, complex_)) if has)
         if not shaped:
             return cls(both)
         more = scene.bearing_number or scene.gas.inertia == "included"

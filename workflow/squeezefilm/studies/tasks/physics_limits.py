@@ -36,8 +36,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
 from squeezefilm.reynolds.asymptotics.scenes import Expanded, expanded, not_derived_for
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.studies.plans import box_of, plan
-from squeezefilm.studies.study import scene_of, scenes_in
-from squeezefilm.tables import ScenePoint
+from squeezefilm.studies.study import film_in, scenes_in
 
 TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below what the limits leave out."""
@@ -148,7 +147,7 @@ def _counts(
         lines = (_over_square(limits, at, name).reshape(LINES, LINE_POINTS) for name in EXPANSIONS)
         tails_of[along] = np.max([tails(line) for line in lines], axis=0)
     h0_m = ranges["h0_m"][1]
-    inertia = _has_inertia(scene_of(ScenePoint("widest", h0_m, 0.1 * h0_m), config, check=False))
+    inertia = _has_inertia(film_in(config).scene(h0_m, 0.1 * h0_m))
     tolerance = TABLE_TOLERANCE_WITH_INERTIA if inertia else TABLE_TOLERANCE
     return counts_for(tails_of, tolerance=tolerance)
 

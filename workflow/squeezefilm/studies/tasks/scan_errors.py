@@ -16,8 +16,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit
-from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
@@ -91,29 +89,13 @@ def scan_errors(
 def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     """By which share the scene's force is low without the motion out of phase: an estimate.
 
-    For σ → ∞ the film takes both motions as one of amplitude √(s₁² + s₂²): the pressure is
-    harmonic from the rim's ψ² = 1 + (3/2) ε² (s₁² + s₂²), and the mean density has their sum too
-    (the derivation of the paper's eq. (6) with H = 1 + ε (s₁ sin T + s₂ cos T)). Taken on the
-    finger's rectangle at an even gap; of other pads on the largest rectangle within.
+    Small forces go as the sum of both squares under the pad; large ones grow up to 1/(1 − ε) times
+    faster.
     """
-    nodes = expansion_axis(LIMIT_POINTS).all_nodes
-    within = scene.finger.rectangle_within
-    x, y = np.meshgrid(*2 * [0.5 + within * (nodes - 0.5)], indexing="ij")
+    x, y = scene.inside()
     other = replace(scene, actuator=replace(scene.actuator, profile=smoothed.out_of_phase))
-    first, second = (each.amplitude(x, y) for each in (scene, other))
-    both = np.hypot(first, second)
-    # Just below contact, where the sum of both would be beyond it.
-    epsilon = min(scene.epsilon, 0.999 / float(both.max())) if both.any() else 0.0
-    if epsilon == 0:
-        return 0.0
-    films = films_of(
-        np.full(2, epsilon),
-        np.full(2, LARGE_SIGMA),
-        np.stack([first, both]),
-        aspect=scene.aspect,
-    )
-    mean = high_squeeze_limit(films).mean
-    return max(float(mean[1] / mean[0] - 1), 0.0) if mean[0] > 0 else math.inf
+    first, second = (float(np.mean(each.amplitude(x, y) ** 2)) for each in (scene, other))
+    return second / first / (1 - scene.epsilon) if first else math.inf
 
 
 def errors_in_study(
