@@ -4,6 +4,7 @@ import ctypes
 import multiprocessing
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -25,31 +26,37 @@ def parallel_map(
     """``[task(item) for item in items]``, in order, on so many processes.
 
     Processes are forked, so the task may be any callable; where the system cannot fork safely
-    (anything but Linux), one process does it all. Items and results must be picklable.
+    (anything but Linux, or a thread), one process does it all. Items and results must be picklable.
     Raises RunError when one of the processes was killed, for instance for want of memory.
     """
     global _task
     items = list(items)
-    if processes == 1 or len(items) == 1 or sys.platform != "linux":
+    main = threading.current_thread() is threading.main_thread()
+    if processes == 1 or len(items) == 1 or sys.platform != "linux" or not main:
         return [task(item) for item in items]
     _task = task
-    with ProcessPoolExecutor(
-        min(processes, len(items)), multiprocessing.get_context("fork"), _end_with_parent
-    ) as pool:
-        try:
-            # Processes are forked here with Ctrl-C held back, and leave it to this one for good.
-            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-            try:
-                results = pool.map(_run, items)
-            finally:
-                signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-            return list(results)
-        except BrokenProcessPool:
-            raise RunError("one of the processes that shared the work was killed") from None
-        except KeyboardInterrupt:  # the pool would wait for the tasks that have begun
-            for process in multiprocessing.active_children():
-                process.kill()
-            raise
+    interrupted = False
+
+    def stop(_signal: int, _frame: object) -> None:
+        # An exception out of the middle of forking may be lost; a pool that breaks is not.
+        nonlocal interrupted
+        interrupted = True
+        for process in multiprocessing.active_children():
+            process.kill()
+
+    before = signal.signal(signal.SIGINT, stop)
+    context = multiprocessing.get_context("fork")
+    try:
+        with ProcessPoolExecutor(min(processes, len(items)), context, _end_with_parent) as pool:
+            # Not `map`, which cancels what a broken pool has not ended yet, at the same time as it.
+            futures = [pool.submit(_run, item) for item in items]
+            return [future.result() for future in futures]
+    except BrokenProcessPool:
+        if interrupted:
+            raise KeyboardInterrupt from None
+        raise RunError("one of the processes that shared the work was killed") from None
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _end_with_parent() -> None:
