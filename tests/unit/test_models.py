@@ -59,7 +59,7 @@ def test_centred_points_count_in_every_fit_near_a_known_one(shape):
     truth = np.array([3.0, 59.5])
     scatter = 0.02 * np.random.default_rng(1).standard_normal(len(CENTRED))
     force = model.evaluate(truth, CENTRED) * (1 + scatter)
-    best = nelder_mead(lambda t: sums(model, force, t * truth), np.ones(2)).x * truth
+    best = nelder_mead(lambda t: sums(model, force, t * truth), np.ones((1, 2)))[0].x * truth
     theta = local_fit(model, CENTRED, force, truth)
     np.testing.assert_allclose(theta, best, rtol=1e-6)
     for each in parameter_ranges(model, CENTRED, force, theta):
