@@ -2,9 +2,13 @@
 
 import pandas as pd
 import pytest
+from films import SINC, film
 
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import self_test
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic.launch import solve_batch
 
 
 @pytest.mark.parametrize("items", [64, 128, 256])
@@ -16,3 +20,28 @@ def test_large_work_groups_give_the_stored_forces(items: int, monkeypatch) -> No
     stored = pd.read_csv(self_test.TABLE, index_col="film")["mean_overpressure"][list(films)]
     found = self_test.forces(choose_device(work_items=items))
     assert found == pytest.approx(stored.to_dict(), rel=self_test.CLOSENESS)
+
+
+@pytest.mark.parametrize("items", [1, 4])
+def test_grids_of_all_even_sizes_have_the_same_state(items: int, monkeypatch) -> None:
+    """Rows in fours, with two left, and halves of odd length; twelve instants fill no register."""
+    if items > 1:
+        monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
+    device = choose_device(work_items=items)
+
+    def force(scene: Scene, grid: Grid) -> float:
+        states = solve_batch([scene], grid, tolerance=1e-9, device=device)
+        assert states.status[0] == 0
+        return float(states.mean[0])
+
+    whole = film(epsilon=0.3, sigma=20.0, profile=SINC, x=0.05, y=0.1)
+    quarter = film(epsilon=0.3, sigma=20.0, profile=SINC)
+    for nt in (8, 12):
+        exact = force(whole, Grid(32, 32, nt, False, False))
+        for nx, ny in ((18, 20), (20, 22), (22, 24), (26, 18), (28, 30), (30, 34), (34, 26)):
+            grid = Grid(nx, ny, nt, False, False)
+            assert force(whole, grid) == pytest.approx(exact, rel=3e-7), grid
+        exact = force(quarter, Grid(16, 16, nt, True, True))
+        for nx, ny in ((10, 10), (10, 12), (14, 10), (12, 18), (18, 14), (14, 14)):
+            grid = Grid(nx, ny, nt, True, True)
+            assert force(quarter, grid) == pytest.approx(exact, rel=3e-7), grid

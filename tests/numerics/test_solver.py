@@ -175,16 +175,6 @@ def test_result_does_not_depend_on_the_other_scenes(paper_scenes):
     assert len({solution.force_n for solution in together}) == len(scenes)
 
 
-def test_work_groups_of_many_items_give_the_same_forces(paper_scenes, monkeypatch):
-    """The code path of a graphics processor, run on the processor at hand."""
-    # PoCL optimises such a kernel for a minute and more.
-    monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
-    # To 1e-8: what single precision leaves in a step is a part of the tolerance.
-    alone = solve(paper_scenes[:6], tolerance=1e-8)
-    shared = solve(paper_scenes[:6], tolerance=1e-8, device=choose_device(work_items=4))
-    assert [s.force_n for s in shared] == pytest.approx([s.force_n for s in alone], rel=1e-9)
-
-
 FEW_FILMS = [
     film(profile=profile, epsilon=epsilon, sigma=sigma)
     for profile in (PISTON, SINC)
@@ -205,31 +195,6 @@ def test_no_more_is_left_of_an_iteration_than_it_says(tolerance):
     floor = 1e-14 * exact.largest
     assert (np.abs(found.mean - exact.mean) <= found.residual / narrowest + floor).all()
     assert (np.abs(found.mean / exact.mean - 1) <= tolerance).all()
-
-
-@pytest.mark.parametrize("items", [1, 4])
-def test_grids_of_all_even_sizes_have_the_same_state(items, monkeypatch):
-    """Rows in fours, with two left, and halves of odd length; twelve instants fill no register."""
-    if items > 1:
-        monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
-    device = choose_device(work_items=items)
-
-    def force(scene, grid):
-        states = solve_batch([scene], grid, tolerance=1e-9, device=device)
-        assert states.status[0] == 0
-        return float(states.mean[0])
-
-    whole = film(epsilon=0.3, sigma=20.0, profile=SINC, x=0.05, y=0.1)
-    quarter = film(epsilon=0.3, sigma=20.0, profile=SINC)
-    for nt in (8, 12):
-        exact = force(whole, Grid(32, 32, nt, False, False))
-        for nx, ny in ((18, 20), (20, 22), (22, 24), (26, 18), (28, 30), (30, 34), (34, 26)):
-            grid = Grid(nx, ny, nt, False, False)
-            assert force(whole, grid) == pytest.approx(exact, rel=3e-7), grid
-        exact = force(quarter, Grid(16, 16, nt, True, True))
-        for nx, ny in ((10, 10), (10, 12), (14, 10), (12, 18), (18, 14), (14, 14)):
-            grid = Grid(nx, ny, nt, True, True)
-            assert force(quarter, grid) == pytest.approx(exact, rel=3e-7), grid
 
 
 def test_single_precision_in_a_step_moves_no_force(monkeypatch):
