@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -78,22 +79,31 @@ class Study(Film):
             raise InputError(f"seeds: {seeds} must be 1 or more")
         config = self.config
         chosen = model_named(model, config["models"], place=config.path)
-        forces = self._solved(self.plan(centred=chosen.is_centred))
+        forces, sample = self._simulated(centred=chosen.is_centred)
         for failed in forces[forces["status"] != OK].itertuples():
             raise RunError(f"point {failed.point_id}: {failed.status}")
-        space = Space.of(config, centred=chosen.is_centred)
-        drawn = config["validation"]
-        sample = space.independent_sample(drawn["points"], seed=drawn["seed"])
         fitted, _ = fit_with_limits(
             chosen,
             config,
             forces=forces,
-            sample=self._solved(space.table(sample)),
+            sample=sample,
             seeds=seeds,
             processes=processes,
             source={"study": self.name},
         )
         return Fit(fitted)
+
+    def _simulated(self, *, centred: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """The plan and the validation sample with their forces; simulated once for all models."""
+        if centred not in self._known:
+            drawn, space = self.config["validation"], Space.of(self.config, centred=centred)
+            sample = space.table(space.independent_sample(drawn["points"], seed=drawn["seed"]))
+            self._known[centred] = self._solved(self.plan(centred=centred)), self._solved(sample)
+        return self._known[centred]
+
+    @cached_property
+    def _known(self) -> dict[bool, tuple[pd.DataFrame, pd.DataFrame]]:
+        return {}
 
     def _solved(self, points: pd.DataFrame) -> pd.DataFrame:
         """The points with their forces."""
