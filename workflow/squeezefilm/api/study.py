@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -24,7 +25,7 @@ from squeezefilm.studies.plans import (
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in, surface_of
-from squeezefilm.studies.tasks.fits import fit_with_limits
+from squeezefilm.studies.tasks.fits import fit_with_limits, limit_table_values
 from squeezefilm.tables import FACTOR_COLUMNS
 
 
@@ -87,6 +88,7 @@ class Study(Film):
             config,
             forces=forces,
             sample=sample,
+            limit_table=self._limit_table if chosen.column_names else None,
             seeds=seeds,
             processes=processes,
             source={"study": self.name},
@@ -100,6 +102,10 @@ class Study(Film):
             sample = space.table(space.independent_sample(drawn["points"], seed=drawn["seed"]))
             self._known[centred] = self._solved(self.plan(centred=centred)), self._solved(sample)
         return self._known[centred]
+
+    @cached_property
+    def _limit_table(self) -> dict[str, Any]:
+        return limit_table_values(self.config)
 
     @cached_property
     def _known(self) -> dict[bool, tuple[pd.DataFrame, pd.DataFrame]]:

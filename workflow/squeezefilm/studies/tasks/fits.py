@@ -123,15 +123,22 @@ def fit_with_limits(
     *,
     forces: pd.DataFrame,
     sample: pd.DataFrame | None,
+    limit_table: dict[str, Any] | None = None,
     **how: Any,
 ) -> tuple[FittedModel, pd.DataFrame]:
-    """``fit_to_forces`` with the physics limits that the model uses, and the scan's part."""
+    """``fit_to_forces`` with the physics limits that the model uses, and the scan's part.
+
+    Args:
+        limit_table: the study's (``limit_table_values``), made here if left out.
+    """
+    if model.column_names:
+        limit_table = limit_table or limit_table_values(config)
     return fit_to_forces(
         model,
         config,
         forces=forces,
         limits=limits_for(model, forces, config),
-        limit_table=limit_table_values(config) if model.column_names else None,
+        limit_table=limit_table if model.column_names else None,
         sample=sample,
         sample_limits=None if sample is None else limits_for(model, sample, config),
         uncertainty=profile_uncertainty(config),
