@@ -46,18 +46,11 @@ SHOWN = {
 }
 DIGITS = {"h0_m": 8, "hv_m": 8, "phi_r_m": 5, "phi_deg": 1}
 COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
+_TWO, _FOUR = FITS["two_factor_design"], FITS["four_factor_design"]
 CONDITIONS = (
-    (FITS["two_factor_design"], "global error, all points", float(CLAIMS["paper"]["design_error"])),
-    (
-        FITS["two_factor_design"],
-        "worst relative error, control grid",
-        float(CLAIMS["largest"]["band"]),
-    ),
-    (
-        FITS["four_factor_design"],
-        "global error, all points",
-        float(CLAIMS["paper"]["four_factor_error"]),
-    ),
+    (_TWO, "global error, all points", float(CLAIMS["paper"]["design_error"])),
+    (_TWO, "worst relative error, control grid", float(CLAIMS["largest"]["band"])),
+    (_FOUR, "global error, all points", float(CLAIMS["paper"]["four_factor_error"])),
 )
 """What five points must hold: part and quantity of the table, the largest value the paper has."""
 

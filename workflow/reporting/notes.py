@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import pandas as pd
+
 from squeezefilm.film.validity import LIMITS, Limit
 
 VERDICTS = {
@@ -35,6 +37,17 @@ def rounded_up(value: float) -> str:
     exponent = math.floor(math.log10(value))
     digit = math.ceil(round(value / 10.0**exponent, 6))
     return one_digit(digit * 10.0**exponent)
+
+
+def largest_error(forces: pd.DataFrame) -> float:
+    """The largest estimated error of simulations, a share of the force."""
+    return float((forces["force_error_n"] / forces["force_n"].abs()).max())
+
+
+def simulations_note(*forces: pd.DataFrame) -> str:
+    """A line on the largest error estimate of simulations."""
+    largest = max(map(largest_error, forces))
+    return f"Simulations: estimated error ≤ {rounded_up(largest)} of the force."
 
 
 def reynolds_limit(films: str) -> Limit:
