@@ -93,11 +93,8 @@ def _side_by_side(data: pd.DataFrame) -> pd.DataFrame:
         fit=data["fit"] + " (" + data["points"].astype(str) + " points)",
         value=data["value"].map(five_digits),
     )
-    wide = table.pivot(index=["quantity", "unit"], columns="fit", values="value")
-    order = data[["quantity", "unit"]].drop_duplicates()
-    return wide.loc[
-        list(order.itertuples(index=False, name=None)), table["fit"].unique()
-    ].reset_index()
+    wide = table.set_index(["quantity", "unit", "fit"])["value"].unstack(sort=False)
+    return wide.reset_index()
 
 
 def five_digits(value: float) -> str:

@@ -159,7 +159,8 @@ def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame
             trial = Trial(config, difference, assumption, force)
             if trial.assumed is not None:
                 rows.append(_row(trial, trial.assumed, ours_n))
-                curves.append(_curve(trial, trial.assumed))
+                if assumption.rest is None:  # it can change both ways
+                    curves.append(_curve(trial, trial.assumed))
     return pd.DataFrame(rows), pd.concat(curves, ignore_index=True)
 
 
@@ -219,18 +220,16 @@ def _nearest_crossing(
 
 
 def _curve(trial: Trial, assumed: float) -> pd.DataFrame:
-    """Force over a change of a few percent; without rows where only one direction has a sense."""
+    """Force over a change of a few percent."""
     low, high = trial.plausible
     values = assumed * (1 + np.linspace(-CURVE_REACH, CURVE_REACH, CURVE_POINTS))
-    if trial.assumption.rest is not None:
-        values = values[:0]
-    ends = [each for each in (low, high) if values.size and values[0] < each < values[-1]]
+    ends = [each for each in (low, high) if values[0] < each < values[-1]]
     values = np.unique(np.append(values, ends))
     return pd.DataFrame(
         {
             "claim_id": trial.difference.claim_id,
             "assumption": trial.assumption.name,
-            "change_percent": 100 * (values / assumed - 1) if values.size else values,
+            "change_percent": 100 * (values / assumed - 1),
             "plausible": (values >= low) & (values <= high),
             "force_n": trial.forces_n(values),
         }

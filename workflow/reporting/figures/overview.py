@@ -19,6 +19,8 @@ STEPS = ("Simulate", "Fit", "Design", "Validate")
 # Left edge and width of each step's axes, as shares of the figure's width.
 PLACES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
 TOP = 0.82
+Rectangle = tuple[float, float, float, float]
+"""Left, bottom, width and height, as shares of the figure's."""
 
 LABEL_SIZE, TICK_SIZE = 6.5, 6
 DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
@@ -64,7 +66,7 @@ def overview(results: Results) -> Figure:
     _model(figure, model_mesh(fit, screen), points, rectangle=rectangle)
     _design(figure.add_axes((PLACES[2][0], bottom, PLACES[2][1], height)), points, few)
     grid = error_table(results, "two_factor_design", "error_map", layer="map")
-    _errors(figure.add_axes((PLACES[3][0], bottom, PLACES[3][1], height)), grid, few)
+    _errors(figure, (PLACES[3][0], bottom, PLACES[3][1], height), grid, few)
     return figure
 
 
@@ -74,8 +76,7 @@ def _film(figure: Figure, film: pd.DataFrame, *, bottom: float) -> None:
     height = TOP - bottom
     if film["overpressure_kpa"].notna().all():
         height = (height - 0.04) / 2
-        above = figure.add_axes((left, bottom + height + 0.04, width, height))
-        _pressure(above, film)
+        _pressure(figure.add_axes((left, bottom + height + 0.04, width, height)), film)
     _gap(figure.add_axes((left, bottom, width, height)), film)
 
 
@@ -123,11 +124,7 @@ def _gap(below: Axes, film: pd.DataFrame) -> None:
 
 
 def _model(
-    figure: Figure,
-    model: pd.DataFrame,
-    points: pd.DataFrame,
-    *,
-    rectangle: tuple[float, float, float, float],
+    figure: Figure, model: pd.DataFrame, points: pd.DataFrame, *, rectangle: Rectangle
 ) -> None:
     axes = add_force_space(figure, bottom=0)
     axes.set_position(rectangle)
@@ -154,12 +151,12 @@ def _design(axes: Axes, screen: pd.DataFrame, design: pd.DataFrame) -> None:
     _label(axes, r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
 
 
-def _errors(axes: Axes, grid: pd.DataFrame, design: pd.DataFrame) -> None:
+def _errors(figure: Figure, place: Rectangle, grid: pd.DataFrame, design: pd.DataFrame) -> None:
+    axes = figure.add_axes(place)
     filled, _ = error_contours(axes, grid, bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3)
     dots(axes, design, fill="black", **DOTS, markersize=4.5)
     _label(axes, r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
-    figure = axes.figure
-    assert isinstance(figure, Figure)
+
     box = axes.get_position()
     bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
     bar.ax.tick_params(labelsize=TICK_SIZE, direction="out", pad=1, length=2)

@@ -31,22 +31,17 @@ def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFra
     grid = grid_of(style.rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
     points, noise = style.rows(data, "points"), float(data["noise_um"].iloc[0])
     outliers = style.rows(data, "outliers")
-    reach = {
-        "amplitude_um": float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max())),
-        "residual_um": float(max(3 * noise, points["residual_um"].abs().max())),
-    }
-    levels = MaxNLocator(nbins=16, symmetric=True).tick_values(
-        -reach["amplitude_um"], reach["amplitude_um"]
-    )
+    largest = float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max()))
+    levels = MaxNLocator(nbins=16, symmetric=True).tick_values(-largest, largest)
+    largest_residual = float(max(3 * noise, points["residual_um"].abs().max()))
     amplitude.contourf(*grid, levels=levels, cmap=style.DIVERGING)
     amplitude.contour(*grid, levels=[0.0], colors="black", linewidths=1.6)
     amplitude.set_title("(a) measured (dots) and smoothed")
     residual.set_title("(b) what the profile leaves")
-    for axes, column, label in (
-        (amplitude, "amplitude_um", "amplitude (µm)"),
-        (residual, "residual_um", "residual (µm)"),
+    for axes, column, label, limit in (
+        (amplitude, "amplitude_um", "amplitude (µm)", float(levels[-1])),
+        (residual, "residual_um", "residual (µm)", largest_residual),
     ):
-        limit = float(levels[-1]) if axes is amplitude else reach[column]
         drawn = axes.scatter(
             points["x_mm"],
             points["y_mm"],
