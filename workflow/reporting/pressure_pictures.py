@@ -32,8 +32,7 @@ def read_field(path: Path | str) -> Dataset:
     with needing("fields", what="a pressure field"):
         import xarray
     try:
-        with xarray.open_dataset(path, engine="scipy") as file:
-            field = file.load()
+        field = xarray.load_dataset(path, engine="scipy")
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file") from None
     except Exception as error:

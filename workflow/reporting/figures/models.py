@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures import style
 from reporting.figures.axes import label_plane
+from reporting.figures.tables import in_micrometres
 from reporting.notes import VERDICTS
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
@@ -152,15 +153,9 @@ def refined(results: Results, space: str) -> Figure:
 
 
 def _places(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with the four factors in the figures' units."""
     at = factors_of(table)
-    return pd.DataFrame(
-        {
-            "h0_um": 1e6 * table["h0_m"].to_numpy(dtype=float),
-            "hv_um": 1e6 * table["hv_m"].to_numpy(dtype=float),
-            "x_mm": 1e3 * at.x_m,
-            "y_mm": 1e3 * at.y_m,
-        }
-    )
+    return in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
 
 
 def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Series) -> None:
