@@ -11,7 +11,7 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
-from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+from matplotlib.ticker import MaxNLocator, NullLocator
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
@@ -94,9 +94,8 @@ def error_contours(
     levels = MaxNLocator(nbins=bins, symmetric=True).tick_values(-reach, reach)
     show_grid(axes, grid)
     axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(subs=ticks))
+    style.plain_numbers(axes.yaxis, at=ticks)
     axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     filled = axes.contourf(*grid, levels=levels, cmap=style.DIVERGING)
     drawn = axes.contour(*grid, levels=levels, **lines)
     band = float(data["band_percent"].iloc[0])

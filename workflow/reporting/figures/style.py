@@ -1,6 +1,6 @@
 """What the figures have in common: size, type, colour, the note below, and saving."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -113,9 +113,9 @@ def add_note(figure: Figure, *lines: str) -> float:
     return taken
 
 
-def plain_numbers(axis: Axis) -> None:
-    """A logarithmic axis with plain numbers at 1, 2 and 5 of each decade."""
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+def plain_numbers(axis: Axis, *, at: Sequence[float] = (1, 2, 5)) -> None:
+    """A logarithmic axis with plain numbers at these places of each decade."""
+    axis.set_major_locator(LogLocator(subs=at))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
 
