@@ -9,6 +9,7 @@ guess is called a guess.
 
 import math
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ CLAIMS = pd.read_csv(
     keep_default_na=False,
     index_col="claim_id",
 )
+PAPERS_SPACE = {"hv_min": 0.2, "hv_max": 2.0, "h0_min": 5.0, "h0_max": 10.0}
 TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
 Values = dict[str, Any]
@@ -39,48 +41,39 @@ def judge(results: Results) -> pd.DataFrame:
     Raises InputError naming a result that is missing or lacks what it must have.
     """
     values = claim_values(results)
-    return pd.DataFrame(
-        [_row(claim, values[str(claim.name)]) for _, claim in CLAIMS.iterrows()], columns=COLUMNS
-    )
+    claims = CLAIMS.reset_index().apply(lambda claim: _judged(claim, values), axis="columns")
+    return claims[list(COLUMNS)]
 
 
-def _row(claim: pd.Series, values: Values) -> tuple[str, ...]:
-    agrees = claim["least"] <= values["value"] <= claim["largest"]
-    reason = f"agrees {claim['within']}" if agrees else f"differs because {claim['because']}"
-    ours, explanation = (
-        re.sub(r"-(?=\d)", "−", claim[text].format(**values)) for text in ("ours", "explanation")
+def _judged(claim: pd.Series, values: Mapping[str, Values]) -> pd.Series:
+    """The claim with its texts filled in and the verdict."""
+    ours = values[claim["claim_id"]]
+    agrees = claim["least"] <= ours["value"] <= claim["largest"]
+    claim["verdict"] = (
+        f"agrees {claim['within']}" if agrees else f"differs because {claim['because']}"
     )
-    return (
-        str(claim.name),
-        claim["claim"],
-        claim["paper"],
-        ours,
-        claim["unit"],
-        reason,
-        explanation,
-    )
+    for text in ("ours", "explanation"):
+        claim[text] = re.sub(r"-(?=\d)", "−", claim[text].format(**ours))
+    return claim
 
 
 def claim_values(results: Results) -> dict[str, Values]:
     """Our values by the claim's id; lengths in m, forces in N, errors in percent."""
-    return {
-        **_two_factor_values(results),
-        **_design_values(results),
-        **_extrapolated_values(results),
-        **_four_factor_values(results),
-    }
+    return (
+        _two_factor_values(results)
+        | _design_values(results)
+        | _extrapolated_values(results)
+        | _four_factor_values(results)
+    )
 
 
 def _two_factor_values(results: Results) -> dict[str, Values]:
     """Of the screen, its fit, its forces and their times."""
     screen, fit = results.forces("screen"), results.fit("screen")
     h0_um, hv_um = 1e6 * screen["h0_m"], 1e6 * screen["hv_m"]
-    limits = {
-        "hv_min": hv_um.min(),
-        "hv_max": hv_um.max(),
-        "h0_min": h0_um.min(),
-        "h0_max": h0_um.max(),
-    }
+    limits = dict(
+        zip(PAPERS_SPACE, (hv_um.min(), hv_um.max(), h0_um.min(), h0_um.max()), strict=True)
+    )
     runs = results.table("fits/screen_runs.csv", "bound", "sum_of_squares")
     bounds = sorted(runs["bound"].unique())
     spread = float(runs["sum_of_squares"].max() / runs["sum_of_squares"].min() - 1)
@@ -91,7 +84,7 @@ def _two_factor_values(results: Results) -> dict[str, Values]:
     bound = next((name for limit, name in TIME_BOUNDS if seconds < limit), None)
     return {
         "space": {
-            "value": np.abs(np.array([*limits.values()]) - [0.2, 2.0, 5.0, 10.0]).max(),
+            "value": max(abs(limits[name] - value) for name, value in PAPERS_SPACE.items()),
             **{name: round(value, 6) for name, value in limits.items()},
         },
         "screen_points": {
@@ -125,10 +118,8 @@ def _two_factor_values(results: Results) -> dict[str, Values]:
 def _design_values(results: Results) -> dict[str, Values]:
     """Of the searches for a design, the design, and the fit to its points."""
     screen, design = results.forces("screen"), results.design("two_factor")
-    fit, judged = (
-        results.fit("two_factor_design"),
-        results.validation("two_factor_design", "screen"),
-    )
+    fit = results.fit("two_factor_design")
+    judged = results.validation("two_factor_design", "screen")
     found = design[design["origin"] != "augmentation"]
     summary = results.searches()
     scalings, own = summary["scalings"], summary["scaling"]
@@ -158,10 +149,7 @@ def _design_values(results: Results) -> dict[str, Values]:
             "counts": counts,
             "behind": excess / patterns[0]["objective"],
         },
-        "union": {
-            "value": len(found),
-            "extended": len(design),
-        },
+        "union": {"value": len(found), "extended": len(design)},
         "reduction": {
             "value": len(screen) / len(design),
             "screen": len(screen),
@@ -181,9 +169,8 @@ def _extrapolated_values(results: Results) -> dict[str, Values]:
     table = results.forces("extrapolation").set_index("point_id")
     point = results.row(table, "operating_point", file)
     wanted = results.row(table, "two_factor_design", file)
-    expected_n = _expected_n(
-        results.fit("two_factor_design"), h0_m=point["h0_m"], hv_m=point["hv_m"]
-    )
+    fit = results.fit("two_factor_design")
+    expected_n = _expected_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
     file = "simulations/extrapolation/budget.csv"
     columns = ("point_id", "rim_percent", "rim_most_percent", "in_force")
     budgets = results.table(file, *columns).set_index("point_id")
@@ -225,10 +212,8 @@ def _four_factor_values(results: Results) -> dict[str, Values]:
     percent of the largest hv/h0. The model knows h0 and hv by their ratio alone, so that all
     points on a line of equal hv/h0 are as good.
     """
-    plan, designs = (
-        results.forces("four_factor"),
-        [results.design(name) for name in ("two_factor", "four_factor")],
-    )
+    plan = results.forces("four_factor")
+    designs = [results.design(name) for name in ("two_factor", "four_factor")]
     two, four = ((design["hv_m"] / design["h0_m"]).to_numpy() for design in designs)
     distance = np.abs(four[:, None] - two[None, :]).min(axis=1) / two.max()
     judged = results.validation("four_factor_design", "four_factor")

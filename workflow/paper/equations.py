@@ -46,18 +46,11 @@ SHOWN = {
 }
 DIGITS = {"h0_m": 8, "hv_m": 8, "phi_r_m": 5, "phi_deg": 1}
 COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
+_TWO, _FOUR = FITS["two_factor_design"], FITS["four_factor_design"]
 CONDITIONS = (
-    (FITS["two_factor_design"], "global error, all points", float(CLAIMS["paper"]["design_error"])),
-    (
-        FITS["two_factor_design"],
-        "worst relative error, control grid",
-        float(CLAIMS["largest"]["band"]),
-    ),
-    (
-        FITS["four_factor_design"],
-        "global error, all points",
-        float(CLAIMS["paper"]["four_factor_error"]),
-    ),
+    (_TWO, "global error, all points", float(CLAIMS["paper"]["design_error"])),
+    (_TWO, "worst relative error, control grid", float(CLAIMS["largest"]["band"])),
+    (_FOUR, "global error, all points", float(CLAIMS["paper"]["four_factor_error"])),
 )
 """What five points must hold: part and quantity of the table, the largest value the paper has."""
 
@@ -108,11 +101,8 @@ def _values(study: Results, *, found_by: Results) -> Iterator[tuple[str, str, st
 
 def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, float, float]]:
     """How well fits to the paper's equation predict forces without and with inertia."""
-    for name, plan in {
-        "screen": "screen",
-        "two_factor_design": "screen",
-        "four_factor": "four_factor",
-    }.items():
+    for name in ("screen", "two_factor_design", "four_factor"):
+        plan = "four_factor" if name == "four_factor" else "screen"
         fit, tables = paper.fit(name), [study.forces(plan) for study in (paper, inertia)]
         without, with_it = (
             _global_percent(fit.force_model.evaluate(fit.theta, _factors(table)), table["force_n"])
@@ -121,15 +111,11 @@ def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, f
         yield f"global error, fit to {FITS[name]}", "%", without, with_it
     mine, other = (study.forces("screen")["force_n"].to_numpy() for study in (paper, inertia))
     change = 100 * (other / mine - 1)
-    for quantity, value in {
-        "global error of the forces themselves, screen": _global_percent(mine, other),
-        "least change of a force, screen": float(change.min()),
-        "largest change of a force, screen": float(change.max()),
-        "worst relative error of the forces themselves, screen": (
-            100 * float(np.abs(mine / other - 1).max())
-        ),
-    }.items():
-        yield quantity, "%", 0.0, value
+    worst = 100 * float(np.abs(mine / other - 1).max())
+    yield "global error of the forces themselves, screen", "%", 0.0, _global_percent(mine, other)
+    yield "least change of a force, screen", "%", 0.0, float(change.min())
+    yield "largest change of a force, screen", "%", 0.0, float(change.max())
+    yield "worst relative error of the forces themselves, screen", "%", 0.0, worst
 
 
 def _global_percent(model_n: Any, force_n: Any) -> float:

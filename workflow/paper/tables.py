@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from reporting.notes import rounded_up
+from reporting.notes import simulations_note
 from reporting.results import Results
 
 SYMBOLS = {"theta0": "θ0", "theta1": "θ1", "theta2": "θ2", "theta3": "θ3", "theta4": "θ4"}
@@ -26,9 +26,8 @@ class PaperTable:
 def table1(results: Results) -> PaperTable:
     """Parameters of the two-factor model, from the screen and from the optimal design alone."""
     fits = (("screen", "screen"), ("optimal design", "two_factor_design"))
-    return _parameters(
-        results, fits, plan="screen", title="Table I. Parameters of the two-factor model"
-    )
+    title = "Table I. Parameters of the two-factor model"
+    return _parameters(results, fits, plan="screen", title=title)
 
 
 def table2(results: Results) -> PaperTable:
@@ -40,13 +39,11 @@ def table2(results: Results) -> PaperTable:
         ("radial position", "φr", "mm", 1e3 * plan["phi_r_m"], ASSUMED),
         ("angular position", "φφ", "°", plan["phi_deg"], ASSUMED),
     ]
+    columns = ["factor", "symbol", "unit", "minimum", "maximum", "source"]
     data = pd.DataFrame(
-        [
-            (*about, round(float(values.min()), 9), round(float(values.max()), 9), source)
-            for *about, values, source in rows
-        ],
-        columns=["factor", "symbol", "unit", "minimum", "maximum", "source"],
-    )
+        [(*about, values.min(), values.max(), source) for *about, values, source in rows],
+        columns=columns,
+    ).round(9)
     positions = len(plan[["phi_r_m", "phi_deg"]].drop_duplicates())
     limits = {name: data[name].map("{:g}".format) for name in ("minimum", "maximum")}
     return PaperTable(
@@ -75,7 +72,7 @@ def _parameters(
     results: Results, fits: Sequence[tuple[str, str]], *, plan: str, title: str
 ) -> PaperTable:
     """The parameters of fits and their errors on the points of a plan, to which the first is."""
-    forces, rows = results.forces(plan), []
+    rows = []
     judged_on = f"{results.fit(fits[0][1]).points} points of the {fits[0][0]}"
     for shown, name in fits:
         fit = results.fit(name)
@@ -84,8 +81,7 @@ def _parameters(
         error = fit.global_error if name == plan else results.validation(name, plan)["global_error"]
         rows.append((shown, fit.points, f"global error on the {judged_on}", "%", 100 * error))
     data = pd.DataFrame(rows, columns=["fit", "points", "quantity", "unit", "value"])
-    error = float((forces["force_error_n"] / forces["force_n"].abs()).max())
-    note = f"Simulations: estimated error ≤ {rounded_up(error)} of the force."
+    note = simulations_note(results.forces(plan))
     if plan == "four_factor":
         note += " φφ in degrees, φr in metres."
     return PaperTable(title, data, _side_by_side(data), note)
@@ -97,11 +93,8 @@ def _side_by_side(data: pd.DataFrame) -> pd.DataFrame:
         fit=data["fit"] + " (" + data["points"].astype(str) + " points)",
         value=data["value"].map(five_digits),
     )
-    wide = table.pivot(index=["quantity", "unit"], columns="fit", values="value")
-    order = data[["quantity", "unit"]].drop_duplicates()
-    return wide.loc[
-        list(order.itertuples(index=False, name=None)), table["fit"].unique()
-    ].reset_index()
+    wide = table.set_index(["quantity", "unit", "fit"])["value"].unstack(sort=False)
+    return wide.reset_index()
 
 
 def five_digits(value: float) -> str:

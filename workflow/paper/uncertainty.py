@@ -6,7 +6,10 @@ tell it. What is plausible was set from what the paper states, with how many dig
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -75,15 +78,10 @@ def differences(config: Config) -> tuple[Difference, ...]:
     beyond, screen = config["extrapolation"], config["screen"]
     operating = {name: beyond[name] for name in ("h0_m", "hv_m")}
     smallest = {"h0_m": screen["h0_m"]["stop"], "hv_m": screen["hv_m"]["start"]}
+    least = f"smallest force of the screen, at {_place(smallest)}"
     return (
         Difference("simulation_at_2.2", f"force at {_place(operating)}", 0.99, 0.005, operating),
-        Difference(
-            "smallest_force",
-            f"smallest force of the screen, at {_place(smallest)}",
-            90e-6,
-            5e-6,
-            smallest,
-        ),
+        Difference("smallest_force", least, 90e-6, 5e-6, smallest),
     )
 
 
@@ -106,10 +104,7 @@ class Trial:
         if self.assumption.rest is not None:
             return self.assumption.rest
         try:
-            value: Any = self._values()
-            for key in self.assumption.places[0].split("."):
-                value = value[key]
-            return float(value)
+            return float(reduce(getitem, self.assumption.places[0].split("."), self._values()))
         except KeyError:
             return None
 
@@ -126,10 +121,11 @@ class Trial:
         """The force with another value of the assumption; NaN where there is no such film."""
         point, config = self.difference.point, self.config
         if value != self.assumption.rest:
-            values = self._values()
+            values = deepcopy(self._values())
             settings: dict[str, Any] = dict.fromkeys(self.assumption.places, value)
             for place, setting in {**settings, **self.assumption.switch}.items():
-                values = _changed(values, place.split("."), setting)
+                *sections, key = place.split(".")
+                reduce(getitem, sections, values)[key] = setting
             point = values.pop("point")
             config = Config(path=config.path, sections=values)
         try:
@@ -141,15 +137,8 @@ class Trial:
         """The forces with other values."""
         return np.array([self.force_n(float(value)) for value in values])
 
-    def _values(self) -> dict[str, Any]:
+    def _values(self) -> Any:
         return {**self.config.sections, "point": self.difference.point}
-
-
-def _changed(values: dict[str, Any], place: Sequence[str], setting: Any) -> dict[str, Any]:
-    """A copy of nested values with another one at a place."""
-    key, *rest = place
-    inner = _changed(values[key], rest, setting) if rest else setting
-    return {**values, key: inner}
 
 
 def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -170,7 +159,8 @@ def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame
             trial = Trial(config, difference, assumption, force)
             if trial.assumed is not None:
                 rows.append(_row(trial, trial.assumed, ours_n))
-                curves.append(_curve(trial, trial.assumed))
+                if assumption.rest is None:  # it can change both ways
+                    curves.append(_curve(trial, trial.assumed))
     return pd.DataFrame(rows), pd.concat(curves, ignore_index=True)
 
 
@@ -230,18 +220,16 @@ def _nearest_crossing(
 
 
 def _curve(trial: Trial, assumed: float) -> pd.DataFrame:
-    """Force over a change of a few percent; without rows where only one direction has a sense."""
+    """Force over a change of a few percent."""
     low, high = trial.plausible
     values = assumed * (1 + np.linspace(-CURVE_REACH, CURVE_REACH, CURVE_POINTS))
-    if trial.assumption.rest is not None:
-        values = values[:0]
-    ends = [each for each in (low, high) if values.size and values[0] < each < values[-1]]
+    ends = [each for each in (low, high) if values[0] < each < values[-1]]
     values = np.unique(np.append(values, ends))
     return pd.DataFrame(
         {
             "claim_id": trial.difference.claim_id,
             "assumption": trial.assumption.name,
-            "change_percent": 100 * (values / assumed - 1) if values.size else values,
+            "change_percent": 100 * (values / assumed - 1),
             "plausible": (values >= low) & (values <= high),
             "force_n": trial.forces_n(values),
         }

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import pandas as pd
+
 from squeezefilm.film.validity import LIMITS, Limit
 
 VERDICTS = {
@@ -37,6 +39,17 @@ def rounded_up(value: float) -> str:
     return one_digit(digit * 10.0**exponent)
 
 
+def largest_error(forces: pd.DataFrame) -> float:
+    """The largest estimated error of simulations, a share of the force."""
+    return float((forces["force_error_n"] / forces["force_n"].abs()).max())
+
+
+def simulations_note(*forces: pd.DataFrame) -> str:
+    """A line on the largest error estimate of simulations."""
+    largest = max(map(largest_error, forces))
+    return f"Simulations: estimated error ≤ {rounded_up(largest)} of the force."
+
+
 def reynolds_limit(films: str) -> Limit:
     """The limit of validity in the modified Reynolds number of films of a kind."""
     return next(each for each in LIMITS if each.symbol == "Re" and each.films == films)
@@ -46,36 +59,29 @@ def reynolds_limit(films: str) -> Limit:
 class Inertia:
     """How large the gas's inertia is in a study, for pages that have no scene.
 
-    reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m²; kind: of film,
-    as the limits of validity have it (``auto`` has inertia and heat where they matter).
+    Attributes:
+        reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m².
+        most_reynolds: the modified Reynolds number above which the error of a force is unknown.
+        beyond: what a larger one means.
     """
 
     reynolds_per_h0_square: float
-    kind: str
+    most_reynolds: float
+    beyond: str
 
     @classmethod
     def of(cls, config: Mapping[str, Any]) -> "Inertia":
         """From a study's sections gas and actuator."""
         gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
         terms = [name for name in ("heat", "inertia") if gas[name] != "none"]
-        return cls(
-            omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"],
-            f"{terms[0]} included" if "inertia" in terms else "inertia neglected",
-        )
-
-    @property
-    def most_reynolds(self) -> float:
-        """The modified Reynolds number above which the error of a force is unknown."""
-        return reynolds_limit(self.kind).unknown_above
-
-    @property
-    def beyond(self) -> str:
-        """What a modified Reynolds number above most_reynolds means."""
-        limit = reynolds_limit(self.kind)
-        text = f"{self.kind}, error unknown above Re {limit.unknown_above:g}"
+        # ``auto`` has inertia and heat where they matter.
+        kind = f"{terms[0]} included" if "inertia" in terms else "inertia neglected"
+        limit = reynolds_limit(kind)
+        beyond = f"{kind}, error unknown above Re {limit.unknown_above:g}"
         if limit.not_above < math.inf:
-            text += f"; above Re {limit.not_above:g} the equation does not apply"
-        return text + "."
+            beyond += f"; above Re {limit.not_above:g} the equation does not apply"
+        per_square = omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"]
+        return cls(per_square, limit.unknown_above, f"{beyond}.")
 
     def note(self, h0_m: float) -> str:
         """A line for a study whose gaps reach h0_m; empty up to most_reynolds."""

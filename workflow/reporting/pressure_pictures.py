@@ -32,8 +32,7 @@ def read_field(path: Path | str) -> Dataset:
     with needing("fields", what="a pressure field"):
         import xarray
     try:
-        with xarray.open_dataset(path, engine="scipy") as file:
-            field = file.load()
+        field = xarray.load_dataset(path, engine="scipy")
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file") from None
     except Exception as error:
@@ -114,8 +113,7 @@ def _picture(axes: Axes, values: DataArray, *, reach: float) -> AxesImage:
         vmin=-reach,
         vmax=reach,
     )
-    axes.set_xlabel("x (mm)")
-    axes.set_ylabel("y (mm)")
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
     axes.label_outer()
     return image
 
@@ -132,9 +130,8 @@ def _over_the_period(axes: Axes, field: Dataset) -> None:
         target.plot([*field["phase"].to_numpy(), 360.0], [*mean, mean[0]], color=colour)
         target.set_ylabel(label, color=colour)
     axes.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
-    axes.set_xlim(0, 360)
-    axes.set_xticks(range(0, 361, 45))
-    axes.set_xlabel("phase (°): the surface goes down from 0°")
+    label = "phase (°): the surface goes down from 0°"
+    axes.set(xlim=(0, 360), xticks=range(0, 361, 45), xlabel=label)
 
 
 def _title(field: Dataset) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reporting.notes import percent, rounded_up
+from reporting.notes import largest_error, percent, rounded_up
 from reporting.results import Results
 from squeezefilm.columns import POLAR, form_of
 from squeezefilm.units import to_its_error, with_error
@@ -66,7 +66,7 @@ def summary_values(
         "plans": pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]),
         "settings": pd.DataFrame(settings, columns=["setting", "value"]),
         "tolerance": f"{config['solver']['tolerance']:g}",
-        "largest_error": max(map(_largest_error, tables.values())),
+        "largest_error": max(map(largest_error, tables.values())),
         "methods": sorted({method for table in tables.values() for method in table["method"]}),
         "device": results.summary("simulations/device.json").get("device", "unknown"),
         "profile_uncertainty": profile_uncertainty,
@@ -156,20 +156,23 @@ def _best(table: pd.DataFrame) -> Iterator[dict[str, Any]]:
 
 def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
     """The amplitude for the wanted force at each position, and the error of that force."""
-    rows = []
-    for row in table.to_dict("records"):
-        hv_um, error = 1e6 * row["hv_m"], row["error_95_percent"]
-        shown, _ = to_its_error(hv_um, 1e6 * row["hv_error_95_m"])
-        positions = {POSITIONS[name]: row[name] for name in form_of(table)}
-        rows.append(
-            {
-                "model": row["model"],
-                **{name: f"{scale * value:g}" for (name, scale), value in positions.items()},
-                "hv (µm)": shown if np.isfinite(hv_um) else "none",
-                "95 % error": f"{error:.2g} %" if np.isfinite(error) else str(row["note"]),
-            }
-        )
-    return pd.DataFrame(rows)
+    amplitudes = zip(1e6 * table["hv_m"], 1e6 * table["hv_error_95_m"], strict=True)
+    shown = [to_its_error(*each)[0] if np.isfinite(each[0]) else "none" for each in amplitudes]
+    error = table["error_95_percent"].map("{:.2g} %".format)
+    return pd.DataFrame(
+        {
+            "model": table["model"],
+            **{name: values.map("{:g}".format) for name, values in _positions(table).items()},
+            "hv (µm)": shown,
+            "95 % error": error.where(table["error_95_percent"].notna(), table["note"]),
+        }
+    )
+
+
+def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
+    """The finger's positions by name and unit."""
+    shown = {POSITIONS[name]: table[name] for name in form_of(table)}
+    return {name: scale * values for (name, scale), values in shown.items()}
 
 
 def _budget(results: Results) -> pd.DataFrame:
@@ -219,15 +222,14 @@ def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterat
 
 
 def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
-    positions = {POSITIONS[name]: table[name] for name in form_of(table)}
     return {
         "plan": plan,
         "simulations": str(len(table)),
         "h0 (µm)": _range(1e6 * table["h0_m"]),
         "hv (µm)": _range(1e6 * table["hv_m"]),
-        **{name: _range(scale * values) for (name, scale), values in positions.items()},
+        **{name: _range(values) for name, values in _positions(table).items()},
         "F (N)": _range(table["force_n"]),
-        "largest estimated error of F": rounded_up(_largest_error(table)),
+        "largest estimated error of F": rounded_up(largest_error(table)),
         "what for": PURPOSES.get(plan, ""),
     }
 
@@ -243,10 +245,6 @@ def _errors(results: Results, pair: str) -> dict[str, str]:
         "worst": percent(errors["worst_relative_error"]),
         "within the band": f"{inside:.3g} % within ±{band:g} %",
     }
-
-
-def _largest_error(table: pd.DataFrame) -> float:
-    return float((table["force_error_n"] / table["force_n"].abs()).max())
 
 
 def _range(column: pd.Series) -> str:

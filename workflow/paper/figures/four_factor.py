@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from paper.figures.vibration import centre_limit_mm
 from reporting.figures import style
-from reporting.figures.axes import dots, set_up_plane, set_up_positions
+from reporting.figures.axes import beside, dots, set_up_plane, set_up_positions
 from reporting.figures.tables import add_limits, plane_table
 from reporting.results import Results
 
@@ -41,14 +41,8 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
     look = {"markersize": 5, "markeredgewidth": 0.5}
     dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
     for angle in data["phi_deg"][data["phi_r_mm"] == 0]:
-        axes.annotate(
-            "centre: the same at every angle",
-            (angle, 0),
-            xytext=(8, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=7,
-        )
+        text = "centre: the same at every angle"
+        beside(axes, text, (angle, 0), (8, 0), va="center", fontsize=7)
     top = 1.15 * max(data["phi_r_mm"].max(), data["phi_r_limit_mm"].max())
     axes.set_ylim(-0.06 * top, top)
     set_up_positions(axes, data["phi_deg"], margin=1 / 15)
@@ -80,19 +74,12 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
     )
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
     left, right = figure.subplots(1, 2)
-    for order, (form, points) in enumerate(data.groupby("form", sort=False)):
-        look = _LOOKS[order % len(_LOOKS)]
+    for look, (form, points) in zip(_LOOKS, data.groupby("form", sort=False), strict=True):
         for axes, x, y in ((left, "h0_um", "hv_um"), (right, "phi_deg", "phi_r_mm")):
-            axes.plot(
-                points[x],
-                points[y],
-                linestyle="none",
-                clip_on=False,
-                zorder=3,
-                label=form if axes is left else None,
-                **look,
-            )
-            _number(axes, points, x=x, y=y, above=order == 0, colour=look["color"])
+            label = form if axes is left else None
+            usual = {"linestyle": "none", "clip_on": False, "zorder": 3}
+            axes.plot(points[x], points[y], label=label, **usual, **look)
+            _number(axes, points, x=x, y=y, above=look is _LOOKS[0], colour=look["color"])
     set_up_plane(left, data)
     left.set_title("(a)")
     radius = float(data["phi_r_max_mm"].iloc[0])
@@ -108,13 +95,6 @@ def _number(axes: Axes, points: pd.DataFrame, *, x: str, y: str, above: bool, co
     """Write the points' numbers, together where points coincide in this projection."""
     places = points.assign(x=points[x].round(2), y=points[y].round(2)).groupby(["x", "y"])
     for (at_x, at_y), here in places:
-        axes.annotate(
-            ", ".join(f"{number}" for number in here["point"]),
-            (at_x, at_y),
-            xytext=(0, 6 if above else -6),
-            textcoords="offset points",
-            ha="center",
-            va="bottom" if above else "top",
-            fontsize=7,
-            color=colour,
-        )
+        text = ", ".join(here["point"].astype(str))
+        look = {"va": "bottom" if above else "top", "color": colour}
+        beside(axes, text, (at_x, at_y), (0, 6 if above else -6), ha="center", fontsize=7, **look)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures import style
 from reporting.figures.axes import dots, label_points, set_up_plane
-from reporting.figures.tables import add_limits, micrometres
+from reporting.figures.tables import add_limits, in_micrometres, micrometres
 from reporting.notes import one_digit
 from reporting.results import Results
 
@@ -29,20 +29,12 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     """A panel for each scaling of the factors; a triangle of three dots for each search."""
     summary = results.searches()
     columns = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
-    points = results.table("designs/two_factor_searches.csv", *columns)
-    data = pd.DataFrame(
-        {
-            "scaling": points["scaling"],
-            "search": points["search"],
-            "pattern": points["pattern"],
-            "h0_um": micrometres(points["h0_m"]),
-            "hv_um": micrometres(points["hv_m"]),
-            "objective": points["objective"],
-        }
-    ).sort_values("scaling", key=lambda names: names != summary["scaling"], kind="stable")
+    points = in_micrometres(results.table("designs/two_factor_searches.csv", *columns))
+    data = points[["scaling", "search", "pattern", "h0_um", "hv_um", "objective"]].sort_values(
+        "scaling", key=lambda names: names != summary["scaling"], kind="stable"
+    )
     data = add_limits(data, results.scenes("screen"))
-    scalings = list(dict.fromkeys(data["scaling"]))
-    style.check_known(_TITLES, scalings, what="scaling")
+    scalings = data["scaling"].unique()
     wide = len(scalings) > 1
     width = style.DOUBLE_COLUMN_IN if wide else style.SINGLE_COLUMN_IN
     figure = style.new_figure(width_in=width, height_in=2.75)
@@ -61,24 +53,21 @@ def _draw_searches(axes: Axes, data: pd.DataFrame) -> None:
     searches = data["search"].nunique()
     for order, (pattern, found) in enumerate(data.groupby("pattern", sort=True)):
         colour, marker = _LOOKS[order % len(_LOOKS)]
-        count = found["search"].nunique()
-        label: str | None = f"{pattern}: {count} of {searches} searches"
-        for _, triplet in found.groupby("search"):
-            closed = pd.concat([triplet, triplet.iloc[:1]])
-            axes.plot(
-                closed["h0_um"],
-                closed["hv_um"],
-                color=colour,
-                linewidth=0.5,
-                linestyle=(0, (4, 2)) if order else "-",
-                marker=marker,
-                markersize=7 - 2 * min(order, 2),
-                markerfacecolor="none" if order == 0 else colour,
-                markeredgewidth=0.8,
-                label=label,
-                zorder=2 + order,
-            )
-            label = None
+
+        triplets = [pd.concat([each, each.iloc[:1]]) for _, each in found.groupby("search")]
+        lines = axes.plot(
+            np.column_stack([each["h0_um"] for each in triplets]),
+            np.column_stack([each["hv_um"] for each in triplets]),
+            color=colour,
+            linewidth=0.5,
+            linestyle=(0, (4, 2)) if order else "-",
+            marker=marker,
+            markersize=7 - 2 * min(order, 2),
+            markerfacecolor="none" if order == 0 else colour,
+            markeredgewidth=0.8,
+            zorder=2 + order,
+        )
+        lines[0].set_label(f"{pattern}: {found['search'].nunique()} of {searches} searches")
     axes.legend(loc="lower left", handlelength=1.6, labelspacing=0.3)
 
 
@@ -105,9 +94,8 @@ def pattern_table(results: Results, *, order: int) -> tuple[pd.DataFrame, str]:
     if order >= len(patterns):
         found = ", ".join(f"{each['pattern']} ({each['count']})" for each in patterns)
         absent = pd.DataFrame([{"layer": "absent"}], columns=columns)
-        return add_limits(
-            absent, screen
-        ), f"All {number} searches ended in other patterns: {found}."
+        note = f"All {number} searches ended in other patterns: {found}."
+        return add_limits(absent, screen), note
     pattern = patterns[order]
     rows = []
     for point in pattern["points"]:
@@ -115,9 +103,8 @@ def pattern_table(results: Results, *, order: int) -> tuple[pd.DataFrame, str]:
         rows.append(("design", epsilon, point["h0_m"], point["hv_m"]))
         lowest = max(screen["h0_m"].min(), screen["hv_m"].min() / epsilon)
         highest = min(screen["h0_m"].max(), screen["hv_m"].max() / epsilon)
-        rows += [
-            ("ridge", epsilon, h0_m, epsilon * h0_m) for h0_m in np.linspace(lowest, highest, 11)
-        ]
+        ridge = np.linspace(lowest, highest, 11)
+        rows += [("ridge", epsilon, h0_m, epsilon * h0_m) for h0_m in ridge]
     data = pd.DataFrame(rows, columns=columns)
     data["h0_um"], data["hv_um"] = micrometres(data["h0_um"]), micrometres(data["hv_um"])
     note = (
@@ -146,13 +133,7 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     ]
     label_points(axes, design, labels=labels)
     if design.empty:
-        axes.text(
-            0.5,
-            0.5,
-            "no such pattern:\nall searches ended in the\npatterns shown before",
-            transform=axes.transAxes,
-            ha="center",
-            va="center",
-        )
+        text = "no such pattern:\nall searches ended in the\npatterns shown before"
+        axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
     style.add_note(figure, note, results.beyond)
     return figure, data

@@ -1,5 +1,6 @@
 """Figures 7, 8 and 12 to 14: the screen, the optimal design, the models fitted to them."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import matplotlib as mpl
@@ -8,17 +9,25 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reporting.figures import style
-from reporting.figures.axes import HV_LABEL, dots, label_points, model_and_points, set_up_plane
+from reporting.figures.axes import (
+    HV_LABEL,
+    add_force_space,
+    dots,
+    force_mesh,
+    force_points,
+    label_points,
+    set_up_plane,
+)
 from reporting.figures.tables import (
     add_limits,
     error_note,
     error_table,
     model_mesh,
     plane_table,
-    simulations_note,
 )
-from reporting.notes import percent
+from reporting.notes import percent, simulations_note
 from reporting.results import Results
+from squeezefilm.models.fit_file import FittedModel
 
 AUGMENTATION = "augmentation"
 
@@ -39,14 +48,10 @@ def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
 
 def fig08(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the screen (mesh) and the simulations (dots)."""
-    forces, fit = results.forces("screen"), results.fit("screen")
-    data = pd.concat(
-        [model_mesh(fit, forces), plane_table(forces, layer="simulation")], ignore_index=True
-    )
-    note = f"Fit on {fit.points} points: global error {percent(fit.global_error)}."
+    fit = results.fit("screen")
     looks = {"simulation": {"color": style.VERMILLION, "label": "simulation"}}
-    notes = (note, simulations_note(forces), results.beyond)
-    return model_and_points(data, looks, notes=notes), data
+    note = f"Fit on {fit.points} points: global error {percent(fit.global_error)}."
+    return _model_and_points(results, fit, {"simulation": "screen"}, looks, note)
 
 
 def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -74,23 +79,35 @@ def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
 
 def fig13(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the design (mesh, black dots) and the control points (white dots)."""
-    design, control = results.forces("two_factor_design"), results.forces("screen")
     fit = results.fit("two_factor_design")
-    data = pd.concat(
-        [
-            model_mesh(fit, control),
-            plane_table(control, layer="control"),
-            plane_table(design, layer="design"),
-        ],
-        ignore_index=True,
-    )
     looks: dict[str, dict[str, Any]] = {
         "control": {"color": "white", "label": "control point"},
         "design": {"color": "black", "label": "design point", "s": 26},
     }
     note = f"Fit on {fit.points} points; on {error_note(results, 'two_factor_design', 'screen')}."
-    notes = (note, simulations_note(design, control), results.beyond)
-    return model_and_points(data, looks, notes=notes), data
+    plans = {"control": "screen", "design": "two_factor_design"}
+    return _model_and_points(results, fit, plans, looks, note)
+
+
+def _model_and_points(
+    results: Results,
+    fit: FittedModel,
+    plans: Mapping[str, str],
+    looks: Mapping[str, Mapping[str, Any]],
+    note: str,
+) -> tuple[Figure, pd.DataFrame]:
+    """A fit as a mesh, and layers of simulations as dots, each of a plan and with a look."""
+    mesh = model_mesh(fit, results.scenes("screen"))
+    forces = {layer: results.forces(plan) for layer, plan in plans.items()}
+    layers = [plane_table(table, layer=layer) for layer, table in forces.items()]
+    figure = style.new_figure(height_in=3.1)
+    notes = (note, simulations_note(*forces.values()), results.beyond)
+    axes = add_force_space(figure, bottom=style.add_note(figure, *notes))
+    force_mesh(axes, mesh)
+    for points, look in zip(layers, looks.values(), strict=True):
+        force_points(axes, points, **look)
+    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
+    return figure, pd.concat([mesh, *layers], ignore_index=True)
 
 
 def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -105,36 +122,17 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     axes.axhline(0, color="0.6", linewidth=0.6)
     gaps = np.sort(data["h0_um"].unique())
     colours = mpl.colormaps["viridis"](np.linspace(0, 0.92, len(gaps)))
+    x, y = "hv_um", "relative_error_percent"
     for gap, colour in zip(gaps, colours, strict=True):
-        line = data[data["h0_um"] == gap].sort_values("hv_um")
-        axes.plot(
-            line["hv_um"], line["relative_error_percent"], color=colour, label=f"{gap:g}", zorder=2
-        )
-    inside = data["in_band"].astype(bool)
-    for chosen, colour in ((inside, "white"), (~inside, "black")):
-        axes.plot(
-            data["hv_um"][chosen],
-            data["relative_error_percent"][chosen],
-            "o",
-            color=colour,
-            markersize=3.6,
-            markeredgecolor="black",
-            markeredgewidth=0.6,
-            zorder=3,
-        )
-    reach = max(1.25 * band, 1.1 * data["relative_error_percent"].abs().max())
-    axes.set_ylim(-reach, reach)
-    axes.set_xlabel(HV_LABEL)
-    axes.set_ylabel("relative error (%)")
-    axes.text(
-        0.99,
-        band,
-        f"±{band:g} % band ",
-        transform=axes.get_yaxis_transform(),
-        ha="right",
-        va="bottom",
-        fontsize=7,
-    )
+        line = data[data["h0_um"] == gap].sort_values(x)
+        axes.plot(line[x], line[y], color=colour, label=f"{gap:g}", zorder=2)
+    look: dict[str, Any] = {"markersize": 3.6, "markeredgewidth": 0.6, "clip_on": True, "zorder": 3}
+    for inside, fill in ((True, "white"), (False, "black")):
+        dots(axes, data[data["in_band"] == inside], x=x, y=y, fill=fill, **look)
+    reach = max(1.25 * band, 1.1 * data[y].abs().max())
+    axes.set(ylim=(-reach, reach), xlabel=HV_LABEL, ylabel="relative error (%)")
+    look = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom"}
+    axes.text(0.99, band, f"±{band:g} % band ", fontsize=7, **look)
     figure.legend(
         loc="outside upper center",
         title=r"mean gap $h_0$ (µm)",

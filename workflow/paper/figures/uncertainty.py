@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reporting.figures import style
+from reporting.figures.axes import beside
 from reporting.results import Results
 
 SHOWN = "simulation_at_2.2"
@@ -22,35 +23,22 @@ def uncertainty(results: Results) -> Figure:
     first = ranges.iloc[0]
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.1)
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.05))
-    names = list(ranges["assumption"])
-    shown = [name for name in names if name in set(curves["assumption"])]
+    shown = [name for name in ranges["assumption"] if name in set(curves["assumption"])]
     colours = dict(zip(shown, COLOURS, strict=False))
     for name in shown:
         curve = curves[curves["assumption"] == name]
         plausible = curve[curve["plausible"].astype(bool)]
         colour = colours.get(name, style.GREY)
         left.plot(curve["change_percent"], curve["force_n"], color=colour, label=name)
-        left.plot(
-            plausible["change_percent"],
-            plausible["force_n"],
-            color=colour,
-            linewidth=3.5,
-            solid_capstyle="butt",
-        )
+        thick = {"linewidth": 3.5, "solid_capstyle": "butt"}
+        left.plot(plausible["change_percent"], plausible["force_n"], color=colour, **thick)
     left.plot(0, first["ours_n"], "o", color="black", markersize=4, zorder=5)
     _paper(left.axhspan, left.axhline, first)
     left.set_xlim(curves["change_percent"].min(), curves["change_percent"].max())
-    left.set_xlabel("change of the assumption (%)")
-    left.set_ylabel("force (N)")
+    left.set(xlabel="change of the assumption (%)", ylabel="force (N)")
     left.grid(True)
-    left.annotate(
-        "paper",
-        (0, first["paper_high_n"]),
-        xycoords=("axes fraction", "data"),
-        xytext=(8, 2),
-        textcoords="offset points",
-        fontsize=6,
-    )
+    rim, coordinates = (0, first["paper_high_n"]), ("axes fraction", "data")
+    beside(left, "paper", rim, (8, 2), xycoords=coordinates, fontsize=6)
     figure.legend(loc="outside upper center", ncols=len(shown), fontsize=6, columnspacing=1.2)
     for place, row in enumerate(ranges.itertuples()):
         colour = colours.get(row.assumption, style.GREY)
@@ -59,11 +47,8 @@ def uncertainty(results: Results) -> Figure:
         right.plot(ends, (place, place), "|", color=colour, markersize=6)
     right.axvline(first["ours_n"], color="black", linewidth=0.8, linestyle=":")
     _paper(right.axvspan, right.axvline, first)
-    right.set_yticks(
-        range(len(ranges)),
-        [f"{row.assumption}:\n{row.verdict}" for row in ranges.itertuples()],
-        fontsize=6,
-    )
+    names = ranges["assumption"] + ":\n" + ranges["verdict"]
+    right.set_yticks(range(len(ranges)), names, fontsize=6)
     right.set_ylim(len(ranges) - 0.5, -0.5)
     right.set_xlabel("force over the plausible values (N)")
     right.grid(True, axis="x")

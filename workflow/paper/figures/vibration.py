@@ -1,5 +1,7 @@
 """Figures 5 and 6: the model of the vibration over the actuator's disc."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -41,25 +43,16 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     if amplitude.min() < 0 < amplitude.max():
         node = axes.contour(x, y, amplitude, levels=[0], colors="white", linewidths=0.7)
         axes.clabel(node, fmt={0: "$h_a = 0$"}, fontsize=6, manual=[(0, float(y.max()))])
-    axes.plot(
-        circle["x_mm"],
-        circle["y_mm"],
-        color=style.VERMILLION,
-        linestyle=(0, (4, 2)),
-        linewidth=1.4,
-        label="limit of the finger's centre",
-    )
+    dashed: dict[str, Any] = {"color": style.VERMILLION, "linestyle": (0, (4, 2)), "linewidth": 1.4}
+    axes.plot(circle["x_mm"], circle["y_mm"], label="limit of the finger's centre", **dashed)
     axes.plot(outline["x_mm"], outline["y_mm"], color="black", label="finger, centred")
-    axes.set_aspect("equal")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     reach = 1.04 * surface["radius_mm"].max()
-    axes.set_xlim(-reach, reach)
-    axes.set_ylim(-reach, reach)
-    axes.set_xlabel("$x$ (mm)")
-    axes.set_ylabel("$y$ (mm)")
-    bar = figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02)
-    bar.set_label("amplitude $h_a/h_v$ (–)")
+    axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
+    axes.set(xlabel="$x$ (mm)", ylabel="$y$ (mm)")
+    label = "amplitude $h_a/h_v$ (–)"
+    bar = figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)
     bar.set_ticks([tick for tick in np.arange(-0.2, 1.01, 0.2) if tick >= levels[0]])
     figure.legend(loc="outside upper center", ncols=2, handlelength=1.8, columnspacing=1.0)
     note = f"The finger's centre may be up to {limit_mm:.2f} mm off."

@@ -9,7 +9,7 @@ model.js what ``squeezefilm.models.amplitude_for_force`` does with it, modulatio
 import json
 import re
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from math import isnan
 from pathlib import Path
 from typing import Any
@@ -88,7 +88,7 @@ def explorer_page(
     """
     if not models.fits or not forces:
         raise InputError("explorer: give at least one fit and one table of forces")
-    inertia, start = Inertia.of(config), config["extrapolation"]
+    start = config["extrapolation"]
     data = {
         "fits": [_fit(name, fit, models.plans[name]) for name, fit in models.fits.items()],
         "left_out": models.left_out,
@@ -99,10 +99,7 @@ def explorer_page(
             for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].itertuples(index=False)
         ],
         "position": form_of(next(iter(forces.values()))),
-        "inertia": {
-            name: getattr(inertia, name)
-            for name in ("reynolds_per_h0_square", "most_reynolds", "beyond")
-        },
+        "inertia": asdict(Inertia.of(config)),
         "modulation": modulation,
         "start": {name: start[name] for name in ("h0_m", "hv_m", "force_n")},
     }

@@ -1,6 +1,6 @@
 """Axes that several figures have: planes of gap and amplitude and of position, forces in space."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+from matplotlib.text import Annotation
+from matplotlib.ticker import MaxNLocator, NullLocator
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
@@ -23,8 +24,7 @@ LIMIT_COLUMNS = ("h0_min_um", "h0_max_um", "hv_min_um", "hv_max_um")
 
 def label_plane(axes: Axes) -> None:
     """Gap to the right, amplitude upwards."""
-    axes.set_xlabel(H0_LABEL)
-    axes.set_ylabel(HV_LABEL)
+    axes.set(xlabel=H0_LABEL, ylabel=HV_LABEL)
 
 
 def set_up_plane(axes: Axes, data: pd.DataFrame, *, headroom: float = 0.15) -> None:
@@ -46,8 +46,7 @@ def set_up_positions(axes: Axes, angles_deg: pd.Series, *, margin: float) -> Non
     room = margin * ((high - low) or 45)
     axes.set_xlim(low - room, high + room)
     axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
-    axes.set_xlabel(r"angular position $\phi_\varphi$ (°)")
-    axes.set_ylabel(r"radial position $\phi_r$ (mm)")
+    axes.set(xlabel=r"angular position $\phi_\varphi$ (°)", ylabel=r"radial position $\phi_r$ (mm)")
     axes.grid(True)
 
 
@@ -65,6 +64,23 @@ def grid_of(data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um
     return table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
 
 
+def show_grid(axes: Axes, grid: Any) -> None:
+    """Limit the axes to a grid (see grid_of)."""
+    axes.set(xlim=grid[0][[0, -1]], ylim=grid[1][[0, -1]])
+
+
+def beside(
+    axes: Axes, text: str, place: tuple[Any, Any], offset_pt: tuple[float, float], **look: Any
+) -> Annotation:
+    """Write a text at a distance from a place; ``look`` as matplotlib has it."""
+    return axes.annotate(text, place, xytext=offset_pt, textcoords="offset points", **look)
+
+
+def not_known(axes: Axes) -> None:
+    """Say in the middle of the axes that there is nothing to be drawn."""
+    axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
+
+
 def error_contours(
     axes: Axes, data: pd.DataFrame, *, bins: int, ticks: Sequence[float], **lines: Any
 ) -> tuple[ContourSet, ContourSet]:
@@ -76,12 +92,10 @@ def error_contours(
     grid = grid_of(data, "relative_error_percent")
     reach = float(np.abs(grid[2]).max())
     levels = MaxNLocator(nbins=bins, symmetric=True).tick_values(-reach, reach)
-    axes.set_xlim(grid[0][0], grid[0][-1])
-    axes.set_ylim(grid[1][0], grid[1][-1])
+    show_grid(axes, grid)
     axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(subs=ticks))
+    style.plain_numbers(axes.yaxis, at=ticks)
     axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     filled = axes.contourf(*grid, levels=levels, cmap=style.DIVERGING)
     drawn = axes.contour(*grid, levels=levels, **lines)
     band = float(data["band_percent"].iloc[0])
@@ -98,11 +112,11 @@ def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> No
     for h0_um, hv_um, label in zip(data["h0_um"], data["hv_um"], labels, strict=True):
         left, height = h0_um < middle_h0, (hv_um - low_hv) / (high_hv - low_hv)
         below = 0.4 < height < 0.7
-        axes.annotate(
+        beside(
+            axes,
             label,
             (h0_um, hv_um),
-            xytext=(5 if left else -5, -4 if below else 4),
-            textcoords="offset points",
+            (5 if left else -5, -4 if below else 4),
             ha="left" if left else "right",
             va="top" if below else "bottom",
             fontsize=7,
@@ -162,9 +176,9 @@ def add_force_space(figure: Figure, *, bottom: float) -> Axes3D:
 
 def force_mesh(axes: Axes3D, data: pd.DataFrame) -> None:
     """Draw a grid of rows h0_um, hv_um, force_n as a mesh."""
-    table = data.pivot(index="h0_um", columns="hv_um", values="force_n")
-    h0, hv = np.meshgrid(table.index, table.columns, indexing="ij")
-    mesh(axes, h0, hv, table.to_numpy())
+    hv, h0, force = grid_of(data, "force_n", x="hv_um", y="h0_um")
+    x, y = np.meshgrid(h0, hv, indexing="ij")
+    mesh(axes, x, y, force)
 
 
 def force_points(
@@ -183,16 +197,3 @@ def force_points(
         label=label,
         zorder=5,
     )
-
-
-def model_and_points(
-    data: pd.DataFrame, points: Mapping[str, Mapping[str, Any]], *, notes: Sequence[str]
-) -> Figure:
-    """Layer model as a mesh, and layers of dots, each with its look (see force_points)."""
-    figure = style.new_figure(height_in=3.1)
-    axes = add_force_space(figure, bottom=style.add_note(figure, *notes))
-    force_mesh(axes, style.rows(data, "model"))
-    for layer, look in points.items():
-        force_points(axes, style.rows(data, layer), **look)
-    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
-    return figure

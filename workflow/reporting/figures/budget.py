@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from reporting.figures import style
-from reporting.figures.axes import grid_of, label_plane
-from reporting.figures.tables import micrometres
+from reporting.figures.axes import beside, grid_of, label_plane, not_known, show_grid
+from reporting.figures.tables import in_micrometres, micrometres
 from reporting.results import Results
 from squeezefilm.columns import form_of
 
@@ -57,9 +57,7 @@ def _read(results: Results, plan: str) -> pd.DataFrame:
     table = results.table(file, *columns)
     lengths = [name for name in form_of(table) if name.endswith("_m")]
     middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
-    return table.assign(
-        h0_um=micrometres(table["h0_m"]),
-        hv_um=micrometres(table["hv_m"]),
+    return in_micrometres(table).assign(
         **{f"{name[:-1]}mm": micrometres(table[name]) / 1e3 for name in lengths},
         left_out_percent=middle,
         above_range=table["above_range"].fillna(""),
@@ -68,21 +66,18 @@ def _read(results: Results, plan: str) -> pd.DataFrame:
 
 def _draw_map(axes: Axes, maps: pd.DataFrame, name: str) -> None:
     """Contour lines of one effect, in its colour; dashed where some of it is above its range."""
-    h0_um, hv_um, values = grid_of(maps, f"{name}_percent")
-    axes.set_xlim(h0_um.min(), h0_um.max())
-    axes.set_ylim(hv_um.min(), hv_um.max())
-    if not np.isfinite(values).any():
-        axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
+    grid = grid_of(maps, f"{name}_percent")
+    show_grid(axes, grid)
+    if not np.isfinite(grid[2]).any():
+        not_known(axes)
         return
     above = maps["above_range"].str.split("; ").map(lambda names: name in names)
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
     edge = EDGE * (high - low)
     ticks = MaxNLocator(nbins=8).tick_values(low, high)
     levels = [level for level in ticks if low + edge <= level <= high - edge] or [low]
     lines = axes.contour(
-        h0_um,
-        hv_um,
-        values,
+        *grid,
         levels=levels,
         colors=EFFECTS[name][0],
         linestyles="dashed" if above.any() else "solid",
@@ -97,15 +92,7 @@ def _name_ends(axes: Axes, ends: Sequence[tuple[float, str, str]], *, at: float)
     last = -np.inf
     for value, text, colour in sorted(ends):
         last = max(value, last + LABEL_SHARE * (high - low))
-        axes.annotate(
-            text,
-            (at, last),
-            xytext=(6, 0),
-            textcoords="offset points",
-            va="center",
-            color=colour,
-            fontsize=6,
-        )
+        beside(axes, text, (at, last), (6, 0), va="center", color=colour, fontsize=6)
 
 
 def _draw_lines(axes: Axes, rows: pd.DataFrame, places: tuple[str, str]) -> None:
@@ -134,6 +121,6 @@ def _draw_lines(axes: Axes, rows: pd.DataFrame, places: tuple[str, str]) -> None
     _name_ends(axes, ends, at=farthest)
     axes.set_xlim(least - 0.05 * farthest, farthest + 0.35 * (farthest - least) or 1.0)
     axes.axhline(0, color="black", linewidth=0.5)
-    axes.set_xlabel(r"radial position $\phi_r$ (mm)" if other == "phi_deg" else "$x$ (mm)")
-    axes.set_ylabel("change of the force (%)")
+    label = r"radial position $\phi_r$ (mm)" if other == "phi_deg" else "$x$ (mm)"
+    axes.set(xlabel=label, ylabel="change of the force (%)")
     axes.grid(True)

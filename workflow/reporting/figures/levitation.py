@@ -4,7 +4,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reporting.figures import style
-from reporting.figures.tables import micrometres
+from reporting.figures.tables import in_micrometres, micrometres
 from reporting.notes import percent, reynolds_limit
 from reporting.results import Results
 
@@ -16,11 +16,7 @@ def levitation(results: Results) -> Figure:
     """Gap and stiffness over the load, for each amplitude; hollow beyond Re 10."""
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
     gaps_um = micrometres(results.scenes("screen")["h0_m"])
-    data = table.assign(
-        hv_um=micrometres(table["hv_m"]),
-        h0_um=micrometres(table["h0_m"]),
-        stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6,
-    )
+    data = in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
     gap, stiffness = figure.subplots(1, 2)
     gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
@@ -33,17 +29,12 @@ def levitation(results: Results) -> Figure:
             for fill, some in ((colour, rows[within]), ("white", rows[~within])):
                 axes.plot(some["load_n"], some[name], "o", color=colour, markerfacecolor=fill, ms=4)
         gap.axhline(amplitude, color=colour, linestyle=":", linewidth=0.8)
-    for axes, title, label in (
-        (gap, "(a) gap", "gap $h_0$ (µm)"),
-        (stiffness, "(b) stiffness", "stiffness (N/µm)"),
-    ):
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+    gap.set(title="(a) gap", ylabel="gap $h_0$ (µm)")
+    stiffness.set(title="(b) stiffness", ylabel="stiffness (N/µm)")
+    for axes in (gap, stiffness):
+        axes.set(xscale="log", yscale="log", xlabel="load (N)")
         style.plain_numbers(axes.xaxis)
         style.plain_numbers(axes.yaxis)
-        axes.set_xlabel("load (N)")
-        axes.set_ylabel(label)
-        axes.set_title(title)
         axes.grid(True)
     stiffness.legend(fontsize=6)
     style.add_note(figure, _note(table), results.beyond)

@@ -7,15 +7,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from reporting.figures import style
-from reporting.figures.axes import dots, error_contours, grid_of, label_plane
+from reporting.figures.axes import beside, dots, error_contours, grid_of, label_plane
 from reporting.figures.tables import (
     error_note,
     error_table,
     micrometres,
     plane_table,
-    simulations_note,
 )
-from reporting.notes import percent
+from reporting.notes import percent, simulations_note
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
 
@@ -29,7 +28,7 @@ def error_map(results: Results) -> Figure:
     """Relative error of the model fitted to the design, over the whole space."""
     grid = error_table(results, "two_factor_design", "error_map", layer="map")
     design = plane_table(results.forces("two_factor_design"), layer="design")
-    figure = style.new_figure(width_in=style.SINGLE_COLUMN_IN, height_in=3.2)
+    figure = style.new_figure(height_in=3.2)
     axes = figure.subplots()
     filled, lines = error_contours(
         axes, grid, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
@@ -46,8 +45,7 @@ def error_map(results: Results) -> Figure:
         label="design point",
     )
     label_plane(axes)
-    bar = figure.colorbar(filled, ax=axes, pad=0.02)
-    bar.set_label("relative error (%)")
+    figure.colorbar(filled, ax=axes, pad=0.02, label="relative error (%)")
     figure.legend(loc="outside upper center", handletextpad=0.2)
     note = error_note(results, "two_factor_design", "error_map")
     style.add_note(figure, note, simulations_note(results.forces("error_map")), results.beyond)
@@ -96,9 +94,8 @@ def _draw_forces(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: fl
     dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
     label_plane(axes)
     axes.set_title("(a) force at the centre")
-    bar = figure.colorbar(drawn, ax=axes, format="%g")
+    bar = figure.colorbar(drawn, ax=axes, format="%g", label="mean force (N)")
     bar.ax.minorticks_off()
-    bar.set_label("mean force (N)")
 
 
 def _draw_positions(axes: Axes, table: pd.DataFrame) -> None:
@@ -111,19 +108,10 @@ def _draw_positions(axes: Axes, table: pd.DataFrame) -> None:
         axes.plot(x_mm[chosen], y_mm[chosen], "o", color=style.BLUE, ms=5, mfc=fill)
     axes.plot(x_mm[~known], y_mm[~known], "x", color=style.VERMILLION)
     for x, y, value in zip(x_mm[known], y_mm[known], hv_um[known], strict=True):
-        axes.annotate(
-            f"{value:.2f}",
-            (x, y),
-            xytext=(0, 5),
-            textcoords="offset points",
-            ha="center",
-            fontsize=6,
-        ).set_in_layout(False)
+        beside(axes, f"{value:.2f}", (x, y), (0, 5), ha="center", fontsize=6).set_in_layout(False)
     axes.margins(0.15)
     if len(table) == 1:  # nothing else says how large a millimetre is
-        axes.set_xlim(-ALONE_MM, ALONE_MM)
-        axes.set_ylim(-ALONE_MM, ALONE_MM)
-    axes.set_xlabel("finger's centre, $x$ (mm)")
-    axes.set_ylabel("$y$ (mm)")
+        axes.set(xlim=(-ALONE_MM, ALONE_MM), ylim=(-ALONE_MM, ALONE_MM))
+    axes.set(xlabel="finger's centre, $x$ (mm)", ylabel="$y$ (mm)")
     axes.set_title("(b) amplitude wanted (µm)")
     axes.grid(True)

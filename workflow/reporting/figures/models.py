@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures import style
 from reporting.figures.axes import label_plane
+from reporting.figures.tables import in_micrometres
 from reporting.notes import VERDICTS
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
@@ -21,6 +22,7 @@ DECADES = 5
 LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
 LARGEST_DOT = 140
 """Area in points² of a design point with all the weight."""
+POSITION_LABELS = {"xlabel": "finger x (mm)", "ylabel": "finger y (mm)"}
 LINEAR = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
 
@@ -47,7 +49,7 @@ def model_errors(results: Results, space: str) -> Figure:
     lowest = top * 10.0**-DECADES
     for axes in panels[len(models) :]:
         axes.set_visible(False)
-    for axes, model in zip(panels, models, strict=False):
+    for number, (axes, model) in enumerate(zip(panels, models, strict=False)):
         rows = data[data["model"] == model].assign(size=size).sort_values("size", kind="stable")
         dots = axes.scatter(
             rows["h0_um"],
@@ -63,15 +65,13 @@ def model_errors(results: Results, space: str) -> Figure:
             f"{model} ({first['parameters']:.0f})\n{first['validation_error_percent']:.3g} %",
             fontsize=7,
         )
-    for number, axes in enumerate(panels[: len(models)]):
-        axes.tick_params(labelsize=6)
+        lowest_of_column = number >= len(models) - across
         label_plane(axes)
         axes.yaxis.label.set_visible(number % across == 0)
-        axes.xaxis.label.set_visible(number >= len(models) - across)
-        if number >= len(models) - across:
-            axes.tick_params(labelbottom=True)
-    bar = figure.colorbar(dots, ax=list(panels), pad=0.02, extend="min")
-    bar.set_label("|relative error| (%)")
+        axes.xaxis.label.set_visible(lowest_of_column)
+        axes.tick_params(labelsize=6, labelbottom=lowest_of_column)
+    label = "|relative error| (%)"
+    figure.colorbar(dots, ax=list(panels), pad=0.02, extend="min", label=label)
     note = "Above each panel: the number of parameters, the global error."
     style.add_note(figure, note, results.beyond)
     return figure
@@ -88,16 +88,10 @@ def sensitivity(results: Results, space: str) -> Figure:
     label_plane(panels[0])
     if moved:
         _draw_sensitivity(panels[1], data, "position", ("x_mm", "y_mm"))
-        _label_position(panels[1])
-    bar = figure.colorbar(colours, ax=list(panels), pad=0.02)
-    bar.set_label("sensitivity d/p (–)")
+        panels[1].set(**POSITION_LABELS)
+    figure.colorbar(colours, ax=list(panels), pad=0.02, label="sensitivity d/p (–)")
     style.add_note(figure, "Circles: design points, their area the weight.", results.beyond)
     return figure
-
-
-def _label_position(axes: Axes) -> None:
-    axes.set_xlabel("finger x (mm)")
-    axes.set_ylabel("finger y (mm)")
 
 
 def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[str, str]) -> Any:
@@ -149,9 +143,8 @@ def refined(results: Results, space: str) -> Figure:
         label_plane(row[1])
         if moved:
             _draw_errors(row[2], places, points, "x_mm", "y_mm")
-            _label_position(row[2])
-        bar = figure.colorbar(dots, ax=row[-1], pad=0.02)
-        bar.set_label("error (%)")
+            row[2].set(**POSITION_LABELS)
+        bar = figure.colorbar(dots, ax=row[-1], pad=0.02, label="error (%)")
         bar.ax.tick_params(labelsize=6)
     panels[0][0].legend(loc="best")
     note = "Dashed: wanted; stars: on simulations that no refinement used; bars: 95 % limits."
@@ -160,15 +153,9 @@ def refined(results: Results, space: str) -> Figure:
 
 
 def _places(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with the four factors in the figures' units."""
     at = factors_of(table)
-    return pd.DataFrame(
-        {
-            "h0_um": 1e6 * table["h0_m"].to_numpy(dtype=float),
-            "hv_um": 1e6 * table["hv_m"].to_numpy(dtype=float),
-            "x_mm": 1e3 * at.x_m,
-            "y_mm": 1e3 * at.y_m,
-        }
-    )
+    return in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
 
 
 def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Series) -> None:
@@ -196,8 +183,7 @@ def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Seri
     axes.set_yscale("log")
     axes.set_xlim(rounds["simulations"].min() - 1, rounds["simulations"].max() + 1)
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.set_xlabel("simulations (–)")
-    axes.set_ylabel("error (%)")
+    axes.set(xlabel="simulations (–)", ylabel="error (%)")
     axes.grid(axis="y")
 
 

@@ -19,7 +19,9 @@ STEPS = ("Simulate", "Fit", "Design", "Validate")
 # Left edge and width of each step's axes, as shares of the figure's width.
 PLACES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
 TOP = 0.82
-GAP_LABEL, AMPLITUDE_LABEL = r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)"
+Rectangle = tuple[float, float, float, float]
+"""Left, bottom, width and height, as shares of the figure's."""
+
 LABEL_SIZE, TICK_SIZE = 6.5, 6
 DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
 SCREEN = {"markeredgecolor": "0.55", "markersize": 2.6}
@@ -56,15 +58,15 @@ def overview(results: Results) -> Figure:
         middle = left + width / 2
         figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
         figure.text(middle, 0.87, caption, ha="center", fontsize=LABEL_SIZE, color="0.25")
+    height = TOP - bottom
     _film(figure, film, bottom=bottom)
     left, width = PLACES[1]
     rectangle = (left, bottom - 0.12, width, TOP + 0.14 - bottom)
     points, few = (plane_table(table, layer="") for table in (screen, design))
     _model(figure, model_mesh(fit, screen), points, rectangle=rectangle)
-    height = TOP - bottom
     _design(figure.add_axes((PLACES[2][0], bottom, PLACES[2][1], height)), points, few)
     grid = error_table(results, "two_factor_design", "error_map", layer="map")
-    _errors(figure.add_axes((PLACES[3][0], bottom, PLACES[3][1], height)), grid, few)
+    _errors(figure, (PLACES[3][0], bottom, PLACES[3][1], height), grid, few)
     return figure
 
 
@@ -74,8 +76,7 @@ def _film(figure: Figure, film: pd.DataFrame, *, bottom: float) -> None:
     height = TOP - bottom
     if film["overpressure_kpa"].notna().all():
         height = (height - 0.04) / 2
-        above = figure.add_axes((left, bottom + height + 0.04, width, height))
-        _pressure(above, film)
+        _pressure(figure.add_axes((left, bottom + height + 0.04, width, height)), film)
     _gap(figure.add_axes((left, bottom, width, height)), film)
 
 
@@ -88,6 +89,11 @@ def _curves(axes: Axes, film: pd.DataFrame, column: str) -> None:
         axes.plot(row["x_mm"], row[column], color=colour, linewidth=0.5)
     axes.set_xlim(film["x_mm"].min(), film["x_mm"].max())
     axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
+
+
+def _label(axes: Axes, x: str, y: str) -> None:
+    axes.set_xlabel(x, fontsize=LABEL_SIZE)
+    axes.set_ylabel(y, fontsize=LABEL_SIZE, labelpad=1)
     axes.tick_params(labelsize=TICK_SIZE)
 
 
@@ -97,7 +103,7 @@ def _pressure(above: Axes, film: pd.DataFrame) -> None:
     above.plot(mean["x_mm"], mean["overpressure_kpa"], color="black", linewidth=1.6)
     above.axhline(0, color="0.5", linewidth=0.4)
     above.tick_params(labelbottom=False)
-    above.set_ylabel("p − p₀ (kPa)", fontsize=LABEL_SIZE, labelpad=1)
+    _label(above, "", "p − p₀ (kPa)")
 
 
 def _gap(below: Axes, film: pd.DataFrame) -> None:
@@ -108,23 +114,17 @@ def _gap(below: Axes, film: pd.DataFrame) -> None:
     below.fill_between(mean["x_mm"], lowest, mean["finger_um"], color="#e3eff7", linewidth=0)
     below.fill_between(mean["x_mm"], mean["finger_um"], top, color="#e8c4ac", linewidth=0)
     below.plot(mean["x_mm"], mean["finger_um"], color="#9c5b36")
-    below.text(
-        0, (mean["finger_um"].max() + top) / 2, "finger", ha="center", va="center", size=TICK_SIZE
-    )
-    below.text(
-        0, mean["finger_um"].min() * 0.73, "film of air", ha="center", va="center", size=TICK_SIZE
-    )
+    for height, text in (
+        ((mean["finger_um"].max() + top) / 2, "finger"),
+        (mean["finger_um"].min() * 0.73, "film of air"),
+    ):
+        below.text(0, height, text, ha="center", va="center", size=TICK_SIZE)
     below.set_ylim(-1.3 * film["surface_um"].abs().max(), top)
-    below.set_ylabel("height (µm)", fontsize=LABEL_SIZE, labelpad=1)
-    below.set_xlabel("place under the finger (mm)", fontsize=LABEL_SIZE)
+    _label(below, "place under the finger (mm)", "height (µm)")
 
 
 def _model(
-    figure: Figure,
-    model: pd.DataFrame,
-    points: pd.DataFrame,
-    *,
-    rectangle: tuple[float, float, float, float],
+    figure: Figure, model: pd.DataFrame, points: pd.DataFrame, *, rectangle: Rectangle
 ) -> None:
     axes = add_force_space(figure, bottom=0)
     axes.set_position(rectangle)
@@ -148,19 +148,15 @@ def _design(axes: Axes, screen: pd.DataFrame, design: pd.DataFrame) -> None:
     dots(axes, screen, fill="white", **DOTS | SCREEN)
     dots(axes, design, fill="black", **DOTS, markersize=6)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
-    axes.set_xlabel(GAP_LABEL, fontsize=LABEL_SIZE)
-    axes.set_ylabel(AMPLITUDE_LABEL, fontsize=LABEL_SIZE, labelpad=1)
-    axes.tick_params(labelsize=TICK_SIZE)
+    _label(axes, r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
 
 
-def _errors(axes: Axes, grid: pd.DataFrame, design: pd.DataFrame) -> None:
+def _errors(figure: Figure, place: Rectangle, grid: pd.DataFrame, design: pd.DataFrame) -> None:
+    axes = figure.add_axes(place)
     filled, _ = error_contours(axes, grid, bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3)
     dots(axes, design, fill="black", **DOTS, markersize=4.5)
-    axes.set_xlabel(GAP_LABEL, fontsize=LABEL_SIZE)
-    axes.set_ylabel(AMPLITUDE_LABEL, fontsize=LABEL_SIZE, labelpad=1)
-    axes.tick_params(labelsize=TICK_SIZE)
-    figure = axes.figure
-    assert isinstance(figure, Figure)
+    _label(axes, r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
+
     box = axes.get_position()
     bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
     bar.ax.tick_params(labelsize=TICK_SIZE, direction="out", pad=1, length=2)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from reporting.figures import style
-from reporting.figures.axes import grid_of
+from reporting.figures.axes import grid_of, show_grid
 from reporting.results import Results
 
 
@@ -31,22 +31,17 @@ def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFra
     grid = grid_of(style.rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
     points, noise = style.rows(data, "points"), float(data["noise_um"].iloc[0])
     outliers = style.rows(data, "outliers")
-    reach = {
-        "amplitude_um": float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max())),
-        "residual_um": float(max(3 * noise, points["residual_um"].abs().max())),
-    }
-    levels = MaxNLocator(nbins=16, symmetric=True).tick_values(
-        -reach["amplitude_um"], reach["amplitude_um"]
-    )
+    largest = float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max()))
+    levels = MaxNLocator(nbins=16, symmetric=True).tick_values(-largest, largest)
+    largest_residual = float(max(3 * noise, points["residual_um"].abs().max()))
     amplitude.contourf(*grid, levels=levels, cmap=style.DIVERGING)
     amplitude.contour(*grid, levels=[0.0], colors="black", linewidths=1.6)
     amplitude.set_title("(a) measured (dots) and smoothed")
     residual.set_title("(b) what the profile leaves")
-    for axes, column, label in (
-        (amplitude, "amplitude_um", "amplitude (µm)"),
-        (residual, "residual_um", "residual (µm)"),
+    for axes, column, label, limit in (
+        (amplitude, "amplitude_um", "amplitude (µm)", float(levels[-1])),
+        (residual, "residual_um", "residual (µm)", largest_residual),
     ):
-        limit = float(levels[-1]) if axes is amplitude else reach[column]
         drawn = axes.scatter(
             points["x_mm"],
             points["y_mm"],
@@ -60,21 +55,13 @@ def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFra
             vmax=limit,
         )
         if len(outliers):
-            axes.plot(
-                outliers["x_mm"],
-                outliers["y_mm"],
-                "x",
-                color=style.VERMILLION,
-                label=f"outliers ({len(outliers)})",
-            )
+            label_of_outliers = f"outliers ({len(outliers)})"
+            x, y = outliers["x_mm"], outliers["y_mm"]
+            axes.plot(x, y, "x", color=style.VERMILLION, label=label_of_outliers)
             axes.legend(loc="upper right")
-        axes.set_aspect("equal")
-        axes.set_xlim(grid[0][0], grid[0][-1])
-        axes.set_ylim(grid[1][0], grid[1][-1])
-        axes.set_xlabel("$x$ (mm)")
-        axes.set_ylabel("$y$ (mm)")
-        bar = figure.colorbar(drawn, ax=axes, orientation="horizontal", shrink=0.9)
-        bar.set_label(label)
+        show_grid(axes, grid)
+        axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
+        figure.colorbar(drawn, ax=axes, orientation="horizontal", shrink=0.9, label=label)
 
 
 def _draw_lines(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
@@ -109,12 +96,10 @@ def _draw_lines(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
         label="profile, least and largest" if angles else "profile",
     )
     amplitude.plot(profile["r_mm"], lowest, color="black")
-    amplitude.set_ylabel("amplitude (µm)")
-    amplitude.set_title("(a) measured and smoothed")
+    amplitude.set(title="(a) measured and smoothed", ylabel="amplitude (µm)")
     amplitude.legend(loc="upper right")
     residual.axhspan(-2 * noise, 2 * noise, color="0.9", zorder=0, label="± 2 σ of the noise")
     reach = max(3.5 * noise, 1.3 * float(data["residual_um"].abs().max()))
-    residual.set_ylim(-reach, 1.25 * reach)
-    residual.set_ylabel("residual (µm)")
+    residual.set(ylim=(-reach, 1.25 * reach), ylabel="residual (µm)")
     residual.set_title("(b) what the profile leaves")
     residual.legend(loc="upper right")

@@ -6,8 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reporting.figures import style
-from reporting.figures.axes import grid_of, label_plane
-from reporting.figures.tables import micrometres
+from reporting.figures.axes import grid_of, label_plane, not_known, show_grid
+from reporting.figures.tables import in_micrometres
 from reporting.results import Results
 
 MAPS = {
@@ -26,10 +26,9 @@ MOST_ERROR = 0.03
 def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
     maps = _read(results, "response", "status")
-    maps = maps.assign(
-        **{name: np.nan for name in ("corner_hz", "prompt_share") if name not in maps}
-    )
-    maps = maps.assign(prompt_percent=100 * maps["prompt_share"])
+    for name in ("corner_hz", "prompt_share"):
+        maps[name] = maps.get(name, np.nan)
+    maps["prompt_percent"] = 100 * maps["prompt_share"]
     lines = _read(results, "gains", "frequency_hz", "gain", "phase_deg", "error")
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.6)
@@ -39,8 +38,7 @@ def response(results: Results) -> Figure:
         axes.set_title(title)
     for axes, (name, (title, label)) in zip(panels[2:], LINES.items(), strict=True):
         _draw_lines(axes, lines, name)
-        axes.set_title(title)
-        axes.set_ylabel(label)
+        axes.set(title=title, ylabel=label)
     unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.removeprefix("not supported: ")
     note = ""
     if len(unknown):
@@ -51,15 +49,14 @@ def response(results: Results) -> Figure:
 
 
 def _read(results: Results, name: str, *columns: str) -> pd.DataFrame:
-    table = results.table(f"simulations/screen/{name}.csv", "h0_m", "hv_m", *columns)
-    return table.assign(h0_um=micrometres(table["h0_m"]), hv_um=micrometres(table["hv_m"]))
+    file = f"simulations/screen/{name}.csv"
+    return in_micrometres(results.table(file, "h0_m", "hv_m", *columns))
 
 
 def _draw_map(axes: Axes, maps: pd.DataFrame, name: str) -> None:
     grid = grid_of(maps, name)
     label_plane(axes)
-    axes.set_xlim(grid[0].min(), grid[0].max())
-    axes.set_ylim(grid[1].min(), grid[1].max())
+    show_grid(axes, grid)
     known = maps[maps[name].notna()]
     if known.empty:
         _nothing(axes)
@@ -68,8 +65,7 @@ def _draw_map(axes: Axes, maps: pd.DataFrame, name: str) -> None:
         axes.plot(known["h0_um"], known["hv_um"], "k.", markersize=3)
         for h0_um, hv_um, value in known[["h0_um", "hv_um", name]].to_numpy():
             axes.text(h0_um, hv_um, f"  {value:.3g}", fontsize=6, va="center")
-        axes.set_xmargin(0.05)
-        axes.set_ymargin(0.05)
+        axes.margins(0.05)
         axes.autoscale()
         return
     lines = axes.contour(
@@ -80,9 +76,8 @@ def _draw_map(axes: Axes, maps: pd.DataFrame, name: str) -> None:
 
 def _nothing(axes: Axes) -> None:
     """Neither lines nor numbers: an empty scale would look like a result."""
-    axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
-    axes.set_xticks([])
-    axes.set_yticks([])
+    not_known(axes)
+    axes.set(xticks=[], yticks=[])
     axes.grid(False)
 
 
@@ -92,8 +87,7 @@ def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str) -> None:
     if not gaps:
         _nothing(axes)
         return
-    axes.set_xscale("log")
-    axes.set_xlabel("frequency of modulation (Hz)")
+    axes.set(xscale="log", xlabel="frequency of modulation (Hz)")
     axes.grid(True)
     chosen = dict.fromkeys(gaps[index] for index in (0, len(gaps) // 2, -1))
     for gap, colour in zip(chosen, COLOURS, strict=False):

@@ -1,6 +1,6 @@
 """What the figures have in common: size, type, colour, the note below, and saving."""
 
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -15,7 +15,6 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from squeezefilm.errors import InputError
 from squeezefilm.files import whole_file
 
 SINGLE_COLUMN_IN = 3.5
@@ -114,21 +113,11 @@ def add_note(figure: Figure, *lines: str) -> float:
     return taken
 
 
-def plain_numbers(axis: Axis) -> None:
-    """A logarithmic axis with plain numbers at 1, 2 and 5 of each decade."""
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+def plain_numbers(axis: Axis, *, at: Sequence[float] = (1, 2, 5)) -> None:
+    """A logarithmic axis with plain numbers at these places of each decade."""
+    axis.set_major_locator(LogLocator(subs=at))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
-
-
-def check_known(styles: Container[Any], keys: Iterable[Any], *, what: str) -> None:
-    """Refuse a table with something that would not be drawn, for no style is known for it.
-
-    Raises InputError naming it.
-    """
-    unknown = sorted({str(key) for key in keys if key not in styles})
-    if unknown:
-        raise InputError(f"no style is known for the {what} {', '.join(unknown)}")
 
 
 def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:

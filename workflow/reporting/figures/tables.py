@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from reporting.notes import percent, rounded_up
+from reporting.notes import percent
 from reporting.results import Results
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
@@ -14,14 +14,13 @@ MESH_LINES = 26
 
 def plane_table(table: pd.DataFrame, *, layer: str) -> pd.DataFrame:
     """Gap and amplitude of a table of scenes in µm, with the force in N where it is known."""
-    columns = {
-        "layer": layer,
-        "h0_um": micrometres(table["h0_m"]),
-        "hv_um": micrometres(table["hv_m"]),
-    }
-    if "force_n" in table:
-        columns["force_n"] = table["force_n"].to_numpy()
-    return pd.DataFrame(columns)
+    columns = ["layer", "h0_um", "hv_um", *(["force_n"] if "force_n" in table else [])]
+    return in_micrometres(table).assign(layer=layer)[columns].reset_index(drop=True)
+
+
+def in_micrometres(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with gap and amplitude in µm, too."""
+    return table.assign(h0_um=micrometres(table["h0_m"]), hv_um=micrometres(table["hv_m"]))
 
 
 def micrometres(metres: pd.Series) -> np.ndarray:
@@ -65,9 +64,3 @@ def error_note(results: Results, fit: str, plan: str) -> str:
         f"{errors['points']:.0f} points: global error {percent(errors['global_error'])}, "
         f"largest {percent(errors['worst_relative_error'])}"
     )
-
-
-def simulations_note(*forces: pd.DataFrame) -> str:
-    """The largest error estimate of simulations."""
-    largest = max((table["force_error_n"] / table["force_n"].abs()).max() for table in forces)
-    return f"Simulations: estimated error ≤ {rounded_up(float(largest))} of the force."

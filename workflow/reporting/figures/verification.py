@@ -30,24 +30,19 @@ APART = 0.25
 def stability(results: Results) -> Figure:
     """Left the films without inertia over (ε, σ), right those with it over (Re, σ)."""
     data = results.table("numerics/stability.csv", "verdict", "worst_over_allowed")
-    style.check_known(MARKERS, data["verdict"], what="verdict")
+
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.4)
     left, right = figure.subplots(1, 2, width_ratios=(3, 2), sharey=True)
     moving = data["reynolds"] > 0
     shown = _films(left, data[~moving].assign(x=data["epsilon"].clip(upper=LARGEST_EPSILON)))
-    left.set_xscale("logit")
+    left.set(xscale="logit", xlabel="excursion ratio ε (–); contact at the right edge")
     left.set_xticks(EPSILON_TICKS, [f"{tick:g}" for tick in EPSILON_TICKS])
-    left.set_xlim(4e-4, 0.9988)
-    left.set_xlabel("excursion ratio ε (–); contact at the right edge")
-    left.set_ylabel("squeeze number σ (–)")
-    left.set_title("(a) without inertia")
+    left.set(xlim=(4e-4, 0.9988), ylabel="squeeze number σ (–)", title="(a) without inertia")
     _films(right, data[moving].sort_values("epsilon", kind="stable").assign(x=data["reynolds"]))
-    right.set_xscale("log")
-    right.set_xlim(0.2, 120)
-    right.set_xlabel("modified Reynolds number Re (–)")
+    right.set(xscale="log", xlim=(0.2, 120), xlabel="modified Reynolds number Re (–)")
     right.set_title("(b) with inertia, ε rising upwards")
-    bar = figure.colorbar(shown, ax=(left, right), pad=0.01, aspect=40)
-    bar.set_label("worst deviation over what is allowed (–)")
+    label = "worst deviation over what is allowed (–)"
+    figure.colorbar(shown, ax=(left, right), pad=0.01, aspect=40, label=label)
     for verdict, count in data["verdict"].value_counts().items():
         marker = MARKERS[str(verdict)]
         left.plot([], [], marker, color="0.4", linestyle="", label=f"{verdict} ({count})")
@@ -83,8 +78,8 @@ def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
 def work_precision(results: Results) -> Figure:
     """A panel for each film, a line for each method."""
     data = results.table("numerics/work_precision.csv", "film", "method", "relative_error")
-    style.check_known(STYLES, data["method"], what="method")
-    films = list(dict.fromkeys(data["film"]))
+
+    films = data["film"].unique()
     columns = min(2, len(films))
     rows = -(-len(films) // columns)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.0 + 2.3 * rows)
@@ -107,16 +102,11 @@ def work_precision(results: Results) -> Figure:
                 markerfacecolor="white" if line == ":" else colour,
                 label=method,
             )
-        panel.set_xscale("log")
-        panel.set_yscale("log")
-        panel.set_ylim(lowest, 1)
-        panel.set_title(film)
+        panel.set(title=film, xscale="log", yscale="log", ylim=(lowest, 1))
+        panel.set(xlabel="processor time per film (s)", ylabel="relative error of the force (–)")
         panel.grid(True)
-        panel.set_xlabel("processor time per film (s)")
-        panel.set_ylabel("relative error of the force (–)")
         panel.label_outer()
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     note = "Orange: error of the empirical model; grey: what the reference cannot tell apart."
     style.add_note(figure, note)
     return figure
