@@ -98,8 +98,8 @@ class Round:
     """
 
     number: int
-    design: Indices
     simulations: int
+    design: Indices
     theta: Array
     global_error: float
     global_lower: float
