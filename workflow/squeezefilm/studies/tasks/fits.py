@@ -7,13 +7,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from squeezefilm import __version__
 from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
-from squeezefilm.models.cross_validation import relative_errors, summarise
+from squeezefilm.models.cross_validation import error_sizes, relative_errors
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel, described_fit, fit_of, number
 from squeezefilm.models.fitting import Fit
@@ -22,12 +23,7 @@ from squeezefilm.studies.plans import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
-from squeezefilm.tables import (
-    FACTOR_COLUMNS,
-    LIMIT_COLUMNS,
-    SCENE_COLUMNS,
-    read_json,
-)
+from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
 
 Limits = pd.DataFrame | Path | str | None
 
@@ -165,6 +161,9 @@ def errors_on(
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
     """The errors of a fit on simulated forces: a table of its points, and their summary.
 
+    The summary's sum of squares is in N², its global error |model - simulation|/|simulation|, norms
+    over all points.
+
     Args:
         band: relative error; the summary has the share of points within.
     """
@@ -173,13 +172,19 @@ def errors_on(
     predicted = fit.force_model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
-    summary = summarise(model_n=predicted, simulation_n=simulated, band=band)
-    worst = forces.iloc[summary.pop("worst_index")]
+    sizes = error_sizes(model_n=predicted, simulation_n=simulated)
+    worst = int(np.argmax(np.abs(errors)))
     table = forces[as_in(SCENE_COLUMNS, forces)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors
     )
+    point = table.iloc[worst]
     return table, {
-        **summary,
-        "worst_point_id": worst["point_id"],
-        **{f"worst_{name}": float(worst[name]) for name in as_in(FACTOR_COLUMNS, forces)},
+        "points": len(errors),
+        "sum_of_squares": len(errors) * sizes["root_mean_square_n"] ** 2,
+        "global_error": sizes["global_error"],
+        "band": band,
+        "share_within_band": float(np.mean(np.abs(errors) <= band)),
+        "worst_relative_error": float(errors[worst]),
+        "worst_point_id": point["point_id"],
+        **{f"worst_{name}": float(point[name]) for name in as_in(FACTOR_COLUMNS, forces)},
     }
