@@ -32,8 +32,8 @@ from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validities
 from squeezefilm.models.cross_validation import error_sizes, film_folds, left_out_predictions
 from squeezefilm.models.data import POSITION, Factors
-from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
-from squeezefilm.models.force_model import ExpressionModel, check_columns, get_model, make_model
+from squeezefilm.models.fitting import Fit
+from squeezefilm.models.force_model import ExpressionModel, get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
@@ -315,33 +315,6 @@ def number(values: Mapping[str, Any], key: str, path: Path | str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{path}: {key!r} must be a number, not {value!r}")
     return float(value)
-
-
-def described_fit(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: Array,
-    *,
-    settings: Mapping[str, Any],
-    profile_uncertainty: float,
-    processes: int = 1,
-) -> tuple[dict[str, Any], list[Fit]]:
-    """The best of all runs with all that is known of it, as its file holds it, and every run.
-
-    Args:
-        force_n: simulated forces in newtons, shape (n,).
-        settings: the section ``fit`` of a study.
-        profile_uncertainty: share of a force that the scan of a measured profile leaves open.
-
-    Raises InputError where the model cannot be fitted to these points.
-    """
-    check_columns(model, factors)
-    if len(factors) >= len(model.parameter_names):
-        check_identifiable(model, factors)
-    runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
-    best = min(runs, key=lambda run: run.sum_of_squares)
-    about = describe(model, factors, force_n, best, profile_uncertainty=profile_uncertainty)
-    return about, runs
 
 
 def describe(

@@ -16,8 +16,8 @@ from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.models.cross_validation import error_sizes, relative_errors
 from squeezefilm.models.data import factors_of
-from squeezefilm.models.fit_file import FittedModel, described_fit, fit_of, number
-from squeezefilm.models.fitting import Fit
+from squeezefilm.models.fit_file import FittedModel, describe, fit_of, number
+from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.studies.plans import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
@@ -92,15 +92,14 @@ def fit_to_forces(
     settings = config["fit"]
     if seeds is not None:
         settings = settings | {"seeds": dict.fromkeys(settings["seeds"], seeds)}
-    about, runs = described_fit(
-        model,
-        factors_of(forces, limits=limits),
-        forces["force_n"].to_numpy(),
-        settings=settings,
-        profile_uncertainty=uncertainty,
-        processes=processes,
-    )
-    about |= {
+    factors, force_n = factors_of(forces, limits=limits), forces["force_n"].to_numpy()
+    check_columns(model, factors)
+    if len(factors) >= len(model.parameter_names):
+        check_identifiable(model, factors)
+    runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
+    best = min(runs, key=lambda run: run.sum_of_squares)
+    about = {
+        **describe(model, factors, force_n, best, profile_uncertainty=uncertainty),
         "directions": symmetry_of(config).to_dict(),
         "film": film_of(config, left_out=forces["left_out"]),
         "source": {"squeezefilm": __version__, **source},

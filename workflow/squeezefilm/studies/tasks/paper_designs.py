@@ -155,7 +155,7 @@ def _pattern_summaries(
     return [
         {
             "pattern": pattern.name,
-            "count": pattern.count,
+            "count": len(pattern.members),
             "objective": pattern.design.value,
             "objective_excess": pattern.excess,
             "inverse_determinant": pattern.design.inverse_determinant,

@@ -10,7 +10,7 @@ import pandas as pd
 
 from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
-from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, refine_loop
+from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.data import COLUMNS, Factors
 from squeezefilm.models.fit_file import describe, fit_of
@@ -142,7 +142,7 @@ def refine(
         print(error)
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
         return Refinement(tables, *[about | {"refused": str(error)}] * 2)
-    outcome = refine_loop(
+    loop = Sequential(
         model,
         pool,
         Goal(
@@ -155,8 +155,8 @@ def refine(
         separation=settings["separation"],
         bound=config["fit"]["bounds"][-1],
         seed=settings["seed"],
-        report=_print_round,
     )
+    outcome = loop.run(_print_round)
     print(f"{outcome.verdict}: {outcome.reason}")
     values = _fit_values(model, simulated, outcome, profile_uncertainty=uncertainty)
     fit = fit_of(values, place=f"{config['study']}: {model.name}")
