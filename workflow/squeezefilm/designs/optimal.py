@@ -61,17 +61,11 @@ class ApproximateDesign:
     log_det: Array
     efficiency_bound: float
 
-    @property
-    def support(self) -> Indices:
-        """Indices of the candidates that have a weight."""
-        return np.flatnonzero(self.weights > DROPPED)
-
     def on(self, candidates: Array) -> ContinuousDesign:
         """The candidates, shape (n, k), that have a weight."""
-        weights = self.weights[self.support]
-        return ContinuousDesign(
-            candidates[self.support], weights / weights.sum(), self.efficiency_bound
-        )
+        support = self.weights > DROPPED
+        weights = self.weights[support] / self.weights[support].sum()
+        return ContinuousDesign(candidates[support], weights, self.efficiency_bound)
 
 
 @dataclass(frozen=True, eq=False)
