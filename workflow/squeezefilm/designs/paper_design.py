@@ -245,7 +245,7 @@ def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design
         separation=criterion.separation,
         starts=EXCHANGES,
     )
-    return descend(criterion, candidates[found.chosen])
+    return descend(criterion, candidates[found])
 
 
 def _slopes(function: Callable[[Array], Array], unit: Array, step: float = 1e-6) -> Array:

@@ -250,7 +250,7 @@ class Sequential:
             starts=3,
             seed=self.seed,
         )
-        return np.asarray(pool.candidates[found.chosen])
+        return np.asarray(pool.candidates[found])
 
     def one_round(self, design: Indices, rounds: Sequence[Round]) -> tuple[Round, Array, str, str]:
         """The next round, the best fit to all points, and the verdict with its reason, if any."""

@@ -222,10 +222,9 @@ class FittedModel(BaseModel):
             "; ".join(filter(None, (outside or few, none)))
             for outside, none in zip(self.interval.outside(factors), undefined, strict=True)
         ]
+        known = [not note for note in notes]
         error_95, error_99 = (
-            np.where(
-                [not note for note in notes], self.interval.error_n(force, level=level), np.nan
-            )
+            np.where(known, self.interval.error_n(force, level=level), np.nan)
             for level in (0.95, 0.99)
         )
         return error_95, error_99, [note and f"not validated: {note}" for note in notes]

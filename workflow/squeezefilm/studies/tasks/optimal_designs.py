@@ -86,7 +86,7 @@ def optimal_designs(
     settings is the section ``optimal`` of a study, existing a table of scenes to add to: they are
     the first of the augmented design.
     """
-    maximin = maximin_design(study.derivatives(study.everywhere, layers=EVERY))[0]
+    maximin = maximin_design(study.derivatives(study.everywhere, layers=EVERY))
     designs = {
         "local": _anywhere(study, slice(0, 1)),
         "bayesian": _anywhere(study, EVERY),
@@ -100,7 +100,7 @@ def optimal_designs(
     }
     for count in settings["points"]:
         if count >= parameters:
-            chosen = exchange(derivatives, count, **apart).chosen
+            chosen = exchange(derivatives, count, **apart)
             designs[f"exact-{count}"] = _equal(study.grid[chosen])
     designs = {name: _sorted(design) for name, design in designs.items()}
     if existing is not None:
@@ -111,7 +111,7 @@ def optimal_designs(
             existing=study.derivatives(there),
             existing_coordinates=study.space.coordinates(there),
             **apart,
-        ).chosen
+        )
         designs["augmented"] = _equal(np.concatenate([there, study.grid[added]]))
     return designs
 
