@@ -165,12 +165,13 @@ class Expression:
         known: dict[int, Any] = {}
         with np.errstate(all="ignore"):
             for part in self.parts:
-                if isinstance(part, Operation):
+                if isinstance(part, Number):
+                    known[id(part)] = part.value
+                elif isinstance(part, Name):
+                    known[id(part)] = np.asarray(values[part.name])
+                else:
                     arguments = [known[id(each)] for each in part.arguments]
                     known[id(part)] = _function(part.operator)(*arguments)
-                else:
-                    number = isinstance(part, Number)
-                    known[id(part)] = part.value if number else np.asarray(values[part.name])
         return np.asarray(known[id(self.root)]) + 0.0  # whole numbers as floating-point ones
 
 

@@ -244,7 +244,10 @@ def summary_of(
         "candidates": len(study.everywhere),
         "scenes_among_them": len(study.grid),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
-        **table.set_index("plan")[["d_efficiency", "lower_bound"]].to_dict(),
+        **{
+            column: dict(zip(table["plan"], table[column], strict=True))
+            for column in ("d_efficiency", "lower_bound")
+        },
         "parameter_ranges": [each.to_dict() for each in study.ranges],
         "parameter_ranges_note": RANGES_NOTE,
     }

@@ -12,7 +12,7 @@ from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.models.data import COLUMNS, Factors
+from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import describe, fit_of
 from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns
@@ -72,9 +72,8 @@ class SimulatedSpace:
         self.known = with_limits(self.table, self.scenes)
         self.solutions: dict[int, Solution] = {}
         self.device = device_of(config)
-        names = (*as_in(FACTOR_COLUMNS, self.table), *COLUMNS.values())
         self.pool = Pool(
-            Factors.of(**{name: self.known[name].to_numpy() for name in names}),
+            factors_of(self.known, limits=self.known),
             space.coordinates(space.points(self.table)),
             *np.split(np.arange(len(self.table)), np.cumsum([len(each) for each in kinds])[:-1]),
         )
