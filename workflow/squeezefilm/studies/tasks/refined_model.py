@@ -1,6 +1,5 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -93,7 +92,7 @@ class SimulatedSpace:
             np.array([solution.force_error_n for solution in found]),
         )
 
-    def places(self, points: Sequence[int] | np.ndarray | pd.Series) -> pd.DataFrame:
+    def places(self, points: list[int] | np.ndarray) -> pd.DataFrame:
         """The factors of points."""
         return self.table[as_in(FACTOR_COLUMNS, self.table)].loc[points].reset_index(drop=True)
 
@@ -241,7 +240,7 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
     rounds = pd.DataFrame([vars(each) for each in outcome.rounds])
     rounds["design"] = rounds["design"].map(len)
     rounds = rounds.rename(columns={"number": "round", "design": "fitted_points"})
-    worst = space.places(rounds.pop("worst_at")).add_prefix("worst_")
+    worst = space.places(rounds.pop("worst_at").to_list()).add_prefix("worst_")
     theta = pd.DataFrame(rounds.pop("theta").tolist(), columns=list(model.parameter_names))
     estimated, shares = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_share":]
     return pd.concat([estimated, worst, shares, theta.add_prefix("parameter_")], axis=1)
