@@ -139,7 +139,8 @@ def refine(
     except InputError as error:
         print(error)
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
-        return Refinement(tables, *[about | {"refused": str(error)}] * 2)
+        reason = about | {"refused": str(error)}
+        return Refinement(tables, reason, reason)
     loop = Sequential(
         model,
         pool,
