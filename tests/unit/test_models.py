@@ -5,7 +5,7 @@ import pytest
 from reference_forces import reference_forces
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
+from squeezefilm.models.cross_validation import film_folds, left_out_predictions
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit
 from squeezefilm.models.force_model import TWO_FACTOR, get_model, make_model
@@ -64,7 +64,8 @@ def test_centred_points_count_in_every_fit_near_a_known_one(shape):
     np.testing.assert_allclose(theta, best, rtol=1e-6)
     for each in parameter_ranges(model, CENTRED, force, theta):
         assert each.lower < each.estimate < each.upper
-    predicted = left_out_predictions(model, CENTRED, force, theta=theta, folds=5, seed=1)
+    folds = film_folds(CENTRED, folds=5, seed=1)
+    predicted = left_out_predictions(model, CENTRED, force, theta=theta, folds=folds)
     assert np.linalg.norm(predicted - force) < 0.04 * np.linalg.norm(force)
 
 
@@ -77,10 +78,10 @@ def test_a_point_left_out_does_not_know_its_own_force():
     model = get_model("polynomial_3")
     changed = force.copy()
     changed[7] += 1.0
+    fold = film_folds(factors, folds=5, seed=1)
     kept, moved = (
-        left_out_predictions(model, factors, y, theta=np.zeros(3), folds=5, seed=1)
+        left_out_predictions(model, factors, y, theta=np.zeros(3), folds=fold)
         for y in (force, changed)
     )
-    fold = fold_numbers(points=60, folds=5, seed=1)
     np.testing.assert_array_equal(kept[fold == fold[7]], moved[fold == fold[7]])
     assert np.all(kept[fold != fold[7]] != moved[fold != fold[7]])

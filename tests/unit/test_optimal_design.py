@@ -59,9 +59,9 @@ def test_the_maximin_design_is_best_for_the_worst_vector():
     x = np.linspace(0.01, 5, 500)[:, None]
     stack = np.stack([michaelis_menten(x, k=k) for k in (0.1, 1.0, 5.0)])
     goal = np.array([optimal_weights(layer).log_det[0] for layer in stack])
-    design, efficiencies = maximin_design(stack)
+    design = maximin_design(stack)
     assert design.efficiency_bound > 1 - 1e-4
-    np.testing.assert_allclose(np.exp((design.log_det - goal) / 2), efficiencies, atol=1e-5)
+    efficiencies = np.exp((design.log_det - goal) / 2)
     bayesian = optimal_weights(stack)
     assert efficiencies.min() > np.exp((bayesian.log_det - goal) / 2).min() + 0.01
 
@@ -76,8 +76,8 @@ def test_an_exact_design_is_the_best_of_all_choices():
     for points in (3, 4, 5):
         found = exchange(f, points)
         best = max(combinations(range(11), points), key=value)
-        assert found.log_det == pytest.approx(value(best), abs=1e-9)
-        assert len(set(found.chosen)) == points
+        assert value(found) == pytest.approx(value(best), abs=1e-9)
+        assert len(set(found)) == points
 
 
 def test_exact_points_keep_their_distance_from_each_other_and_from_existing_ones():
@@ -91,7 +91,7 @@ def test_exact_points_keep_their_distance_from_each_other_and_from_existing_ones
         existing_coordinates=there,
         separation=0.3,
     )
-    places = np.sort(np.append(x[found.chosen, 0], -1.0))
+    places = np.sort(np.append(x[found, 0], -1.0))
     assert np.diff(places).min() >= 0.3 - 1e-12
     with pytest.raises(InputError, match="only 2 of 3 points fit"):
         exchange(f, 3, coordinates=x, separation=1.5)
@@ -106,5 +106,5 @@ def test_random_candidates_have_a_certified_design_and_undefined_ones_no_weight(
         f[:, :50] = np.nan
         design = optimal_weights(f, gap=1e-6)
         assert design.efficiency_bound >= 1 - 1e-6
-        assert design.support.min() >= 50
-        assert exchange(f, parameters).chosen.min() >= 50
+        assert np.flatnonzero(design.weights).min() >= 50
+        assert exchange(f, parameters).min() >= 50

@@ -50,7 +50,7 @@ def test_the_searches_end_in_two_patterns(patterns):
     first, second = (pattern.design.points * 1e6 for pattern in patterns)
     np.testing.assert_allclose(first, [[5, 2], [6.91, 2], [10, 0.2]], atol=0.01)
     np.testing.assert_allclose(second, [[5, 1.45], [5, 2], [10, 0.2]], atol=0.01)
-    assert sum(pattern.count for pattern in patterns) == 6
+    assert sum(len(pattern.members) for pattern in patterns) == 6
     # They differ by 5e-6 of the criterion: which of them is met more often means little.
     assert patterns[0].excess == 0
     assert patterns[1].excess == pytest.approx(0.61, abs=0.05)

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from squeezefilm.designs.sequential import Goal, Outcome, Pool, refine_loop
+from squeezefilm.designs.sequential import Goal, Outcome, Pool, Sequential
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 
@@ -48,8 +48,8 @@ def run(
         force = truth(points.factors.take(which).epsilon)
         return force, np.full(len(which), error_n)
 
-    found = refine_loop(tried, points, goal, simulate, separation=0.1, bound=100, seed=1)
-    return found, asked
+    loop = Sequential(tried, points, goal, simulate, separation=0.1, bound=100, seed=1)
+    return loop.run(), asked
 
 
 def wavy(share: float) -> Callable[[np.ndarray], np.ndarray]:

@@ -1,21 +1,28 @@
 """Errors of a model against simulations."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from squeezefilm.models.cross_validation import summarise
+from squeezefilm.models.fit_file import fit_of
+from squeezefilm.studies.tasks.fits import errors_on
 
 SIMULATION = [1.0, 2.0, 4.0, 0.1]
-MODEL = [1.1, 2.0, 3.0, 0.115]
+MODEL = np.array([1.1, 2.0, 3.0, 0.115])
 
 
 def test_summary():
-    summary = summarise(model_n=MODEL, simulation_n=SIMULATION, band=0.2)
+    values = {"model": "own", "expression": "t0*hv/h0", "theta": [10.0], "points": 4}
+    values |= {"parameters": ["t0"], "parameter_units": ["N"]}
+    fit = fit_of(values | {"global_error": 0.0, "sum_of_squares": 0.0}, place="fit.json")
+    forces = pd.DataFrame({"point_id": list("abcd"), "h0_m": 1e-5, "hv_m": 1e-6 * MODEL})
+    forces = forces.assign(phi_r_m=0.0, phi_deg=0.0, force_n=SIMULATION)
+    _, summary = errors_on(fit, forces, band=0.2)
     squares = 0.1**2 + 1.0**2 + 0.015**2
     assert summary["points"] == 4
     assert summary["sum_of_squares"] == pytest.approx(squares)
     assert summary["global_error"] == pytest.approx(np.sqrt(squares / 21.01))
     assert summary["share_within_band"] == 0.75
-    assert summary["worst_index"] == 2
+    assert summary["worst_point_id"] == "c"
     assert summary["worst_relative_error"] == pytest.approx(-0.25)
     assert summary["band"] == 0.2

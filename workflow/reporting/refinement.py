@@ -1,6 +1,7 @@
 """What refinements estimated of their models' errors, beside points that they have never seen."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -45,15 +46,15 @@ def refinement_table(results: Results, space: str) -> tuple[pd.DataFrame, dict[s
     factors = factors_of(sample, limits=plan / "limits.csv").take(known)
     rows, reasons, profile_uncertainty = [], {}, 0.0
     for name in results.config["refine"][space]:
-        folder = f"refine/{space}/{name}"
-        verdict = results.summary(f"{folder}/verdict.json")
+        folder = results.folder / f"refine/{space}/{name}"
+        verdict = results.summary(f"refine/{space}/{name}/verdict.json")
         if "refused" in verdict:
             rows.append({"model": verdict["model"], "verdict": "left out"})
             reasons[verdict["model"]] = ("left out", f"{verdict['refused']}.")
             continue
-        fit = read_fit(results.folder / folder / "fit.json")
+        fit = read_fit(folder / "fit.json")
         profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
-        rows.append(_row(results, folder, verdict, fit, factors, unseen["force_n"].to_numpy()))
+        rows.append(_row(folder, verdict, fit, factors, unseen["force_n"].to_numpy()))
         reasons[verdict["model"]] = (
             VERDICTS[verdict["verdict"]],
             f"{verdict['reason']}. {verdict['error_by_region_text']} "
@@ -70,8 +71,7 @@ def refinement_table(results: Results, space: str) -> tuple[pd.DataFrame, dict[s
 
 
 def _row(
-    results: Results,
-    folder: str,
+    folder: Path,
     verdict: Mapping[str, Any],
     fit: FittedModel,
     factors: Factors,
@@ -94,13 +94,12 @@ def _row(
         "estimated_worst_error": estimated["worst_error"],
         "unseen_worst_error": float(np.abs(error).max() / np.sqrt(np.mean(force_n**2))),
         "unseen_points": len(force_n),
-        "share_in_interval": _coverage(results, folder, verdict, fit, factors, error),
+        "share_in_interval": _coverage(folder, verdict, fit, factors, error),
     }
 
 
 def _coverage(
-    results: Results,
-    folder: str,
+    folder: Path,
     verdict: Mapping[str, Any],
     fit: FittedModel,
     factors: Factors,
@@ -114,8 +113,8 @@ def _coverage(
         return float("nan")
     spread, model = np.zeros(len(error_n)), fit.force_model
     if fit.theta:
-        own = read_ok_forces(results.folder / folder / "forces.csv")
-        at = factors_of(own, limits=results.folder / folder / "limits.csv")
+        own = read_ok_forces(folder / "forces.csv")
+        at = factors_of(own, limits=folder / "limits.csv")
         design = at.take(own["point_id"].str.startswith("design").to_numpy())
         f = model.gradient(fit.theta, design)
         # The sensitivity is f' (F'F/n)^-1 f / p.

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.columns import CARTESIAN
+from squeezefilm.columns import POLAR
 from squeezefilm.errors import InputError
 
 Array = NDArray[np.float64]
 Coordinates = Callable[[Array], Array]
 
-SCALINGS = ("unit", "micrometre", "metre", "scene")
+PER_METRE = {"micrometre": 1e6, "metre": 1.0}
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,6 @@ class Box:
     upper: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if not len(self.names) == len(self.lower) == len(self.upper) > 0:
-            raise InputError("box: give one name, one lower and one upper limit for each factor")
         for name, low, high in zip(self.names, self.lower, self.upper, strict=True):
             if not (np.isfinite(low) and np.isfinite(high) and low < high):
                 raise InputError(
@@ -59,35 +57,18 @@ def coordinates(scaling: str, box: Box) -> Coordinates:
     unit: every factor scaled to [0, 1]; micrometre, metre: the factors as they are, all of them
     lengths; scene: h0 and hv scaled to [0, 1], and a polar position as x and y over the largest
     radius, so that two angles at the centre are one and the same scene; a Cartesian one as unit.
-    Raises InputError for an unknown name, or one that does not suit the box's factors.
     """
-    if scaling not in SCALINGS:
-        raise InputError(f"scaling {scaling!r} is unknown; known are {', '.join(SCALINGS)}")
-    if scaling == "unit":
-        return box.to_unit
-    if scaling == "scene":
-        return box.to_unit if box.names[2:] == CARTESIAN else _scene_coordinates(box)
-    if not all(name.endswith("_m") for name in box.names):
-        raise InputError(f"scaling {scaling!r} is for factors that are lengths; use unit or scene")
-    per_metre = {"micrometre": 1e6, "metre": 1.0}[scaling]
-    return lambda points: np.asarray(points, dtype=float) * per_metre
 
-
-def _scene_coordinates(box: Box) -> Coordinates:
-    if box.names != ("h0_m", "hv_m", "phi_r_m", "phi_deg"):
-        raise InputError(
-            "scaling 'scene' is for the factors h0_m, hv_m, phi_r_m, phi_deg in this order; "
-            f"got {', '.join(box.names)}"
-        )
-
-    def of(points: Array) -> Array:
+    def scene(points: Array) -> Array:
         points = np.asarray(points, dtype=float)
         radius = points[..., 2] / box.upper[2]
         angle = np.deg2rad(points[..., 3])
         position = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
         return np.concatenate([box.to_unit(points)[..., :2], position], axis=-1)
 
-    return of
+    if scaling in PER_METRE:
+        return lambda points: np.asarray(points, dtype=float) * PER_METRE[scaling]
+    return scene if scaling == "scene" and box.names[2:] == POLAR else box.to_unit
 
 
 def pair_distances(points: ArrayLike) -> Array:

@@ -21,17 +21,6 @@ START_INFORMATION = 1e-6
 """
 
 
-@dataclass(frozen=True, eq=False)
-class ExactDesign:
-    """The candidates chosen, in ascending order, and the mean of log det F'F over K vectors.
-
-    F includes the existing points.
-    """
-
-    chosen: Indices
-    log_det: float
-
-
 def exchange(
     derivatives: ArrayLike,
     points: int,
@@ -42,8 +31,10 @@ def exchange(
     separation: float = 0.0,
     starts: int = 8,
     seed: int = 1,
-) -> ExactDesign:
+) -> Indices:
     """The best design found of so many candidates, none twice, by exchange from several starts.
+
+    Returns the candidates chosen, in ascending order.
 
     Args:
         derivatives: of the candidates, shape (n, p), or (K, n, p) for K parameter vectors whose
@@ -71,17 +62,16 @@ def exchange(
         allowed &= ~np.any(near < max(separation, 1e-9), axis=1)
     search = _Search(f / size, _squares(old / size), places, separation, allowed)
     rng = np.random.default_rng(seed)
-    best = ExactDesign(np.empty(0, dtype=int), -np.inf)
+    best, highest = np.empty(0, dtype=int), -np.inf
     for start in range(starts):
         # The first start is greedy from nothing, the others from one or more random points.
         chosen = search.improved(search.grown(search.drawn(min(start, points), rng), points))
         log_det = search.log_det(chosen)
-        if log_det > best.log_det:
-            best = ExactDesign(np.sort(chosen), log_det)
-    if not np.isfinite(best.log_det):
+        if log_det > highest:
+            best, highest = np.sort(chosen), log_det
+    if not np.isfinite(highest):
         raise InputError("design: the points cannot tell the parameters apart; ask for more points")
-    scale = 2 * float(np.log(size).sum(axis=-1).mean())
-    return ExactDesign(best.chosen, best.log_det + scale)
+    return best
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,17 +61,11 @@ class ApproximateDesign:
     log_det: Array
     efficiency_bound: float
 
-    @property
-    def support(self) -> Indices:
-        """Indices of the candidates that have a weight."""
-        return np.flatnonzero(self.weights > DROPPED)
-
     def on(self, candidates: Array) -> ContinuousDesign:
         """The candidates, shape (n, k), that have a weight."""
-        weights = self.weights[self.support]
-        return ContinuousDesign(
-            candidates[self.support], weights / weights.sum(), self.efficiency_bound
-        )
+        support = self.weights > DROPPED
+        weights = self.weights[support] / self.weights[support].sum()
+        return ContinuousDesign(candidates[support], weights, self.efficiency_bound)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,8 +161,8 @@ def optimal_weights(
     return ApproximateDesign(weights, log_det, float(min(1.0, 1 / level.max())))
 
 
-def maximin_design(derivatives: ArrayLike) -> tuple[ApproximateDesign, Array]:
-    """Weights with the largest least D-efficiency over K parameter vectors, and the efficiencies.
+def maximin_design(derivatives: ArrayLike) -> ApproximateDesign:
+    """Weights with the largest least D-efficiency over K parameter vectors.
 
     derivatives has shape (K, n, p). Efficiency k is (det M_k / det M_k*)^(1/p) against the best
     design for vector k alone. The maximin design is Bayesian for the least favourable prior, the
@@ -200,8 +194,7 @@ def maximin_design(derivatives: ArrayLike) -> tuple[ApproximateDesign, Array]:
         constraints={"type": "eq", "fun": lambda z: z.sum() - 1, "jac": np.ones_like},
         options={"ftol": 1e-12, "maxiter": 200},
     )
-    bound = float(min(1.0, np.exp(least - ceiling)))
-    return replace(best, efficiency_bound=bound), np.exp((best.log_det - goal) / parameters)
+    return replace(best, efficiency_bound=float(min(1.0, np.exp(least - ceiling))))
 
 
 def _scaled(derivatives: ArrayLike) -> tuple[Array, Array]:

@@ -245,7 +245,7 @@ def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design
         separation=criterion.separation,
         starts=EXCHANGES,
     )
-    return descend(criterion, candidates[found.chosen])
+    return descend(criterion, candidates[found])
 
 
 def _slopes(function: Callable[[Array], Array], unit: Array, step: float = 1e-6) -> Array:
@@ -274,18 +274,14 @@ class Pattern:
     members: tuple[int, ...]
     excess: float
 
-    @property
-    def count(self) -> int:
-        return len(self.members)
 
-
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Region:
     """One place in the space of the experiment, shape (k,), and the patterns that have a point
     there; no pattern where the point was added by augmentation."""
 
     point: Array
-    patterns: tuple[str, ...]
+    patterns: list[str]
 
     @property
     def origin(self) -> str:
@@ -302,13 +298,12 @@ def find_patterns(designs: Sequence[Design], box: Box) -> list[Pattern]:
     """
     groups: list[list[int]] = []
     for index in sorted(range(len(designs)), key=lambda index: designs[index].value):
-        points = designs[index].points
-        alike = (g for g in groups if _mismatch(points, designs[g[0]].points, box) <= SAME)
-        group = next(alike, None)
-        if group is None:
-            groups.append([index])
+        for group in groups:
+            if _mismatch(designs[index].points, designs[group[0]].points, box) <= SAME:
+                group.append(index)
+                break
         else:
-            group.append(index)
+            groups.append([index])
     best = [designs[group[0]] for group in groups]
     return [
         Pattern(chr(ord("A") + number), design, tuple(group), design.value - best[0].value)
@@ -324,17 +319,11 @@ def find_regions(patterns: Sequence[Pattern], box: Box) -> list[Region]:
     regions: list[Region] = []
     for pattern in patterns:
         for point in pattern.design.points:
-            gaps = [
-                float(np.linalg.norm(box.to_unit(point) - box.to_unit(region.point)))
-                for region in regions
-            ]
-            if gaps and min(gaps) <= SAME:
-                near = int(np.argmin(gaps))
-                known = regions[near].patterns
-                names = known if pattern.name in known else (*known, pattern.name)
-                regions[near] = Region(regions[near].point, names)
-            else:
-                regions.append(Region(point, (pattern.name,)))
+            gaps = [np.linalg.norm(box.to_unit(point) - box.to_unit(r.point)) for r in regions]
+            if not gaps or min(gaps) > SAME:
+                regions.append(Region(point, [pattern.name]))
+            elif pattern.name not in (near := regions[int(np.argmin(gaps))]).patterns:
+                near.patterns.append(pattern.name)
     return regions
 
 
@@ -368,7 +357,7 @@ def augment(
         values = spaced.value(trials)
         if values.min() >= SINGULAR:
             raise InputError("design: no candidate is left for another point; give more candidates")
-        extended.append(Region(candidates[int(np.argmin(values))], ()))
+        extended.append(Region(candidates[int(np.argmin(values))], []))
     return extended
 
 

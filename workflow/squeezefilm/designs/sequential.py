@@ -98,8 +98,8 @@ class Round:
     """
 
     number: int
-    design: Indices
     simulations: int
+    design: Indices
     theta: Array
     global_error: float
     global_lower: float
@@ -117,7 +117,7 @@ class Outcome:
     """How the loop ended: reached, model, simulation or budget, and in words why.
 
     hindsight is the best fit to all points, verification included; simulated lists them, in the
-    order in which they were, with their forces and errors in newtons. scale_n is the root mean
+    order in which they were, with their forces in newtons. scale_n is the root mean
     square force over the space.
     """
 
@@ -127,14 +127,14 @@ class Outcome:
     hindsight: Array
     simulated: Indices
     force_n: Array
-    force_error_n: Array
     scale_n: float
 
 
 @dataclass
 class Sequential:
-    """The loop's state: forces of the pool's points, NaN where none is known, and fits to some.
+    """The loop: forces of the pool's points, NaN where none is known, and fits to some.
 
+    simulate is called with points of the pool, each once;
     separation is the least distance between two points simulated, in the pool's coordinates; bound
     and seed are of the global search with which a fit begins where no parameters are known.
     """
@@ -250,7 +250,7 @@ class Sequential:
             starts=3,
             seed=self.seed,
         )
-        return np.asarray(pool.candidates[found.chosen])
+        return np.asarray(pool.candidates[found])
 
     def one_round(self, design: Indices, rounds: Sequence[Round]) -> tuple[Round, Array, str, str]:
         """The next round, the best fit to all points, and the verdict with its reason, if any."""
@@ -362,53 +362,34 @@ class Sequential:
         mean_square = squares / float(stats.chi2.ppf(LEVEL, spare))
         return float(np.sqrt(mean_square / np.mean(self.force_n[checks] ** 2)))
 
+    def run(self, report: Callable[[Round], object] = lambda done: None) -> Outcome:
+        """Run the loop until it ends; ``report`` is called with each round when it is done.
 
-def refine_loop(
-    model: ExpressionModel,
-    pool: Pool,
-    goal: Goal,
-    simulate: Simulate,
-    *,
-    separation: float,
-    bound: float,
-    seed: int,
-    report: Callable[[Round], object] = lambda done: None,
-) -> Outcome:
-    """Run the loop (see the module) until it ends.
-
-    Args:
-        simulate: called with points of the pool, each once.
-        separation: least distance between two points simulated, in the pool's coordinates.
-        bound, seed: of the global search with which the first fit begins.
-        report: called with each round when it is done.
-
-    Raises InputError where there are too few verification points, or simulations allowed.
-    """
-    loop = Sequential(model, pool, goal, simulate, separation, bound, seed)
-    design = loop.first_points()
-    loop.measure(np.concatenate([pool.verification, design]))
-    rounds: list[Round] = []
-    verdict = ""
-    while not verdict:
-        done, hindsight, verdict, reason = loop.one_round(design, rounds)
-        rounds.append(done)
-        report(done)
-        if not verdict:
-            try:
-                added = loop.added_points(done.theta, design, goal.batch)
-            except InputError as error:
-                verdict, reason = "budget", f"no more points can be designed: {error}"
-            else:
-                design = np.concatenate([design, added])
-                loop.measure(added)
-    everything = np.concatenate([pool.verification, design])
-    return Outcome(
-        verdict=verdict,
-        reason=reason,
-        rounds=rounds,
-        hindsight=hindsight,
-        simulated=everything,
-        force_n=loop.force_n[everything],
-        force_error_n=loop.error_n[everything],
-        scale_n=loop.scale(hindsight),
-    )
+        Raises InputError where there are too few verification points, or simulations allowed.
+        """
+        design = self.first_points()
+        self.measure(np.concatenate([self.pool.verification, design]))
+        rounds: list[Round] = []
+        verdict = ""
+        while not verdict:
+            done, hindsight, verdict, reason = self.one_round(design, rounds)
+            rounds.append(done)
+            report(done)
+            if not verdict:
+                try:
+                    added = self.added_points(done.theta, design, self.goal.batch)
+                except InputError as error:
+                    verdict, reason = "budget", f"no more points can be designed: {error}"
+                else:
+                    design = np.concatenate([design, added])
+                    self.measure(added)
+        everything = np.concatenate([self.pool.verification, design])
+        return Outcome(
+            verdict=verdict,
+            reason=reason,
+            rounds=rounds,
+            hindsight=hindsight,
+            simulated=everything,
+            force_n=self.force_n[everything],
+            scale_n=self.scale(hindsight),
+        )

@@ -141,39 +141,38 @@ class Expression:
     @cached_property
     def parts(self) -> list[Node]:
         """All parts, each after those it is made of; one that occurs twice is here once."""
-        return walk(self.root)
+        seen: dict[int, Node] = {}
+
+        def visit(part: Node) -> None:
+            if id(part) not in seen:
+                for argument in part.arguments if isinstance(part, Operation) else ():
+                    visit(argument)
+                seen[id(part)] = part
+
+        visit(self.root)
+        return list(seen.values())
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The named quantities that occur, in the order in which they do."""
         return tuple(part.name for part in self.parts if isinstance(part, Name))
 
-    @cached_property
-    def _steps(self) -> list[Number | Name | tuple[Callable[..., Any], list[int]]]:
-        """The parts, operations as a function and the places of its arguments among the parts."""
-        places = {id(part): place for place, part in enumerate(self.parts)}
-        return [
-            (_function(part.operator), [places[id(each)] for each in part.arguments])
-            if isinstance(part, Operation)
-            else part
-            for part in self.parts
-        ]
-
     def evaluate(self, **values: ArrayLike) -> Array:
         """The formula's value for named numbers or arrays, which are broadcast together.
 
         Where it is undefined or overflows the result is NaN or infinite, without a warning.
         """
-        known: list[Any] = []
+        known: dict[int, Any] = {}
         with np.errstate(all="ignore"):
-            for step in self._steps:
-                if isinstance(step, tuple):
-                    known.append(step[0](*[known[place] for place in step[1]]))
+            for part in self.parts:
+                if isinstance(part, Number):
+                    known[id(part)] = part.value
+                elif isinstance(part, Name):
+                    known[id(part)] = np.asarray(values[part.name])
                 else:
-                    known.append(
-                        step.value if isinstance(step, Number) else np.asarray(values[step.name])
-                    )
-        return np.asarray(known[-1]) + 0.0  # whole numbers as floating-point ones
+                    arguments = [known[id(each)] for each in part.arguments]
+                    known[id(part)] = _function(part.operator)(*arguments)
+        return np.asarray(known[id(self.root)]) + 0.0  # whole numbers as floating-point ones
 
 
 def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Expression:
@@ -299,20 +298,6 @@ class _Reader:
 def _shown(text: str) -> str:
     """A part of a formula as a message quotes it."""
     return repr(text if len(text) <= 60 else f"{text[:57]}…")
-
-
-def walk(root: Node) -> list[Node]:
-    """All parts, each after those it is made of; a part that is shared comes once."""
-    seen: dict[int, Node] = {}
-
-    def visit(part: Node) -> None:
-        if id(part) not in seen:
-            for argument in part.arguments if isinstance(part, Operation) else ():
-                visit(argument)
-            seen[id(part)] = part
-
-    visit(root)
-    return list(seen.values())
 
 
 def _function(operator: str) -> Callable[..., Any]:

@@ -5,9 +5,8 @@ where a force hardly depends on its position they are copies, and no point is un
 fitted.
 """
 
-from typing import Any
-
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
@@ -18,27 +17,12 @@ from squeezefilm.models.force_model import ExpressionModel
 Array = NDArray[np.float64]
 
 
-def fold_numbers(*, points: int, folds: int, seed: int) -> NDArray[np.int64]:
-    """To which of the folds each point belongs, shape (points,); sizes differ by at most one.
-
-    Raises InputError for fewer than two folds, or more than points.
-    """
-    if not 2 <= folds <= points:
-        raise InputError(f"folds: {folds} for {points} points; give 2 … {points}")
-    numbers = np.arange(points) % folds
-    return np.random.default_rng(seed).permutation(numbers)
-
-
 def film_folds(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
     """To which fold each point belongs, shape (n,): of as many as asked for, or as there are pairs
     of a gap and an amplitude if these are fewer; all points of a pair to one."""
-    pairs = np.column_stack([factors.h0_m, factors.hv_m])
-    _, first, pair = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
-    in_order = np.argsort(np.argsort(first))[pair.ravel()]
-    if len(first) == 1:
-        return in_order
-    numbers = fold_numbers(points=len(first), folds=min(folds, len(first)), seed=seed)
-    return numbers[in_order]
+    films = pd.DataFrame({"h0_m": factors.h0_m, "hv_m": factors.hv_m})
+    film = films.groupby(["h0_m", "hv_m"], sort=False).ngroup().to_numpy()
+    return np.random.default_rng(seed).permutation(np.arange(film.max() + 1) % folds)[film]
 
 
 def left_out_predictions(
@@ -47,25 +31,20 @@ def left_out_predictions(
     force_n: ArrayLike,
     *,
     theta: ArrayLike,
-    folds: int,
-    seed: int,
+    folds: NDArray[np.int64],
 ) -> Array:
     """Each point's force by the model fitted to the other folds of films, in newtons, shape (n,).
 
-    ``theta`` is where the fits start: that of all points. NaN where the model, fitted to the
-    others, is undefined.
-    Raises InputError where a fold leaves fewer points than parameters, or a fit is impossible.
+    ``theta`` is where the fits start: that of all points; ``folds`` are those of ``film_folds``.
+    NaN where the model, fitted to the others, is undefined, and everywhere where a fold leaves
+    fewer points than parameters. Raises InputError where a fit is impossible.
     """
     force = np.asarray(force_n, dtype=float)
-    numbers = film_folds(factors, folds=folds, seed=seed)
-    predicted = np.empty(len(force))
-    for fold in np.unique(numbers):
-        out = numbers == fold
-        if np.sum(~out) < len(model.parameter_names):
-            raise InputError(
-                f"folds: {np.sum(~out)} points are left for the {len(model.parameter_names)} "
-                f"parameters of the {model.name} model"
-            )
+    predicted = np.full(len(force), np.nan)
+    if len(force) - np.bincount(folds).max() < max(len(model.parameter_names), 1):
+        return predicted
+    for fold in np.unique(folds):
+        out = folds == fold
         found = local_fit(model, factors.take(~out), force[~out], theta)
         predicted[out] = model.evaluate(found, factors.take(out))
     return predicted
@@ -74,15 +53,10 @@ def left_out_predictions(
 def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
     """(model - simulation)/simulation for each point, shape (n,), from forces in newtons.
 
-    Raises InputError for forces that are not finite, of different lengths or none, or for a
+    Raises InputError for forces that are not finite, for none, or for a
     simulated force of zero.
     """
     model, simulation = (np.atleast_1d(np.asarray(f, dtype=float)) for f in (model_n, simulation_n))
-    if model.shape != simulation.shape or model.ndim != 1:
-        raise InputError(
-            f"validation: {model.size} modelled and {simulation.size} simulated forces; "
-            "give one of each for every point"
-        )
     if len(model) == 0:
         raise InputError("validation: no points; give at least one")
     for name, force in (("model_n", model), ("simulation_n", simulation)):
@@ -91,28 +65,6 @@ def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
     if np.any(simulation == 0):
         raise InputError("simulation_n: a force is zero; its relative error is undefined")
     return np.asarray((model - simulation) / simulation)
-
-
-def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float) -> dict[str, Any]:
-    """Errors of modelled against simulated forces, both in newtons, shape (n,), ready for JSON.
-
-    sum_of_squares is in N^2; global_error is |model - simulation|/|simulation|, norms over all
-    points; share_within_band is the share of points with a relative error of at most `band` in
-    magnitude; worst_index is the point of the largest relative error, worst_relative_error it.
-    Raises InputError as relative_errors does.
-    """
-    relative = relative_errors(model_n=model_n, simulation_n=simulation_n)
-    sizes = error_sizes(model_n=model_n, simulation_n=simulation_n)
-    worst = int(np.argmax(np.abs(relative)))
-    return {
-        "points": len(relative),
-        "sum_of_squares": len(relative) * sizes["root_mean_square_n"] ** 2,
-        "global_error": sizes["global_error"],
-        "band": band,
-        "share_within_band": float(np.mean(np.abs(relative) <= band)),
-        "worst_index": worst,
-        "worst_relative_error": float(relative[worst]),
-    }
 
 
 def error_sizes(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, float]:

@@ -51,33 +51,20 @@ class Factors:
     position: tuple[str, str] = POLAR
 
     @classmethod
-    def of(
-        cls,
-        *,
-        h0_m: ArrayLike,
-        hv_m: ArrayLike,
-        phi_r_m: ArrayLike | None = None,
-        phi_deg: ArrayLike | None = None,
-        x_m: ArrayLike | None = None,
-        y_m: ArrayLike | None = None,
-        **columns: ArrayLike,
-    ) -> Factors:
-        """Factors from numbers or sequences, brought to one length.
+    def of(cls, *, h0_m: ArrayLike, hv_m: ArrayLike, **others: ArrayLike) -> Factors:
+        """Factors from numbers or sequences, brought to one length, and results of physics.
 
         The position is given in polar or in Cartesian form, or left out for a centred finger.
         Raises InputError where a value is not finite, a gap is not positive, the lengths differ or
         both forms are given.
         """
-        polar, cartesian = (phi_r_m, phi_deg), (x_m, y_m)
-        if any(v is not None for v in polar) and any(v is not None for v in cartesian):
+        form = CARTESIAN if others.keys() & CARTESIAN else POLAR
+        if form == CARTESIAN and others.keys() & POLAR:
             raise InputError("x_m: give the position as phi_r_m, phi_deg or as x_m, y_m, not both")
-        is_cartesian = any(value is not None for value in cartesian)
-        form, place = (CARTESIAN, cartesian) if is_cartesian else (POLAR, polar)
-        centred = [0.0 if value is None else value for value in place]
-        given = {"h0_m": h0_m, "hv_m": hv_m, **dict(zip(form, centred, strict=True))}
-        named = {k: np.atleast_1d(np.asarray(v, float)) for k, v in (given | columns).items()}
-        for name, column in named.items():
-            if name in given and not np.all(np.isfinite(column)):
+        given = {"h0_m": h0_m, "hv_m": hv_m, **dict.fromkeys(form, 0.0), **others}
+        named = {name: np.atleast_1d(np.asarray(each, float)) for name, each in given.items()}
+        for name in ("h0_m", "hv_m", *form):
+            if not np.all(np.isfinite(named[name])):
                 raise InputError(f"{name}: a factor is not a finite number; all must be")
         if np.any(named["h0_m"] <= 0):
             raise InputError("h0_m: a gap is zero or negative; gaps must be positive")
@@ -86,14 +73,14 @@ class Factors:
         except ValueError:
             lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
             raise InputError(f"factors of different lengths ({lengths}); give one length") from None
-        if is_cartesian:
+        if form == CARTESIAN:
             named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
             named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
         else:
             angle = np.radians(named["phi_deg"])
             named["x_m"] = named["phi_r_m"] * np.cos(angle)
             named["y_m"] = named["phi_r_m"] * np.sin(angle)
-        rest = {name: named.pop(name) for name in columns}
+        rest = {name: named.pop(name) for name in others if name not in form}
         return cls(**named, columns=rest, position=form)
 
     @property

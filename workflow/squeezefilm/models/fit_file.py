@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -26,14 +26,14 @@ from squeezefilm.config.film import key_of
 from squeezefilm.errors import InputError
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.profiles import Piston
-from squeezefilm.film.scene import Actuator, Gas, Scene
+from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
-from squeezefilm.film.validity import validity
+from squeezefilm.film.validity import validities
 from squeezefilm.models.cross_validation import error_sizes, film_folds, left_out_predictions
 from squeezefilm.models.data import POSITION, Factors
-from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
-from squeezefilm.models.force_model import ExpressionModel, check_columns, get_model, make_model
+from squeezefilm.models.fitting import Fit
+from squeezefilm.models.force_model import ExpressionModel, get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
@@ -76,7 +76,7 @@ def _gas_by_names(values: Any) -> Any:
     return _by_keys(values)
 
 
-class Film(BaseModel):
+class FilmOfFit(BaseModel):
     """The film of a fit's simulations, as far as limits of validity go."""
 
     gas: Annotated[Gas, BeforeValidator(_gas_by_names), PlainSerializer(asdict)]
@@ -112,7 +112,7 @@ class FittedModel(BaseModel):
     profile_uncertainty: float = 0.0
     limit_table: LimitTable | None = None
     directions: Any = None
-    film: Film | None = None
+    film: FilmOfFit | None = None
     source: dict[str, Any] = {}
     place: str = Field("fit", exclude=True)
     """The file, for messages."""
@@ -195,16 +195,13 @@ class FittedModel(BaseModel):
         """
         if self.film is None:
             return [FILM_UNKNOWN] * len(factors)
-        alike = Scene(
-            *("", 0.0, 0.0, 0.0, 0.0),
-            gas=self.film.gas,
-            actuator=Actuator(self.film.frequency_hz, Disc(1.0), Piston()),
-            finger=Finger(**dict(self.film.finger), speed_x_m_per_s=0.0),
+        film = Film(
+            self.film.gas,
+            Actuator(self.film.frequency_hz, Disc(1.0), Piston()),
+            Finger(**dict(self.film.finger), speed_x_m_per_s=0.0),
         )
-        return [
-            validity(replace(alike, h0_m=gap, hv_m=amplitude))
-            for gap, amplitude in zip(factors.h0_m.tolist(), factors.hv_m.tolist(), strict=True)
-        ]
+        centre = np.zeros(len(factors))
+        return list(validities(film.scenes(factors.h0_m, factors.hv_m, centre, centre)))
 
     def validation(self, factors: Factors, force_n: ArrayLike) -> tuple[Array, Array, list[str]]:
         """Errors that hold 95 % and 99 % of new points, and why a point is not validated.
@@ -225,10 +222,9 @@ class FittedModel(BaseModel):
             "; ".join(filter(None, (outside or few, none)))
             for outside, none in zip(self.interval.outside(factors), undefined, strict=True)
         ]
+        known = [not note for note in notes]
         error_95, error_99 = (
-            np.where(
-                [not note for note in notes], self.interval.error_n(force, level=level), np.nan
-            )
+            np.where(known, self.interval.error_n(force, level=level), np.nan)
             for level in (0.95, 0.99)
         )
         return error_95, error_99, [note and f"not validated: {note}" for note in notes]
@@ -320,33 +316,6 @@ def number(values: Mapping[str, Any], key: str, path: Path | str) -> float:
     return float(value)
 
 
-def described_fit(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: Array,
-    *,
-    settings: Mapping[str, Any],
-    profile_uncertainty: float,
-    processes: int = 1,
-) -> tuple[dict[str, Any], list[Fit]]:
-    """The best of all runs with all that is known of it, as its file holds it, and every run.
-
-    Args:
-        force_n: simulated forces in newtons, shape (n,).
-        settings: the section ``fit`` of a study.
-        profile_uncertainty: share of a force that the scan of a measured profile leaves open.
-
-    Raises InputError where the model cannot be fitted to these points.
-    """
-    check_columns(model, factors)
-    if len(factors) >= len(model.parameter_names):
-        check_identifiable(model, factors)
-    runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
-    best = min(runs, key=lambda run: run.sum_of_squares)
-    about = describe(model, factors, force_n, best, profile_uncertainty=profile_uncertainty)
-    return about, runs
-
-
 def describe(
     model: ExpressionModel,
     factors: Factors,
@@ -358,14 +327,12 @@ def describe(
     """A fit as its file holds it: parameters, formula, units, ranges and errors."""
     # A model that knows no position was fitted at some all the same.
     position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
-    folds = np.bincount(film_folds(factors, folds=FOLDS, seed=FOLD_SEED))
-    held_out, crossed = np.full(len(force_n), np.nan), None
-    if len(force_n) - folds.max() >= max(len(model.parameter_names), 1):
-        held_out = left_out_predictions(
-            model, factors, force_n, theta=fit.theta, folds=FOLDS, seed=FOLD_SEED
-        )
+    folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
+    held_out = left_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
+    crossed = None
     if np.all(np.isfinite(held_out)):
-        crossed = {"folds": len(folds), **error_sizes(model_n=held_out, simulation_n=force_n)}
+        sizes = error_sizes(model_n=held_out, simulation_n=force_n)
+        crossed = {"folds": int(folds.max()) + 1, **sizes}
     else:
         held_out = np.full(len(force_n), np.nan)
     fitted_n = model.evaluate(fit.theta, factors)

@@ -9,6 +9,8 @@ looked for, and searches end in false minima. asinh is linear near zero and loga
 every order of magnitude gets its share of the candidates.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -56,6 +58,32 @@ class Fit:
     searches: int
     evaluations: int
     search_theta: tuple[float, ...]
+
+    @classmethod
+    def of(
+        cls,
+        model: ExpressionModel,
+        factors: Factors,
+        force_n: Array,
+        theta: Array,
+        **about: Any,
+    ) -> Fit:
+        """A fit by its parameters, shape (p,); ``about`` says how they were found, if searched."""
+        squares, found = sum_of_squares(model, factors, force_n, theta), tuple(theta.tolist())
+        if not np.isfinite(squares):
+            raise InputError(
+                f"fit: the {model.name} model is undefined at every candidate tried; "
+                "no parameters describe these points"
+            )
+        unsearched: dict[str, Any] = {"searches": 0, "evaluations": 0, "search_theta": found}
+        return cls(
+            model=model.name,
+            theta=found,
+            sum_of_squares=squares,
+            global_error=float(np.sqrt(squares) / np.linalg.norm(force_n)),
+            points=len(force_n),
+            **unsearched | about,
+        )
 
 
 Search = Callable[[Objective, Array, int], list[Found]]
@@ -135,29 +163,14 @@ def fit_by(
         if not (np.isfinite(bound) and bound > 0):
             raise InputError(f"bound: {bound} is not allowed; give a positive finite number")
 
-    def fit(way: tuple[float, Search, int], theta: Array, **about: Any) -> Fit:
-        squares = sum_of_squares(model, factors, force, theta)
-        if not np.isfinite(squares):
-            raise InputError(
-                f"fit: the {model.name} model is undefined at every candidate tried; "
-                "no parameters describe these points"
-            )
-        return Fit(
-            model=model.name,
-            theta=tuple(theta.tolist()),
-            sum_of_squares=squares,
-            global_error=float(np.sqrt(squares) / np.linalg.norm(force)),
-            points=len(force),
-            bound=way[0],
-            seed=way[2],
-            **about,
-        )
-
     if model.is_linear:
         theta = local_fit(model, factors, force, np.zeros(count))
         method = "linear least squares" if count else "no parameters"
-        about = {"searches": 0, "evaluations": 1, "search_theta": tuple(theta.tolist())}
-        return [fit(way, theta, method=method, **about) for way in ways]
+        about: dict[str, Any] = {"method": method, "evaluations": 1}
+        return [
+            Fit.of(model, factors, force, theta, bound=bound, seed=seed, **about)
+            for bound, _, seed in ways
+        ]
     objective = _objective(model, factors, force)
 
     def searched(way: tuple[float, Search, int]) -> list[Found]:
@@ -173,15 +186,19 @@ def fit_by(
     leading = [min(each, key=lambda pair: pair[1].value) for each in pairs]
     ends = nelder_mead(objective, np.array([near.x for _, near in leading]))
     return [
-        fit(
-            way,
+        Fit.of(
+            model,
+            factors,
+            force,
             np.sinh(end.x),
-            method=f"{METHODS[way[1]]}, then Nelder-Mead",
+            method=f"{METHODS[search]}, then Nelder-Mead",
+            bound=bound,
+            seed=seed,
             searches=len(found),
             evaluations=sum(e.evaluations for e in [*found, *(near for _, near in tried), end]),
             search_theta=tuple(np.sinh(start.x).tolist()),
         )
-        for way, found, tried, (start, _), end in zip(
+        for (bound, search, seed), found, tried, (start, _), end in zip(
             ways, searches, pairs, leading, ends, strict=True
         )
     ]

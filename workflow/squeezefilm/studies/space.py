@@ -96,8 +96,7 @@ class Space:
 
     def coordinates(self, points: Array) -> Array:
         """Where distances between points are taken: equal for points that are the same scene."""
-        scaling = "unit" if self.centred else "scene"
-        return coordinates(scaling, self.box)(points)
+        return coordinates("scene", self.box)(points)
 
     def table(self, points: Array) -> pd.DataFrame:
         """The points as a plan, numbered from 1; twelve digits, so that a limit reads 2e-06."""

@@ -7,27 +7,23 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from squeezefilm import __version__
 from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
-from squeezefilm.models.cross_validation import relative_errors, summarise
+from squeezefilm.models.cross_validation import error_sizes, relative_errors
 from squeezefilm.models.data import factors_of
-from squeezefilm.models.fit_file import FittedModel, described_fit, fit_of, number
-from squeezefilm.models.fitting import Fit
+from squeezefilm.models.fit_file import FittedModel, describe, fit_of, number
+from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.studies.plans import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
-from squeezefilm.tables import (
-    FACTOR_COLUMNS,
-    LIMIT_COLUMNS,
-    SCENE_COLUMNS,
-    read_json,
-)
+from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
 
 Limits = pd.DataFrame | Path | str | None
 
@@ -96,15 +92,14 @@ def fit_to_forces(
     settings = config["fit"]
     if seeds is not None:
         settings = settings | {"seeds": dict.fromkeys(settings["seeds"], seeds)}
-    about, runs = described_fit(
-        model,
-        factors_of(forces, limits=limits),
-        forces["force_n"].to_numpy(),
-        settings=settings,
-        profile_uncertainty=uncertainty,
-        processes=processes,
-    )
-    about |= {
+    factors, force_n = factors_of(forces, limits=limits), forces["force_n"].to_numpy()
+    check_columns(model, factors)
+    if len(factors) >= len(model.parameter_names):
+        check_identifiable(model, factors)
+    runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
+    best = min(runs, key=lambda run: run.sum_of_squares)
+    about = {
+        **describe(model, factors, force_n, best, profile_uncertainty=uncertainty),
         "directions": symmetry_of(config).to_dict(),
         "film": film_of(config, left_out=forces["left_out"]),
         "source": {"squeezefilm": __version__, **source},
@@ -172,6 +167,9 @@ def errors_on(
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
     """The errors of a fit on simulated forces: a table of its points, and their summary.
 
+    The summary's sum of squares is in N², its global error |model - simulation|/|simulation|, norms
+    over all points.
+
     Args:
         band: relative error; the summary has the share of points within.
     """
@@ -180,13 +178,19 @@ def errors_on(
     predicted = fit.force_model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
-    summary = summarise(model_n=predicted, simulation_n=simulated, band=band)
-    worst = forces.iloc[summary.pop("worst_index")]
+    sizes = error_sizes(model_n=predicted, simulation_n=simulated)
+    worst = int(np.argmax(np.abs(errors)))
     table = forces[as_in(SCENE_COLUMNS, forces)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors
     )
+    point = table.iloc[worst]
     return table, {
-        **summary,
-        "worst_point_id": worst["point_id"],
-        **{f"worst_{name}": float(worst[name]) for name in as_in(FACTOR_COLUMNS, forces)},
+        "points": len(errors),
+        "sum_of_squares": len(errors) * sizes["root_mean_square_n"] ** 2,
+        "global_error": sizes["global_error"],
+        "band": band,
+        "share_within_band": float(np.mean(np.abs(errors) <= band)),
+        "worst_relative_error": float(errors[worst]),
+        "worst_point_id": point["point_id"],
+        **{f"worst_{name}": float(point[name]) for name in as_in(FACTOR_COLUMNS, forces)},
     }

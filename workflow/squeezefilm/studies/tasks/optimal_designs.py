@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,8 @@ from squeezefilm.errors import InputError
 from squeezefilm.models.data import COLUMNS, Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit
-from squeezefilm.models.force_model import ExpressionModel, check_columns
-from squeezefilm.models.parameter_intervals import RANGES_NOTE, ParameterRange, parameter_ranges
+from squeezefilm.models.force_model import check_columns
+from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits
@@ -37,96 +37,61 @@ MAP_LINES = 31
 """Lines of the sensitivity's map along each factor."""
 
 
-@dataclass(frozen=True, eq=False)
 class FittedSpace:
-    """A fitted model in its space: derivatives at points for all parameter vectors.
+    """A fitted model in the space of a study: derivatives at points for all parameter vectors.
 
     thetas, shape (K, p): the fit first, then the ends of the parameters' ranges. grid are
     candidates for points, each scene once; everywhere all combinations of factors, with which no
     plan can be better than the best design.
+
+    Raises InputError for a model without parameters, or points that do not bound them.
     """
 
-    model: ExpressionModel
-    config: Config
-    space: Space
-    ranges: list[ParameterRange]
-    thetas: np.ndarray
-    grid: np.ndarray
-    everywhere: np.ndarray
-
-    @classmethod
-    def of(
-        cls, fit: FittedModel, factors: Factors, force_n: np.ndarray, *, config: Config
-    ) -> FittedSpace:
-        """The space of a study, for a model fitted to these points, with forces in newtons.
-
-        Raises InputError for a model without parameters, or points that do not bound them.
-        """
-        model = fit.force_model
+    def __init__(
+        self, fit: FittedModel, factors: Factors, force_n: np.ndarray, *, config: Config
+    ) -> None:
+        self.model, self.config = fit.force_model, config
         if not fit.theta:
-            raise InputError(f"the model {model.name} has no parameters; nothing is to be designed")
-        theta = local_fit(model, factors, force_n, np.array(fit.theta))
-        ranges = parameter_ranges(model, factors, force_n, theta)
+            raise InputError(f"the model {fit.model} has no parameters; nothing is to be designed")
+        theta = local_fit(self.model, factors, force_n, np.array(fit.theta))
+        self.ranges = parameter_ranges(self.model, factors, force_n, theta)
         ends = [
             each
-            for one in ranges
+            for one in self.ranges
             for each, end in ((one.theta_lower, one.lower), (one.theta_upper, one.upper))
             if np.isfinite(end)
         ]
-        space = Space.of(config, centred=model.is_centred)
+        self.thetas = np.array([theta, *ends])
+        self.space = Space.of(config, centred=self.model.is_centred)
         most = config["optimal"]["candidates"]
-        return cls(
-            model=model,
-            config=config,
-            space=space,
-            ranges=ranges,
-            thetas=np.array([theta, *ends]),
-            grid=space.grid(most, distinct=True),
-            everywhere=space.grid(most, distinct=False),
-        )
+        self.grid = self.space.grid(most, distinct=True)
+        self.everywhere = self.space.grid(most, distinct=False)
 
     def derivatives(self, points: np.ndarray, *, layers: slice = slice(0, 1)) -> np.ndarray:
         """dη/dθ at points for some of the parameter vectors, shape (K, n, p)."""
         columns: dict[str, np.ndarray] = {}
         if self.model.column_names:
             table = self.space.table(points)
-            scenes = scenes_in(table, self.config)
-            known = with_limits(table, scenes)
+            known = with_limits(table, scenes_in(table, self.config))
             columns = {name: known[name].to_numpy() for name in COLUMNS.values()}
         factors = Factors.of(**dict(zip(self.space.box.names, points.T, strict=True)), **columns)
         return np.array([self.model.gradient(theta, factors) for theta in self.thetas[layers]])
 
 
-@dataclass(frozen=True, eq=False)
-class NamedDesign:
-    """A design: its points, their weights, and the two as a table.
-
-    certificate is a lower bound of its criterion's efficiency against all designs, where the
-    equivalence theorem gives one.
-    """
-
-    name: str
-    points: np.ndarray
-    weights: np.ndarray
-    table: pd.DataFrame
-    certificate: float | None = None
-
-
 def optimal_designs(
     study: FittedSpace, settings: Mapping[str, Any], *, existing: pd.DataFrame | None
-) -> list[NamedDesign]:
-    """All designs, the local one first: local, bayesian, maximin, exact-N, augmented.
+) -> dict[str, ContinuousDesign]:
+    """All designs by name, the local one first: local, bayesian, maximin, exact-N, augmented.
 
-    settings is the section ``optimal`` of a study, existing a table of scenes to add to.
+    settings is the section ``optimal`` of a study, existing a table of scenes to add to: they are
+    the first of the augmented design.
     """
-    weighted = {
+    maximin = maximin_design(study.derivatives(study.everywhere, layers=EVERY))
+    designs = {
         "local": _anywhere(study, slice(0, 1)),
         "bayesian": _anywhere(study, EVERY),
-        "maximin": maximin_design(study.derivatives(study.everywhere, layers=EVERY))[0].on(
-            study.everywhere
-        ),
+        "maximin": maximin.on(study.everywhere),
     }
-    designs = [_design(study, name, found) for name, found in weighted.items()]
     derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
     apart = {
         "coordinates": study.space.coordinates(study.grid),
@@ -135,8 +100,9 @@ def optimal_designs(
     }
     for count in settings["points"]:
         if count >= parameters:
-            chosen = exchange(derivatives, count, **apart).chosen
-            designs.append(_design(study, f"exact-{count}", _equal(study.grid[chosen])))
+            chosen = exchange(derivatives, count, **apart)
+            designs[f"exact-{count}"] = _equal(study.grid[chosen])
+    designs = {name: _sorted(design) for name, design in designs.items()}
     if existing is not None:
         there = study.space.points(existing)
         added = exchange(
@@ -145,10 +111,8 @@ def optimal_designs(
             existing=study.derivatives(there),
             existing_coordinates=study.space.coordinates(there),
             **apart,
-        ).chosen
-        origins = ["existing"] * len(there) + ["added"] * parameters
-        both = _equal(np.concatenate([there, study.grid[added]]))
-        designs.append(_design(study, "augmented", both, origins=origins))
+        )
+        designs["augmented"] = _equal(np.concatenate([there, study.grid[added]]))
     return designs
 
 
@@ -169,40 +133,43 @@ def _equal(points: np.ndarray) -> ContinuousDesign:
     return ContinuousDesign(points, np.full(len(points), 1 / len(points)))
 
 
-def _design(
-    study: FittedSpace, name: str, design: ContinuousDesign, *, origins: list[str] | None = None
-) -> NamedDesign:
-    points, weights = design.points, design.weights
-    order = np.arange(len(points)) if origins else np.lexsort(np.round(points, 12).T[::-1])
-    points, weights = points[order], weights[order]
-    table = study.space.table(points)
+def _sorted(design: ContinuousDesign) -> ContinuousDesign:
+    order = np.lexsort(np.round(design.points, 12).T[::-1])
+    return replace(design, points=design.points[order], weights=design.weights[order])
+
+
+def _table(
+    study: FittedSpace, name: str, design: ContinuousDesign, existing: pd.DataFrame | None
+) -> pd.DataFrame:
+    table = study.space.table(design.points)
     table["point_id"] = [f"{name}-{number}" for number in table["point_id"]]
-    table = table.assign(design=name, weight=weights, origin=origins or "design")
-    return NamedDesign(name, points, weights, table, design.efficiency_bound)
+    table = table.assign(design=name, weight=design.weights, origin="design")
+    if name == "augmented" and existing is not None:
+        table["origin"] = np.where(table.index < len(existing), "existing", "added")
+    return table
 
 
 def efficiencies(
-    study: FittedSpace, designs: list[NamedDesign], others: Mapping[str, np.ndarray]
+    study: FittedSpace, designs: Mapping[str, ContinuousDesign], others: Mapping[str, np.ndarray]
 ) -> pd.DataFrame:
     """Every design and plan: D-efficiency for the fit, a bound of it, and over all vectors.
 
     The lower bound does not need the best design; others are points of the space, by their names.
     """
-    candidates, local = study.derivatives(study.everywhere, layers=EVERY), designs[0]
+    candidates, local = study.derivatives(study.everywhere, layers=EVERY), designs["local"]
     best = np.array([optimal_weights(layer).log_det[0] for layer in candidates])
     # Off the grid the best design may be a little better than on it.
     own = study.derivatives(local.points)[0]
     best[0] = max(best[0], *log_determinant(own, local.weights))
     reference = np.concatenate([candidates[0], own])
-    plans = {design.name: (design.points, design.weights) for design in designs}
-    plans |= {name: (each, np.full(len(each), 1 / len(each))) for name, each in others.items()}
     rows = []
-    for name, (points, weights) in plans.items():
+    for name, plan in {**designs, **{name: _equal(each) for name, each in others.items()}}.items():
+        points, weights = plan.points, plan.weights
         derivatives = study.derivatives(points, layers=EVERY)
         logs = log_determinant(derivatives, weights)
         efficiency = np.minimum(np.exp((logs - best) / study.thetas.shape[1]), 1.0)
         level = sensitivity(derivatives[0], reference, weights=weights)
-        by_local = float(efficiency[0]) * (local.certificate or 0.0)
+        by_local = float(efficiency[0]) * (local.efficiency_bound or 0.0)
         rows.append(
             {
                 "plan": name,
@@ -217,7 +184,7 @@ def efficiencies(
     return pd.DataFrame(rows)
 
 
-def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
+def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame:
     """The local design's sensitivity over the space in two panels, and its points.
 
     Over gap and amplitude it is the largest over positions; over the position that of the smallest
@@ -266,20 +233,21 @@ def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
 
 
 def summary_of(
-    study: FittedSpace, designs: list[NamedDesign], table: pd.DataFrame
+    study: FittedSpace, designs: Mapping[str, ContinuousDesign], table: pd.DataFrame
 ) -> dict[str, Any]:
     """Parameters and their ranges, certificates and efficiencies, ready for JSON."""
+    bounds = {name: design.efficiency_bound for name, design in designs.items()}
     return {
         "model": study.model.name,
-        "theta": [float(value) for value in study.thetas[0]],
+        "theta": study.thetas[0].tolist(),
         "parameter_vectors": len(study.thetas),
         "candidates": len(study.everywhere),
         "scenes_among_them": len(study.grid),
-        "certificates": {
-            design.name: design.certificate for design in designs if design.certificate is not None
+        "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
+        **{
+            column: dict(zip(table["plan"], table[column], strict=True))
+            for column in ("d_efficiency", "lower_bound")
         },
-        "d_efficiency": dict(zip(table["plan"], table["d_efficiency"], strict=True)),
-        "lower_bound": dict(zip(table["plan"], table["lower_bound"], strict=True)),
         "parameter_ranges": [each.to_dict() for each in study.ranges],
         "parameter_ranges_note": RANGES_NOTE,
     }
@@ -317,7 +285,7 @@ def designs_of_fit(
     """
     factors = factors_of(forces, limits=limits)
     check_columns(fit.force_model, factors)
-    study = FittedSpace.of(fit, factors, forces["force_n"].to_numpy(), config=config)
+    study = FittedSpace(fit, factors, forces["force_n"].to_numpy(), config=config)
     others = {name: study.space.points(scenes) for name, scenes in (plans or {}).items()}
     for kind in ("scalings", "forms"):
         for search, found in (patterns or {}).get(kind, {}).items():
@@ -327,8 +295,10 @@ def designs_of_fit(
     designs = optimal_designs(study, config["optimal"], existing=existing)
     table = efficiencies(study, designs, others)
     return OptimalDesigns(
-        designs=pd.concat([each.table for each in designs], ignore_index=True),
+        designs=pd.concat(
+            [_table(study, *each, existing) for each in designs.items()], ignore_index=True
+        ),
         efficiencies=table,
-        sensitivity=sensitivity_map(study, designs[0]),
+        sensitivity=sensitivity_map(study, designs["local"]),
         summary=summary_of(study, designs, table),
     )

@@ -57,26 +57,20 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
     for scaling in TWO_FACTOR_SCALINGS:
         criterion = Criterion(determinant.gradient, box, distance=coordinates(scaling, box))
         designs = _searches(criterion, 3, settings, processes=processes)
-        patterns = find_patterns(designs, box)
-        rows += _search_rows(scaling, designs, patterns, box)
-        summary[scaling] = _pattern_summaries(patterns, determinant, best, box)
+        patterns, each, summary[scaling] = _patterns(scaling, criterion, designs, best)
+        rows += each
         if scaling == settings["scaling"]:
             regions = augment(
                 criterion, find_regions(patterns, box), settings["points"], candidates=corners(box)
             )
-    table = _design_table(
-        [region.point for region in regions],
-        [region.origin for region in regions],
-        box,
-        fit.position,
-    )
+    points = np.array([region.point for region in regions])
+    table = _design_table(points, [region.origin for region in regions], box, fit.position)
     about = {
         "scaling": settings["scaling"],
         "searches": settings["searches"],
         "scalings": summary,
         "d_efficiency": d_efficiency(
-            determinant.derivatives(np.array([region.point for region in regions])),
-            determinant.derivatives(best.points),
+            determinant.derivatives(points), determinant.derivatives(best.points)
         ),
     }
     return PaperDesigns([table], pd.DataFrame(rows), about)
@@ -100,9 +94,8 @@ def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> 
             spread_on_lines(criterion, design, ratio=("h0_m", "hv_m"))
             for design in _searches(criterion, points, settings, processes=processes)
         ]
-        patterns = find_patterns(designs, box)
-        rows += _search_rows(form, designs, patterns, box)
-        summary[form] = _pattern_summaries(patterns, criterion, best, box)
+        patterns, each, summary[form] = _patterns(form, criterion, designs, best)
+        rows += each
         tables.append(_design_table(patterns[0].design.points, [form] * points, box, box.names[2:]))
     about = {"searches": settings["searches"], "forms": summary}
     return PaperDesigns(tables, pd.DataFrame(rows), about)
@@ -131,14 +124,16 @@ def _searches(
     )
 
 
-def _search_rows(
-    scaling: str, designs: Sequence[Design], patterns: Sequence[Pattern], box: Box
-) -> list[dict[str, Any]]:
-    """One row for each point of each search, with the pattern that the search ended in."""
+def _patterns(
+    name: str, criterion: Criterion, designs: Sequence[Design], best: Design
+) -> tuple[list[Pattern], list[dict[str, Any]], list[dict[str, Any]]]:
+    """The patterns that searches ended in, a row for each point of each, and what patterns are."""
+    box, optimal = criterion.box, criterion.derivatives(best.points)
+    patterns = find_patterns(designs, box)
     names = {index: pattern.name for pattern in patterns for index in pattern.members}
-    return [
+    rows = [
         {
-            "scaling": scaling,
+            "scaling": name,
             "search": index + 1,
             "pattern": names[index],
             **_named(point, box),
@@ -147,25 +142,19 @@ def _search_rows(
         for index, design in enumerate(designs)
         for point in design.points
     ]
-
-
-def _pattern_summaries(
-    patterns: Sequence[Pattern], criterion: Criterion, best: Design, box: Box
-) -> list[dict[str, Any]]:
-    return [
+    summaries = [
         {
             "pattern": pattern.name,
-            "count": pattern.count,
+            "count": len(pattern.members),
             "objective": pattern.design.value,
             "objective_excess": pattern.excess,
             "inverse_determinant": pattern.design.inverse_determinant,
-            "d_efficiency": d_efficiency(
-                criterion.derivatives(pattern.design.points), criterion.derivatives(best.points)
-            ),
+            "d_efficiency": d_efficiency(criterion.derivatives(pattern.design.points), optimal),
             "points": [_named(point, box) for point in pattern.design.points],
         }
         for pattern in patterns
     ]
+    return patterns, rows, summaries
 
 
 def _named(point: Iterable[float], box: Box) -> dict[str, float]:
@@ -174,10 +163,7 @@ def _named(point: Iterable[float], box: Box) -> dict[str, float]:
 
 
 def _design_table(
-    points: Iterable[Iterable[float]],
-    origins: Sequence[str],
-    box: Box,
-    position: tuple[str, ...],
+    points: np.ndarray, origins: Sequence[str], box: Box, position: tuple[str, ...]
 ) -> pd.DataFrame:
     factors = pd.DataFrame([_named(point, box) for point in points])
     return plan(**factors, position=position).assign(origin=origins)

@@ -6,8 +6,9 @@ gas' inertia the next order is ε²/σ, without it ε²/σ^(3/2): there `limit_n
 is exact to ε². A scene whose inertia is `auto` counts as having it, for limits cost the same.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -33,8 +34,8 @@ from squeezefilm.reynolds.asymptotics.composite import (
     edge_layer_expansion,
     high_squeeze_limit,
 )
-from squeezefilm.reynolds.asymptotics.scenes import Expanded, expanded, not_derived_for
-from squeezefilm.reynolds.needs import Needs, needs_of
+from squeezefilm.reynolds.asymptotics.scenes import expanded, not_derived_for
+from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import film_in, scenes_in
 
@@ -54,47 +55,36 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
     needs = needs_of([_with_inertia(scene) for scene in scenes])
     underived = not_derived_for(needs)
-    scale_n = np.broadcast_to(needs.scenes.force_scale_n, len(scenes))
-    columns = {"sigma": needs.scenes.sigma}
-    errors: dict[str, np.ndarray] = {}
-    for column in EXPANSIONS:
-        columns[column], errors[column] = np.full((2, len(scenes)), np.nan)
-        for row, result in _results(needs, underived, column).items():
-            if np.isfinite(result.error):
-                columns[column][row] = result.mean * scale_n[row]
-                errors[column][row] = result.error * scale_n[row]
-    status = [
-        "ok" if known else underived.get(row, DOES_NOT_HOLD)
-        for row, known in enumerate(np.isfinite(columns["limit_n"]))
-    ]
-    return table.assign(**columns, limit_error_n=errors["limit_n"], status=status)
-
-
-def _results(needs: Needs, underived: Mapping[int, str], column: str) -> dict[int, Expanded]:
-    """What stands in a column, by the scenes' rows, each by its own expansion."""
     derived = ~np.isin(np.arange(len(needs)), list(underived))
     has = np.broadcast_to(needs.scenes.gas.inertia == "included", len(needs))
-    results: dict[int, Expanded] = {}
-    for inertia in (False, True):
+    scale_n = np.broadcast_to(needs.scenes.force_scale_n, len(scenes))
+    columns = {"sigma": needs.scenes.sigma}
+    columns |= {name: np.full(len(scenes), np.nan) for name in (*EXPANSIONS, "limit_error_n")}
+    for inertia, column in product((False, True), EXPANSIONS):
         expand = (EXPANSIONS_WITH_INERTIA if inertia else EXPANSIONS)[column]
-        results |= expanded(
+        results = expanded(
             expand,
             needs,
             np.flatnonzero(derived & (has == inertia)),
             tolerance=TOLERANCE_WITH_INERTIA if inertia else TOLERANCE,
             layers=expand is composite_expansion,
         )
-    return results
+        for row, result in results.items():
+            if np.isfinite(result.error):
+                columns[column][row] = result.mean * scale_n[row]
+                if column == "limit_n":
+                    columns["limit_error_n"][row] = result.error * scale_n[row]
+    status = [
+        "ok" if known else underived.get(row, DOES_NOT_HOLD)
+        for row, known in enumerate(np.isfinite(columns["limit_n"]))
+    ]
+    return table.assign(**columns, status=status)
 
 
 def _with_inertia(scene: Scene) -> Scene:
     """The scene with inertia where that is to be decided."""
     auto = scene.gas.inertia == "auto"
     return replace(scene, gas=replace(scene.gas, inertia="included")) if auto else scene
-
-
-def _has_inertia(scene: Scene) -> bool:
-    return _with_inertia(scene).gas.inertia == "included"
 
 
 def limit_table_of(config: Config) -> LimitTable:
@@ -147,7 +137,8 @@ def _counts(
         lines = (_over_square(limits, at, name).reshape(LINES, LINE_POINTS) for name in EXPANSIONS)
         tails_of[along] = np.max([tails(line) for line in lines], axis=0)
     h0_m = ranges["h0_m"][1]
-    inertia = _has_inertia(film_in(config).scene(h0_m, 0.1 * h0_m))
+    gas = _with_inertia(film_in(config).scene(h0_m, 0.1 * h0_m)).gas
+    inertia = gas.inertia == "included"
     tolerance = TABLE_TOLERANCE_WITH_INERTIA if inertia else TABLE_TOLERANCE
     return counts_for(tails_of, tolerance=tolerance)
 

@@ -1,7 +1,6 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +9,9 @@ import pandas as pd
 
 from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
-from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, refine_loop
+from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.models.data import COLUMNS, Factors
+from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import describe, fit_of
 from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns
@@ -34,8 +33,6 @@ from squeezefilm.tables import (
 
 TYPICAL = 1000
 """Points of the fair sample of the space at which nothing is simulated."""
-ESTIMATED = ("global_error", "global_lower", "global_upper", "lack_of_fit", "worst_error")
-SHARES = ("parameter_share", "floor", "simulation_error")
 CLOSE = 0.3
 """The physics limit maps a model's error if it leaves less than this share of it unexplained."""
 
@@ -74,9 +71,8 @@ class SimulatedSpace:
         self.known = with_limits(self.table, self.scenes)
         self.solutions: dict[int, Solution] = {}
         self.device = device_of(config)
-        names = (*as_in(FACTOR_COLUMNS, self.table), *COLUMNS.values())
         self.pool = Pool(
-            Factors.of(**{name: self.known[name].to_numpy() for name in names}),
+            factors_of(self.known, limits=self.known),
             space.coordinates(space.points(self.table)),
             *np.split(np.arange(len(self.table)), np.cumsum([len(each) for each in kinds])[:-1]),
         )
@@ -88,13 +84,17 @@ class SimulatedSpace:
         found = solve(scenes, **settings.how(self.device))
         for point, solution in zip(points, found, strict=True):
             if solution.status != "ok":
-                factors = self.table[as_in(FACTOR_COLUMNS, self.table)].loc[point].to_dict()
+                (factors,) = self.places([point]).to_dict("records")
                 raise RunError(f"no force at {factors}: {solution.status}")
             self.solutions[int(point)] = solution
         return (
             np.array([solution.force_n for solution in found]),
             np.array([solution.force_error_n for solution in found]),
         )
+
+    def places(self, points: list[int] | np.ndarray) -> pd.DataFrame:
+        """The factors of points."""
+        return self.table[as_in(FACTOR_COLUMNS, self.table)].loc[points].reset_index(drop=True)
 
     def forces(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
         """Points simulated before, with their forces."""
@@ -119,7 +119,7 @@ def refine(
     sample_limits: Path | str,
     uncertainty: float,
 ) -> Refinement:
-    """Refine a model on a study, and validate its last fit; print the rounds.
+    """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
 
     A model that needs the physics limits where they do not hold is refused before anything is
     simulated: the fit and the verdict have the reason, and the tables are empty.
@@ -128,51 +128,22 @@ def refine(
         space: ``two_factor`` or ``four_factor``.
         sample: forces of a validation sample; sample_limits the table of its physics limits.
         uncertainty: share of a force that the scan of a measured profile leaves open.
+
+    Raises InputError where the section allows too few simulations to begin with, and RunError for a
+    scene that has no force.
     """
-    simulated = SimulatedSpace(config, centred=space == "two_factor")
+    simulated, settings = SimulatedSpace(config, centred=space == "two_factor"), config["refine"]
+    pool, about = simulated.pool, {"model": model.name, "space": space}
     try:
-        check_columns(model, simulated.pool.factors)
+        check_columns(model, pool.factors)
     except InputError as error:
         print(error)
-        reason = {"model": model.name, "space": space, "refused": str(error)}
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
-        return Refinement(tables, fit=reason, verdict=reason)
-    found = refined_model(
-        model, simulated, space=space, profile_uncertainty=uncertainty, report=_print_round
-    )
-    print(f"{found.verdict['verdict']}: {found.verdict['reason']}")
-    fit = fit_of(found.fit, place=f"{config['study']}: {model.name}")
-    fit = validated(fit, config, sample=sample, limits=sample_limits)
-    print(fit.statement)
-    return replace(found, fit=fit.to_dict())
-
-
-def _print_round(done: Round) -> None:
-    print(
-        f"round {done.number}: {done.simulations} simulations, global error {done.global_error:.2g}"
-        f" ({done.global_lower:.2g} … {done.global_upper:.2g}), worst {done.worst_error:.2g}, "
-        f"floor {done.floor:.2g}"
-    )
-
-
-def refined_model(
-    model: ExpressionModel,
-    simulated: SimulatedSpace,
-    *,
-    space: str,
-    profile_uncertainty: float,
-    report: Callable[[Round], object] = lambda done: None,
-) -> Refinement:
-    """Run the loop by the study's section ``refine``; space is the name of what is simulated.
-
-    profile_uncertainty is the share of a force that the scan of a measured profile leaves open.
-    Raises InputError where the section allows too few simulations to begin with. Raises RunError
-    for a scene that has no force.
-    """
-    config, settings = simulated.config, simulated.config["refine"]
-    outcome = refine_loop(
+        reason = about | {"refused": str(error)}
+        return Refinement(tables, reason, reason)
+    loop = Sequential(
         model,
-        simulated.pool,
+        pool,
         Goal(
             global_error=settings["global_error"],
             worst_error=settings["worst_error"],
@@ -183,45 +154,28 @@ def refined_model(
         separation=settings["separation"],
         bound=config["fit"]["bounds"][-1],
         seed=settings["seed"],
-        report=report,
     )
-    labels = _labels(outcome, settings["verification"])
+    outcome = loop.run(_print_round)
+    print(f"{outcome.verdict}: {outcome.reason}")
+    values = _fit_values(model, simulated, outcome, profile_uncertainty=uncertainty)
+    fit = fit_of(values, place=f"{config['study']}: {model.name}")
+    fit = validated(fit, config, sample=sample, limits=sample_limits)
+    print(fit.statement)
+    labels, last = _labels(outcome, settings["verification"]), outcome.rounds[-1]
     where, source = _map(model, simulated, outcome)
-    pool, error_n = simulated.pool, where["error_n"].to_numpy()[-TYPICAL:]
-    by_region = error_by_region(pool.factors.take(pool.typical), error_n)
-    verdict = _verdict(outcome, settings) | {
-        "model": model.name,
-        "space": space,
-        "errors_mapped_by": source,
-        "error_by_region": by_region.to_dict("records"),
-        "error_by_region_text": in_words(by_region),
-    }
-    return Refinement(
-        tables={
-            "rounds": _rounds_table(outcome, model, simulated),
-            "forces": simulated.forces(outcome.simulated, labels),
-            "limits": simulated.limits(outcome.simulated, labels),
-            "where": where,
-        },
-        fit=_fit_values(
-            model,
-            simulated,
-            outcome,
-            seed=settings["seed"],
-            profile_uncertainty=profile_uncertainty,
-        ),
-        verdict=verdict,
-    )
-
-
-def _verdict(outcome: Outcome, settings: Mapping[str, Any]) -> dict[str, Any]:
-    last = outcome.rounds[-1]
+    by_region = error_by_region(pool.factors.take(pool.typical), where["error_n"][-TYPICAL:])
     estimated = ("global_error", "global_lower", "global_upper", "worst_error")
-    return {
+    tables = {
+        "rounds": _rounds_table(outcome, model, simulated),
+        "forces": simulated.forces(outcome.simulated, labels),
+        "limits": simulated.limits(outcome.simulated, labels),
+        "where": where,
+    }
+    verdict = {
         "verdict": outcome.verdict,
         "reason": outcome.reason,
         "mean_force_n": outcome.scale_n,
-        "theta_of_all_points": [float(value) for value in outcome.hindsight],
+        "theta_of_all_points": outcome.hindsight.tolist(),
         "simulations": last.simulations,
         "fitted_points": len(last.design),
         "verification_points": settings["verification"],
@@ -229,7 +183,20 @@ def _verdict(outcome: Outcome, settings: Mapping[str, Any]) -> dict[str, Any]:
         "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": {key: _finite(getattr(last, key)) for key in estimated},
         "settings": dict(settings),
+        **about,
+        "errors_mapped_by": source,
+        "error_by_region": by_region.to_dict("records"),
+        "error_by_region_text": in_words(by_region),
     }
+    return Refinement(tables, fit.to_dict(), verdict)
+
+
+def _print_round(done: Round) -> None:
+    print(
+        f"round {done.number}: {done.simulations} simulations, global error {done.global_error:.2g}"
+        f" ({done.global_lower:.2g} … {done.global_upper:.2g}), worst {done.worst_error:.2g}, "
+        f"floor {done.floor:.2g}"
+    )
 
 
 def _labels(outcome: Outcome, checks: int) -> list[str]:
@@ -266,37 +233,22 @@ def _map(
         degree = 1 if len(points) > at.shape[1] + 1 else 0
         surface = RBFInterpolator(at[points], seen, kernel="linear", degree=degree)
         error, source = surface(at[places]), "interpolation"
-    rows = space.table[as_in(FACTOR_COLUMNS, space.table)].loc[places].reset_index(drop=True)
     kinds = np.repeat(["candidate", "sample"], [len(pool.candidates), len(pool.typical)])
-    return rows.assign(layer=kinds, error_n=error), source
+    return space.places(places).assign(layer=kinds, error_n=error), source
 
 
 def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpace) -> pd.DataFrame:
-    rows = []
-    for done in outcome.rounds:
-        worst = space.table[as_in(FACTOR_COLUMNS, space.table)].loc[done.worst_at]
-        theta = zip(model.parameter_names, done.theta, strict=True)
-        rows.append(
-            {
-                "round": done.number,
-                "simulations": done.simulations,
-                "fitted_points": len(done.design),
-                **{name: getattr(done, name) for name in ESTIMATED},
-                **{f"worst_{name}": value for name, value in worst.items()},
-                **{name: getattr(done, name) for name in SHARES},
-                **{f"parameter_{name}": value for name, value in theta},
-            }
-        )
-    return pd.DataFrame(rows)
+    rounds = pd.DataFrame([vars(each) for each in outcome.rounds])
+    rounds["design"] = rounds["design"].map(len)
+    rounds = rounds.rename(columns={"number": "round", "design": "fitted_points"})
+    worst = space.places(rounds.pop("worst_at").to_list()).add_prefix("worst_")
+    theta = pd.DataFrame(rounds.pop("theta").tolist(), columns=list(model.parameter_names))
+    estimated, shares = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_share":]
+    return pd.concat([estimated, worst, shares, theta.add_prefix("parameter_")], axis=1)
 
 
 def _fit_values(
-    model: ExpressionModel,
-    space: SimulatedSpace,
-    outcome: Outcome,
-    *,
-    seed: int,
-    profile_uncertainty: float,
+    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, *, profile_uncertainty: float
 ) -> dict[str, Any]:
     """The last fit as its file tells it, with the range of each parameter."""
     last = outcome.rounds[-1]
@@ -304,27 +256,22 @@ def _fit_values(
     points = last.design if len(last.design) else outcome.simulated
     factors = space.pool.factors.take(points)
     force = np.array([space.solutions[int(point)].force_n for point in points])
-    misses = model.evaluate(last.theta, factors) - force
-    fit = Fit(
-        model=model.name,
-        theta=tuple(float(value) for value in last.theta),
-        sum_of_squares=float(np.sum(misses**2)),
-        global_error=float(np.linalg.norm(misses) / np.linalg.norm(force)),
-        points=len(last.design),
+    fit = Fit.of(
+        model,
+        factors,
+        force,
+        last.theta,
         method="closed loop",
         bound=0.0,
-        seed=seed,
-        searches=0,
-        evaluations=0,
-        search_theta=tuple(float(value) for value in last.theta),
+        seed=space.config["refine"]["seed"],
     )
     ranges = parameter_ranges(model, factors, force, last.theta) if len(last.theta) else []
+    left_out = [each.left_out for each in space.solutions.values()]
     return {
         **describe(model, factors, force, fit, profile_uncertainty=profile_uncertainty),
+        "points": len(last.design),
         "directions": symmetry_of(space.config).to_dict(),
-        "film": film_of(
-            space.config, left_out=[each.left_out for each in space.solutions.values()]
-        ),
+        "film": film_of(space.config, left_out=left_out),
         "parameter_ranges": [each.to_dict() for each in ranges],
         "parameter_ranges_note": RANGES_NOTE,
         "error": {
