@@ -126,8 +126,8 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
     assert "scan.csv: line" in str(refusal.value)
 
 
-def universal(path: Path, *, unit: float = 1.0, **changes: object) -> Path:
-    """A universal file of the points, at three frequencies."""
+def universal(path: Path, *, unit: float = 1.0, damaged: float = 1.0, **changes: object) -> Path:
+    """A universal file of the points, at three frequencies, and function 70 times a factor."""
     file = pyuff.UFF(str(path))
     nodes = np.arange(1, len(X) + 1)
     sets: list[dict[str, Any]] = [
@@ -151,7 +151,11 @@ def universal(path: Path, *, unit: float = 1.0, **changes: object) -> Path:
             "rsp_dir": 3,
             "ref_node": 1,
             "ref_dir": 3,
-            "data": np.array([0.1, 1.0, 0.3]) * value * 1e-6 * unit,
+            "data": np.array([0.1, 1.0, 0.3])
+            * value
+            * 1e-6
+            * unit
+            * (damaged if node == 70 else 1),
             "x": FREQUENCY_HZ + np.array([-400.0, 30.0, 460.0]),
             "id1": "scan",
             "rsp_ent_name": "p",
@@ -216,10 +220,7 @@ def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothin
 def test_a_function_without_an_amplitude_is_named_and_excluded(tmp_path, value):
     """Pyuff writes NaN as zeros and infinity as the largest number: both were read as such."""
 
-    def damaged(one: dict[str, Any]) -> None:
-        one["data"] = one["data"] * (value if one["rsp_node"] == 70 else 1)
-
-    path = universal(tmp_path / "scan.uff", edit=damaged)
+    path = universal(tmp_path / "scan.uff", damaged=value)
     scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
     said = "1 point without an amplitude, excluded from profile and noise (function 70)"
     assert scan.notes[-1] == said
