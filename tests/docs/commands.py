@@ -68,7 +68,7 @@ BY_HAND = {
         "minutes; eleven such studies are a test"
     ),
     "python -m verification random-studies --coverage --studies 12 --fresh 2000 --seed 1 "
-    "--output TABLE.csv": "hours of processor time",
+    "--output TABLE.csv": "about an hour",
     "make lock": "takes the newest versions of all packages from the network",
 }
 """Commands that nothing runs, and why."""

@@ -135,8 +135,6 @@ class Solutions(Sequence[Solution]):
 DEFAULTS: dict[str, object] = {
     each.name: "" if each.default is MISSING else each.default for each in fields(Solution)
 }
-
-
 # Of the columns: numbers as such; texts and what has parts as objects.
 KINDS = {
     name: type(value) if isinstance(value, (int, float)) else object

@@ -97,18 +97,21 @@ class Study(Film):
 
     def _simulated(self, *, centred: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
         """The plan and the validation sample with their forces; simulated once for all models."""
-        if centred not in self._known:
+        if centred not in self._simulations:
             drawn, space = self.config["validation"], Space.of(self.config, centred=centred)
             sample = space.table(space.independent_sample(drawn["points"], seed=drawn["seed"]))
-            self._known[centred] = self._solved(self.plan(centred=centred)), self._solved(sample)
-        return self._known[centred]
+            self._simulations[centred] = (
+                self._solved(self.plan(centred=centred)),
+                self._solved(sample),
+            )
+        return self._simulations[centred]
 
     @cached_property
     def _limit_table(self) -> dict[str, Any]:
         return limit_table_values(self.config)
 
     @cached_property
-    def _known(self) -> dict[bool, tuple[pd.DataFrame, pd.DataFrame]]:
+    def _simulations(self) -> dict[bool, tuple[pd.DataFrame, pd.DataFrame]]:
         return {}
 
     def _solved(self, points: pd.DataFrame) -> pd.DataFrame:

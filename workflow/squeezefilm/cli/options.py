@@ -7,8 +7,9 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.api.film import Film
 from squeezefilm.api.points import Values, points_of
-from squeezefilm.config.loading import Config, load_film
+from squeezefilm.config.loading import load_film
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.plan import METHODS
 from squeezefilm.tables import write_table
@@ -41,14 +42,14 @@ def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
         parser.add_argument(f"--{name}", **SHARED[name])
 
 
-def film_at(path: str | None) -> Config:
-    """The sections of the study that a film and its solver need; the others are not checked.
+def film_at(path: str | None) -> Film:
+    """The film of a study, of which no section is checked that film and solver do not need.
 
     Raises InputError where none is named and there is none, and as ``load_film`` does.
     """
     if path is None and not PAPER_CONFIG.exists():
         raise InputError("give a study by --config CONFIG.yaml")
-    return load_film(path or PAPER_CONFIG)
+    return Film(load_film(path or PAPER_CONFIG))
 
 
 def add_point_options(

@@ -165,16 +165,13 @@ def film_in(config: Config, *, profile: Profile | None = None) -> Film:
     return Film(Gas(**config["gas"]), actuator, finger_of(config))
 
 
-def scenes_in(
-    table: pd.DataFrame, config: Config, *, profile: Profile | None = None, check: bool = True
-) -> Scenes:
+def scenes_in(table: pd.DataFrame, config: Config, *, profile: Profile | None = None) -> Scenes:
     """The scenes of a table on the study's film.
 
     Args:
         table: ``h0_m``, ``hv_m`` and a position in polar or Cartesian form, at the centre where it
             has none; ``point_id``, or else rows are numbered from 1.
         profile: stands in for the study's own.
-        check: whether scenes must exist.
 
     Raises InputError naming the point and the factor that has no physical meaning.
     """
@@ -190,8 +187,7 @@ def scenes_in(
         x_m, y_m = cartesian(x_m, y_m).values()
     scenes = film_in(config, profile=profile).scenes(h0_m, hv_m, x_m, y_m)
     scenes = replace(scenes, point_id=point_id)
-    if check:
-        check_scenes(scenes)
+    check_scenes(scenes)
     return scenes
 
 

@@ -28,7 +28,6 @@ import argparse
 import sys
 from math import isfinite
 
-from squeezefilm.api.film import Film
 from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import add_options, add_point_options, film_at, points_in
 from squeezefilm.dynamics.levitation import Levitation, Resonance, trustworthy
@@ -55,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    film = Film(film_at(options.config))
+    film = film_at(options.config)
     settings = solver_settings(film.config, tolerance=options.tolerance, method=options.method)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:

@@ -11,7 +11,6 @@ with units and what was solved among its attributes. Both need xarray: the extra
 import argparse
 
 from squeezefilm.api.field import LEAST_INSTANTS, LEAST_PLACES, MOST_INSTANTS, MOST_PLACES
-from squeezefilm.api.film import Film
 from squeezefilm.cli.options import POINTS, add_options, add_point_options, film_at
 from squeezefilm.errors import InputError
 from squeezefilm.files import whole_file
@@ -36,7 +35,7 @@ def run(options: argparse.Namespace) -> None:
     given = {name: getattr(options, name) for name in POINTS}
     if not (given["h0"] and given["hv"]):
         raise InputError("give --h0 and --hv")
-    film = Film(film_at(options.config))
+    film = film_at(options.config)
     field = film.pressure(**given, places=options.places, instants=options.instants)
     if options.output.endswith(".nc"):
         with whole_file(options.output) as path:

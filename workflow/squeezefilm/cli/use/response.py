@@ -26,7 +26,6 @@ from math import isnan
 import numpy as np
 import pandas as pd
 
-from squeezefilm.api.film import Film
 from squeezefilm.api.simulation import scenes_of_table
 from squeezefilm.cli.options import add_options, add_point_options, film_at, points_in
 from squeezefilm.dynamics.response import CHANGED, NEGLECTED, gains, response
@@ -75,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    film = Film(film_at(options.config))
+    film = film_at(options.config)
     points = points_in(options)
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
     with node_cache.one_build_at_a_time():

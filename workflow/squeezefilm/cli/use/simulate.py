@@ -69,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    film = Film(film_at(options.config))
+    film = film_at(options.config)
     settings = solver_settings(
         film.config, tolerance=options.tolerance, method=options.method, outputs=options.outputs
     )

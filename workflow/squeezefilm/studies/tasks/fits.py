@@ -126,14 +126,14 @@ def fit_with_limits(
     Args:
         limit_table: the study's (``limit_table_values``), made here if left out.
     """
-    if model.column_names:
-        limit_table = limit_table or limit_table_values(config)
+    if model.column_names and limit_table is None:
+        limit_table = limit_table_values(config)
     return fit_to_forces(
         model,
         config,
         forces=forces,
         limits=limits_for(model, forces, config),
-        limit_table=limit_table if model.column_names else None,
+        limit_table=limit_table,
         sample=sample,
         sample_limits=None if sample is None else limits_for(model, sample, config),
         uncertainty=profile_uncertainty(config),

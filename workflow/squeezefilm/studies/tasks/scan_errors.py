@@ -25,7 +25,6 @@ from squeezefilm.studies.study import scenes_in, smoothed_scan_of, symmetry_of
 TOLERANCE = 1e-3
 DRAWS, SEED = 50, 1
 COVERAGE = 0.95
-LIMIT_POINTS, LARGE_SIGMA = 15, 1e6
 
 
 def scan_errors(
@@ -89,8 +88,8 @@ def scan_errors(
 def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     """By which share the scene's force is low without the motion out of phase: an estimate.
 
-    Small forces go as the sum of both squares under the pad; large ones grow up to 1/(1 − ε) times
-    faster.
+    Small forces go as the sum of both squares under the pad. With more motion a force grows faster,
+    a piston's of little motion out of phase (closed form, σ → ∞) by less than 1/(1 − ε).
     """
     x, y = scene.inside()
     other = replace(scene, actuator=replace(scene.actuator, profile=smoothed.out_of_phase))
