@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
 
 import psutil
 import pytest
@@ -62,3 +63,15 @@ def test_processes_end_with_the_one_that_started_them(repository):
     for child in left:
         os.kill(child, signal.SIGKILL)
     assert not left
+
+
+def test_ctrl_c_is_not_lost_before_the_processes_are_there(monkeypatch):
+    submit = ProcessPoolExecutor.submit
+
+    def interrupted(pool: ProcessPoolExecutor, *task: object) -> object:
+        os.kill(os.getpid(), signal.SIGINT)
+        return submit(pool, *task)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(ProcessPoolExecutor, "submit", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        parallel_map(abs, range(3), processes=2)

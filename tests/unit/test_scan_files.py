@@ -54,6 +54,9 @@ FORMS: dict[str, bytes] = {
     "semicolons and decimal commas": COMMAS.encode(),
     "latin-1": COMMAS.encode("latin-1"),
     "utf-16 with a mark": COMMAS.encode("utf-16"),
+    "utf-16 without a mark": COMMAS.encode("utf-16-be"),
+    "blanks and tabs": PLAIN.replace(",", " ", 1).replace(",", "\t").encode(),
+    "blanks, and a quote in a comment": PLAIN.replace(",", " ").encode() + b'# 5" disc, "probe\n',
     "blanks": PLAIN.replace(",", "   ").encode(),
     "polar places": text(
         "r_mm,phi_deg,amplitude_um,phase_deg",

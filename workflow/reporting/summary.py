@@ -162,7 +162,7 @@ def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "model": table["model"],
-            **{name: values.map("{:.3g}".format) for name, values in _positions(table).items()},
+            **{name: values.map("{:.4g}".format) for name, values in _positions(table).items()},
             "hv (µm)": shown,
             "95 % error": error.where(table["error_95_percent"].notna(), table["note"]),
         }

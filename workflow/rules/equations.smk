@@ -10,10 +10,10 @@ COMPARED = [
     *OF_PLAN,
 ]
 # A run makes the results of one study: those of the other must be there.
-OTHERS = [
+OTHER_TABLES = [
     f"{results}/{file}" for side, results in SIDES.items() if side != STUDY for file in COMPARED
 ]
-BOTH_MADE = PAPER and STUDY in SIDES and all(Path(file).is_file() for file in OTHERS)
+BOTH_MADE = PAPER and STUDY in SIDES and all(Path(file).is_file() for file in OTHER_TABLES)
 
 
 if BOTH_MADE:

@@ -50,13 +50,17 @@ def parallel_map(
         with ProcessPoolExecutor(min(processes, len(items)), context, _end_with_parent) as pool:
             # Not `map`, which cancels what a broken pool has not ended yet, at the same time as it.
             futures = [pool.submit(_run, item) for item in items]
-            return [future.result() for future in futures]
+            if interrupted:  # before all of them were there
+                stop(0, None)
+            results = [future.result() for future in futures]
     except BrokenProcessPool:
-        if interrupted:
-            raise KeyboardInterrupt from None
-        raise RunError("one of the processes that shared the work was killed") from None
+        if not interrupted:
+            raise RunError("one of the processes that shared the work was killed") from None
     finally:
         signal.signal(signal.SIGINT, before)
+        if interrupted:
+            raise KeyboardInterrupt
+    return results
 
 
 def _end_with_parent() -> None:

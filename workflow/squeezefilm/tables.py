@@ -204,13 +204,13 @@ def _parquet_rows(
     except (OSError, pa.ArrowException) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: the table cannot be read: {reason}") from None
-    table = found.to_pandas()[columns]
-    for name in columns:
-        kind = "text" if name in TEXT_COLUMNS else "numbers"
-        if (kind == "numbers") != pd.api.types.is_numeric_dtype(table[name]):
-            held = found.schema.field(name).type
-            raise InputError(f"{path}: column {name!r} holds {held}, not {kind}")
-    return table, [*range(start + 1, start + len(found) + 1)]
+    for column in found.schema:
+        text = pa.types.is_string(column.type) or pa.types.is_large_string(column.type)
+        number = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
+        kind = "text" if column.name in TEXT_COLUMNS else "numbers"
+        if not (text if kind == "text" else number):
+            raise InputError(f"{path}: column {column.name!r} holds {column.type}, not {kind}")
+    return found.to_pandas()[columns], [*range(start + 1, start + len(found) + 1)]
 
 
 def _number(cell: str | float) -> float:

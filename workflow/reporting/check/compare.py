@@ -121,7 +121,7 @@ def compare(quantities: Iterable[Quantity], reference: Mapping[Key, Cells]) -> p
     rows = []
     for each in quantities:
         expected = reference.get(each.key, {})
-        distances = each.tolerance.distances(expected, each.cells)
+        distances = each.tolerance.distances(expected, each.cells) or {"": math.inf}
         worst = max(distances, key=lambda cell: distances[cell])
         verdict = PASSED if distances[worst] <= 1 else FAILED
         values = expected.get(worst, "–"), each.cells.get(worst, "missing")

@@ -10,7 +10,9 @@ import re
 import signal
 import sys
 import textwrap
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from squeezefilm import __version__
@@ -99,10 +101,8 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         # No module is garbage before the process ends, and a search for it takes a quarter of the
         # time of a small command.
         gc.disable()
-        # While modules load, a C extension makes of KeyboardInterrupt what it likes.
-        on_interrupt = signal.signal(signal.SIGINT, _end_at_once)
-        module = importlib.import_module(commands[chosen])
-        signal.signal(signal.SIGINT, on_interrupt)
+        with _ending_at_once():
+            module = importlib.import_module(commands[chosen])
         gc.freeze()
         gc.enable()
         asked = parser.add_subparsers(dest="command", metavar="COMMAND").add_parser(
@@ -130,9 +130,22 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
     return int(options.run(options) or 0)
 
 
-def _end_at_once(_signal: int, _frame: object) -> None:
-    os.write(2, INTERRUPTED.encode())
-    os._exit(130)
+@contextmanager
+def _ending_at_once() -> Iterator[None]:
+    """Ctrl-C ends the process: a C extension that loads may turn its exception into another."""
+
+    def end(_signal: int, _frame: object) -> None:
+        os.write(2, INTERRUPTED.encode())
+        os._exit(130)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # others get no signals
+        return
+    before = signal.signal(signal.SIGINT, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def with_negative_values(words: Sequence[str]) -> list[str]:

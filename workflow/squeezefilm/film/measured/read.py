@@ -60,8 +60,8 @@ BESIDE = {"position", "pos", "coordinate", "coord", "displacement", "velocity", 
 IN_BRACKETS = re.compile(r"(?P<words>.*?)[\s_]*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]")
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
 
-SEPARATORS = ("\t", ";", ",", " ")
-"""Blanks: as many as there are."""
+SEPARATORS = ("\t", ";", ",", None)
+"""None: blanks, as many as there are."""
 FIRST_LINES, FEWEST_NAMED = 100, 2
 """Among which the one that names columns is sought, and by how many quantities it is known."""
 MISSING = ("", "nan", "na", "n/a", "-")
@@ -309,13 +309,17 @@ def read_cells(
         with naming(path):
             index, separator = _header(lines, what=what, form=form)
         lines[index] = re.sub(r"^\s*#[#\s]*", "", lines[index])
-        if separator == " ":
-            lines = [" ".join(line.split()) for line in lines]
-        text_lines = (f"{line}\n" for line in lines[index:])
-        reader = csv.reader(text_lines, delimiter=separator, strict=True)
-        rows = [(index + reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+        numbered: list[tuple[int, list[str]]]
+        if separator is None:
+            numbered = [(at, line.split()) for at, line in enumerate(lines[index:], index + 1)]
+        else:
+            reader = csv.reader(
+                (f"{line}\n" for line in lines[index:]), delimiter=separator, strict=True
+            )
+            numbered = [(index + reader.line_num, cells) for cells in reader]
     except (OSError, csv.Error) as error:
         raise InputError(f"{path}: the {what} cannot be read: {error}") from None
+    rows = [(line, [cell.strip() for cell in cells]) for line, cells in numbered]
     (_, header), *rows = [(n, cells) for n, cells in rows if any(cells) and cells[0][:1] != "#"]
     for line, cells in rows:
         if len(cells) != len(header):
@@ -337,16 +341,19 @@ def read_cells(
 
 
 def _decoded(content: bytes) -> tuple[str, str]:
-    """A text and its encoding: UTF-16 by zeros between letters, else as it fits."""
-    if content[:1000].count(0) > min(len(content), 1000) / 4:
-        return content.decode("utf-16", errors="replace"), "utf-16"
+    """A text and its encoding: by the byte order mark, by zeros between letters, or as it fits."""
+    start, half = content[:1000], min(len(content), 1000) / 4
+    little = start.startswith(b"\xff\xfe") or start[1::2].count(0) > half
+    if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
+        encoding = "utf-16-le" if little else "utf-16-be"
+        return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
     try:
         return content.decode("utf-8-sig"), "utf-8"
     except UnicodeDecodeError:
         return content.decode("latin-1"), "latin-1"
 
 
-def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str]:
+def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str | None]:
     """The place of the line that names columns, which may be a comment, and its separator."""
     filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
     plain = [index for index in filled if not lines[index].lstrip().startswith("#")]
@@ -366,7 +373,7 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str]:
     if re.fullmatch(r"[-+\d.,;eE\s]+", first):
         raise InputError(f"line {line_number}: no header names the columns; give {form}")
     # Words in the names of columns do not make blanks the separator where there is another one.
-    cells = first.split(next((each for each in SEPARATORS if each in first), " "))
+    cells = first.split(next((each for each in SEPARATORS if each and each in first), None))
     names = ", ".join(repr(cell.strip()) for cell in cells if not column_of(cell))
     other = f"unknown column {names}" if names else f"{first.strip()!r} is no table"
     raise InputError(f"line {line_number}: {other}; it needs {form}")
