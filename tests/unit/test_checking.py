@@ -14,8 +14,10 @@ from reporting.check.compare import (
     read_reference,
     write_reference,
 )
+from reporting.check.pictures import PLACE_OF_PICTURES
 from reporting.check.quantities import SAMPLE, column_quantities
 from reporting.commands import reference
+from reporting.figures.style import PLAIN
 from squeezefilm.cli import main as cli
 
 FORCES = pd.DataFrame(
@@ -88,6 +90,14 @@ def test_a_reference_is_read_as_it_was_written(tmp_path):
     assert differences(found, read_reference(tmp_path)) == []
     write_reference(found[:-1], tmp_path, tmp_path)
     assert [path.name for path in tmp_path.glob("*.csv")] == ["data.csv"]
+
+
+def test_pictures_go_with_a_reference_into_a_new_folder(tmp_path):
+    picture = tmp_path / PLACE_OF_PICTURES / f"fig08{PLAIN}"
+    picture.parent.mkdir(parents=True)
+    picture.write_bytes(b"drawn")
+    write_reference(quantities(FORCES), tmp_path, tmp_path / "of/mine")
+    assert (tmp_path / "of/mine" / picture.name).read_bytes() == b"drawn"
 
 
 def test_a_reference_is_written_only_when_asked_to(tmp_path, repository, monkeypatch, capsys):

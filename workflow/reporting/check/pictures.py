@@ -43,7 +43,8 @@ def apart(key: Key, pictures: Path, reference: Path) -> dict[str, str]:
 
 
 def write_pictures(pictures: Path, reference: Path) -> None:
-    """Make a study's pictures those of the reference."""
+    """Make a study's pictures those of the reference, which may be new."""
+    reference.mkdir(parents=True, exist_ok=True)
     for old in reference.glob(f"*{PLAIN}"):
         old.unlink()
     for _, name, _ in pictures_of(pictures):

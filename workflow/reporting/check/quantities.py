@@ -232,8 +232,7 @@ def _design(results: Results, close: Kinds, part: str, item: str) -> Made:
     """How much a design teaches of the model that it was made for: its D-efficiency times that
     of the best one."""
     fit, design = results.fit(FIT_OF_DESIGN[item]), results.design(item)
-    model = fit.force_model
-    slopes = model.gradient(fit.theta, model.factors(design[list(model.factor_names)].to_numpy()))
+    slopes = fit.force_model.gradient(fit.theta, factors_of(design))
     sign, logarithm = np.linalg.slogdet(slopes.T @ slopes / len(slopes))
     worth = {"det(F'F/N)^(1/p)": text_of(sign * np.exp(logarithm / len(fit.theta)))}
     yield Quantity(part, item, "D-efficiency", worth, close["design"])
