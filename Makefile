@@ -13,6 +13,9 @@ STUDIES ?= paper paper-inertia quick
 REPORT ?= results/report.html
 API ?= results/api
 PIP_LOG := $(VENV)/pip.log
+# Stages may run side by side (.ci/run); Debian's packages are installed by one at a time.
+debian = [ "$$(id -u)" != 0 ] || flock $(VENV)/debian.lock sh -c "apt-get -q update \
+	&& DEBIAN_FRONTEND=noninteractive apt-get -qy install --no-install-recommends $(1)" || true
 # A command whose words go to a log, the last of them to the terminal where it fails.
 quietly = $(1) >>$(PIP_LOG) 2>&1 || { tail -n 20 $(PIP_LOG); exit 1; }
 COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 \
@@ -85,9 +88,8 @@ test-faults: $(VENV)/.dev
 
 # A root user of Debian gets the browser too; elsewhere the tests say what is missing.
 test-browser: $(VENV)/.dev
-	@{ command -v chromium && command -v chromedriver; } >/dev/null || [ "$$(id -u)" != 0 ] \
-		|| { apt-get -q update && apt-get -qy install --no-install-recommends chromium chromium-driver; } \
-		|| true
+	@{ command -v chromium && command -v chromedriver; } >/dev/null \
+		|| $(call debian,chromium chromium-driver)
 	$(RUN) pytest tests/browser
 
 # Of a network: the library is installed from its wheel, as a user of it alone would.
@@ -100,8 +102,7 @@ api: $(VENV)/.dev
 
 # A root user of Debian gets Oclgrind too; elsewhere its tests are skipped and say so.
 test-device: $(VENV)/.dev
-	@command -v oclgrind >/dev/null || [ "$$(id -u)" != 0 ] \
-		|| { apt-get -q update && apt-get -qy install --no-install-recommends oclgrind; } || true
+	@command -v oclgrind >/dev/null || $(call debian,oclgrind)
 	$(RUN) pytest tests/device
 
 test-stability: $(VENV)/.run
@@ -109,9 +110,8 @@ test-stability: $(VENV)/.run
 
 # A root user of Debian gets Slurm too; elsewhere its tests are skipped and say so.
 test-cluster: $(VENV)/.dev
-	@{ command -v slurmctld && command -v munged; } >/dev/null || [ "$$(id -u)" != 0 ] \
-		|| { apt-get -q update && DEBIAN_FRONTEND=noninteractive apt-get -qy install \
-			--no-install-recommends slurmctld slurmd slurm-client munge; } || true
+	@{ command -v slurmctld && command -v munged; } >/dev/null \
+		|| $(call debian,slurmctld slurmd slurm-client munge)
 	$(RUN) pytest -v -s tests/cluster
 
 lint: $(VENV)/.dev

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from ..workflow.conftest import QUICK, copy_checkout, snakemake
+from ..workflow.conftest import QUICK, copy_with_results, snakemake
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 PAGES = ("explorer", "report")
@@ -23,7 +23,7 @@ DESKTOP, PHONE, SMALL_PHONE = (1280, 1200), (390, 844), (320, 640)
 @pytest.fixture(scope="session")
 def results(repository, tmp_path_factory):
     """The results of a study that has its pages."""
-    folder = copy_checkout(repository, tmp_path_factory.mktemp("pages") / "checkout")
+    folder = copy_with_results(repository, tmp_path_factory.mktemp("pages") / "checkout")
     for report in ([], ["--report", "results/quick/report.html"]):
         done = snakemake(folder, *SHOWN, *report, *QUICK)
         assert done.returncode == 0, done.stdout[-6000:]

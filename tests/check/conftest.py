@@ -10,7 +10,7 @@ import pytest
 
 from squeezefilm.cli import main as cli
 
-from ..workflow.conftest import QUICK, copy_checkout, snakemake
+from ..workflow.conftest import QUICK, copy_checkout, copy_with_results, snakemake
 
 REFERENCE = "tests/reference"
 TABLE = "results/quick/check/check.csv"
@@ -51,7 +51,9 @@ def run_check(folder: Path, *arguments: str, environment: dict[str, str] | None 
 @pytest.fixture(scope="session")
 def sound(repository, tmp_path_factory):
     """The study as it is."""
-    folder = copy_checkout(repository, tmp_path_factory.mktemp("sound") / "checkout", REFERENCE)
+    folder = tmp_path_factory.mktemp("sound") / "checkout"
+    copy_with_results(repository, folder, REFERENCE)
+    shutil.rmtree(folder / "results/quick/check", ignore_errors=True)
     return run_check(folder)
 
 

@@ -126,7 +126,8 @@ def all_commands(repository: Path) -> list[Command]:
 def stages(repository: Path) -> list[str]:
     """What every change must pass."""
     lines = (repository / ".ci/run").read_text(encoding="utf-8").splitlines()
-    return [line for line in lines if line.startswith("make ")]
+    words = [line.split()[1:] for line in lines if line.startswith("make ")]
+    return [f"make {word}" for line in words for word in line if re.fullmatch("[a-z][a-z-]*", word)]
 
 
 def to_run(repository: Path) -> list[Command]:

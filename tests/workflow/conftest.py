@@ -36,6 +36,14 @@ def copy_checkout(source: Path, target: Path, *more: str) -> Path:
     return target
 
 
+def copy_with_results(repository: Path, target: Path, *more: str) -> Path:
+    """A checkout with what is made of the quick study already; Snakemake makes the rest."""
+    made = ("results/quick", ".snakemake/metadata")
+    return copy_checkout(
+        repository, target, *more, *(name for name in made if (repository / name).is_dir())
+    )
+
+
 def snakemake(
     folder: Path, *arguments: str, environment: Mapping[str, str] | None = None
 ) -> subprocess.CompletedProcess[str]:

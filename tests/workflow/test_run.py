@@ -34,21 +34,6 @@ def test_a_copy_of_the_checkout_with_its_results_has_nothing_to_do(finished, tmp
     assert NOTHING in done.stdout
 
 
-def test_a_scene_that_fails_is_named_and_the_others_finish(finished, tmp_path):
-    folder = copy_checkout(finished.folder, tmp_path / "failing", "results", ".snakemake")
-    chunk = folder / "results/quick/simulations/four_factor/chunks/2-of-2.csv"
-    table = read_forces(chunk)
-    table.loc[0, ["status", "force_n"]] = ["no convergence in 40 steps", float("nan")]
-    table.to_csv(chunk, index=False)
-    target = "results/quick/simulations/four_factor/forces.csv"
-    done = snakemake(folder, target, *QUICK)
-    assert done.returncode != 0
-    name = table["point_id"].iloc[0]
-    assert f"no force for point {name}: no convergence in 40 steps" in done.stdout
-    assert "Traceback" not in done.stdout
-    assert len(read_forces(chunk)) == len(table)
-
-
 def test_a_wrong_study_ends_before_anything_runs(finished, tmp_path):
     """What is wrong, and how it is told: tests/unit/test_config.py."""
     text = (finished.folder / "config/quick.yaml").read_text()
