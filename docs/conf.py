@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from math import isfinite
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -11,20 +12,36 @@ sys.path.insert(0, str(WORKFLOW))
 from squeezefilm import __version__
 from squeezefilm.cli.main import commands_of
 from squeezefilm.config.keys import key_table, schema
+from squeezefilm.film.validity import LIMITS
 
 project, version, release = "squeezefilm", __version__, __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
-html_theme = "furo"
+html_theme, html_title, html_show_copyright = "furo", "squeezefilm", False
 exclude_patterns = ["_build", "**/_generated"]
 autodoc_member_order = "bysource"
 GENERATED = HERE / "reference" / "_generated"
+HEAD_OF_LIMITS = (
+    "| quantity | films | modelling error unknown above | equation does not apply above | source |",
+    "| --- | --- | --- | --- | --- |",
+)
+
+
+def bound(value: float) -> str:
+    """Return a limit as the page shows it."""
+    return f"{value:.2g}" if isfinite(value) else "–"
 
 
 def write_generated() -> None:
-    """Write the keys of a study and the help of all commands as Markdown."""
+    """Write the keys of a study, the help of all commands and the limits of validity."""
     GENERATED.mkdir(exist_ok=True)
+    rows = [
+        f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
+        f"| {bound(limit.not_above)} | {limit.source} |"
+        for limit in LIMITS
+    ]
+    (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
     helps = []
     for name in commands_of():
