@@ -1,5 +1,6 @@
 """Configuration of Sphinx (`make docs`), and the pages that are made from the code."""
 
+import csv
 import subprocess
 import sys
 from math import isfinite
@@ -33,8 +34,25 @@ def bound(value: float) -> str:
     return f"{value:.2g}" if isfinite(value) else "–"
 
 
+def claims() -> list[str]:
+    """Return the paper's claims beside the values of the checked reference, rows of a table."""
+    with (HERE.parent / "tests/reference/paper/claims.csv").open(encoding="utf-8") as file:
+        ours = {(row["item"], row["quantity"]): row["value"] for row in csv.DictReader(file)}
+    with (WORKFLOW / "paper/papers_claims.csv").open(encoding="utf-8") as file:
+        claims = list(csv.DictReader(file))
+    rows = ["| claim | paper | here | unit | verdict |", "| --- | --- | --- | --- | --- |"]
+    for each in claims:
+        agrees = ours[each["claim_id"], "verdict"] == "agrees"
+        verdict = f"agrees {each['within']}" if agrees else f"differs because {each['because']}"
+        value = ours.get((each["claim_id"], "ours"), "below 1 s")  # run times are not compared
+        cells = each["claim"], each["paper"], value, each["unit"], verdict
+        rows.append(f"| {' | '.join(cells)} |")
+    agreeing = sum(verdict == "agrees" for (_, name), verdict in ours.items() if name == "verdict")
+    return [f"{agreeing} of {len(claims)} claims agree.", "", *rows]
+
+
 def write_generated() -> None:
-    """Write the keys of a study, the help of all commands and the limits of validity."""
+    """Write keys of a study, help of all commands, limits of validity and the paper's claims."""
     GENERATED.mkdir(exist_ok=True)
     rows = [
         f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
@@ -43,6 +61,7 @@ def write_generated() -> None:
     ]
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
+    (GENERATED / "claims.md").write_text("\n".join(claims()), encoding="utf-8")
     helps = []
     for name in commands_of():
         words = [sys.executable, "-m", "squeezefilm", name, "--help"]

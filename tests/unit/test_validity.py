@@ -1,7 +1,6 @@
 """Limits of validity are exceeded where the film equation ends, and not in the paper's space."""
 
 from dataclasses import replace
-from math import inf
 
 import numpy as np
 import pytest
