@@ -11,7 +11,7 @@ RUN := PATH="$(CURDIR)/$(BIN):$$PATH"
 SNAKEMAKE = $(RUN) snakemake $(OPTIONS)
 STUDIES ?= paper paper-inertia quick
 REPORT ?= results/report.html
-API ?= results/api
+DOCS ?= docs/_build/html
 PIP_LOG := $(VENV)/pip.log
 # Stages may run side by side (.ci/run); Debian's packages are installed by one at a time.
 debian = [ "$$(id -u)" != 0 ] || flock $(VENV)/debian.lock sh -c "apt-get -q update \
@@ -22,7 +22,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report test test-check test-docs test-faults test-browser test-install test-device test-stability api lint format keys lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report test test-check test-docs test-faults test-browser test-install test-device test-stability docs lint format keys lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -39,7 +39,7 @@ help:
 	@echo "make test-stability   stiff and extreme films, each judged; minutes"
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make test-install   the library from its wheel, in an environment of its own; needs a network"
-	@echo "make api      pages about the library's names, from its docstrings: $(API)"
+	@echo "make docs     the documentation as pages of HTML: $(DOCS)"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
 	@echo "make keys     the table of a study's keys in config/README.md, from the models"
@@ -96,9 +96,9 @@ test-browser: $(VENV)/.dev
 test-install: $(VENV)/.dev
 	$(RUN) pytest tests/install
 
-# Pages of the library's door, from its docstrings; no network is needed.
-api: $(VENV)/.dev
-	$(RUN) pdoc --docformat google --output-directory $(API) squeezefilm
+# Warnings are errors: a link that leads nowhere is one.
+docs: $(VENV)/.dev
+	$(RUN) sphinx-build -q -W --keep-going -b html docs $(DOCS)
 
 # A root user of Debian gets Oclgrind too; elsewhere its tests are skipped and say so.
 test-device: $(VENV)/.dev

@@ -77,7 +77,7 @@ class Checkout:
         return self.start(*targets, "--configfile", config, *ON_SLURM)
 
     def resume(self, config: str, target: str) -> Run:
-        """Go on as docs/cluster.md says; the environment is that of the tests."""
+        """Go on as docs/how-to/cluster.md says; the environment is that of the tests."""
         venv = self.folder / ".venv"
         venv.symlink_to(sys.prefix)
         options = " ".join((target, *ON_SLURM))
@@ -123,7 +123,7 @@ def write_long_study(folder: Path) -> None:
 
 
 def set_up_profile(folder: Path, *, scratch: Path) -> None:
-    """The lines that docs/cluster.md asks a user to fill in."""
+    """The lines that docs/how-to/cluster.md asks a user to fill in."""
     path = folder / "profiles/slurm/config.yaml"
     text = path.read_text(encoding="utf-8")
     for name, value in (("slurm_partition", PARTITION), ("tmpdir", str(scratch))):

@@ -77,6 +77,7 @@ PARTS = {
     "snakemake --report",
     "squeezefilm simulate --derivatives",
     "squeezefilm simulate --dry-run",
+    "squeezefilm simulate --outputs",
 }
 """Named for an option of theirs: no whole commands."""
 
@@ -96,7 +97,7 @@ class Command:
 
 
 def pages(repository: Path) -> list[Path]:
-    docs = sorted((repository / "docs").glob("*.md"))
+    docs = sorted((repository / "docs").rglob("*.md"))
     return [repository / name for name in PAGES] + docs
 
 

@@ -73,7 +73,8 @@ def small_checkout(repository: Path, folder: Path) -> Path:
     config = folder / "config"
     edited(config / "quick.yaml", {r"^study: .*": "study: paper"}, to=config / "paper.yaml")
     (folder / "sizes.yaml").write_text(SIZES, encoding="utf-8")
-    mine = block(config / "README.md", "study: mine") + block(folder / "docs/models.md", "models:")
+    models = block(folder / "docs/how-to/compare-models.md", "models:")
+    mine = block(folder / "docs/reference/configuration.md", "study: mine") + models
     (config / "mine.yaml").write_text(mine + SIZES, encoding="utf-8")
     edited(config / "mine.yaml", {"{start:": "{levels: 4, start:"})
     edited(config / "plate.yaml", SMALLER_PLATE)

@@ -304,12 +304,11 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
     assert "'lift' is none of" in refused(*command, "--outputs", "lift", status=2)
 
 
-@pytest.mark.parametrize(
-    ("page", "words"), [("outputs.md", "--outputs all"), ("solver.md", "--derivatives")]
-)
-def test_the_page_shows_what_comes_out(page: str, words: str, repository: Path, capsys) -> None:
-    text = (repository / "docs" / page).read_text(encoding="utf-8")
-    command = next(line for line in text.splitlines() if line.endswith(f" {words}"))
+@pytest.mark.parametrize("words", ["--outputs all", "--derivatives"])
+def test_the_page_shows_what_comes_out(words: str, repository: Path, capsys) -> None:
+    text = (repository / "docs/outputs.md").read_text(encoding="utf-8")
+    (text,) = (block for block in text.split("\n\n") if f" {words}\n" in block)
+    command, *_ = text.splitlines()
     assert main(command.split()[2:]) == 0
     rows = r"^ *(dF/d \S.*?|\w+): +(\S+ ± \S+ .*)$"
     shown, printed = (

@@ -45,7 +45,7 @@ def test_a_name_is_that_of_a_study(name, tmp_path, refused):
 
 @pytest.fixture(scope="module")
 def walk_through(repository):
-    return (repository / "docs" / "your-own-actuator.md").read_text(encoding="utf-8")
+    return (repository / "docs/tutorials/your-actuator.md").read_text(encoding="utf-8")
 
 
 def test_what_the_walk_through_shows_is_valid(walk_through, repository, tmp_path):

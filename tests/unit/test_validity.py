@@ -1,7 +1,6 @@
 """Limits of validity are exceeded where the film equation ends, and not in the paper's space."""
 
 from dataclasses import replace
-from math import inf
 
 import numpy as np
 import pytest
@@ -86,19 +85,3 @@ def test_the_flow_factors_limits_are_one():
     """In Kn, of the list, and in D, by which the solver refuses a film."""
     ends = [each.not_above for each in LIMITS if each.symbol == "Kn"]
     assert ends == pytest.approx([np.sqrt(np.pi) / (2 * LEAST_INVERSE_KNUDSEN)] * 3, rel=1e-4)
-
-
-def test_the_docs_have_the_list(repository):
-    """docs/solver.md has a row for each limit, and no more."""
-    text = (repository / "docs" / "solver.md").read_text(encoding="utf-8")
-    section = text.split("## Limits of validity\n")[1].split("\n## ")[0]
-    rows = [line for line in section.splitlines() if line.startswith("| ")][2:]
-    assert rows == [
-        f"| {each.quantity} {each.symbol} | {each.films} | {bound(each.unknown_above)} | "
-        f"{bound(each.not_above)} | {each.source} |"
-        for each in LIMITS
-    ]
-
-
-def bound(value: float) -> str:
-    return f"{value:.2g}" if value < inf else "–"

@@ -7,7 +7,7 @@ from squeezefilm.tables import write_table
 from verification.cases import SAMPLE, cases
 from verification.stability import stability
 
-NOTE = "Forces to 1e-4; the checks, columns of the table, are explained in docs/numerics.md."
+NOTE = "Forces to 1e-4; the checks, columns of the table, are explained in docs/verification.md."
 
 snakemake, config = begin_with_study()
 chosen = cases() if config["numerics"]["extent"] == "full" else cases()[SAMPLE]

@@ -3,7 +3,7 @@
 Figures' data stand before what they are made from, for they are what a reviewer looks at. How close
 a number must be follows from the tolerance that the solver was asked for. On any machine and device
 a force lies within it of the truth, so that two machines differ by no more than twice as much. What
-follows from forces differs in proportion (docs/numerics.md, "How accurate must a simulation be?").
+follows from forces differs in proportion (docs/explanation/paper.md).
 """
 
 import re

@@ -102,7 +102,7 @@ class Film:
 
         Args:
             tolerance: wanted relative error, instead of the film's own.
-            method: of the solver, instead of the film's own (docs/solver.md).
+            method: of the solver, instead of the film's own (docs/explanation/physics.md).
             outputs: answers beside the force, ``solution.outputs`` of it (docs/outputs.md), instead
                 of the study's; ``["all"]`` for all.
 

@@ -142,11 +142,11 @@ class Gas:
             Maxwell's, 6 Kn H² of flow; 1.147 that of kinetic theory, 6.88 Kn H²; more where walls
             reflect molecules like mirrors
         polytropic_exponent: n of ρ ~ p^(1/n): 1 for an isothermal film, 1.4 for adiabatic air
-        inertia: whether the gas has inertia (docs/solver.md): `none`, as in the paper's equation;
+        inertia: whether the gas has inertia: `none`, as in the paper's equation;
             `included`; or `auto`, included in a scene whose force it changes by more than
             `solver.model_tolerance`
         heat: whether compression and friction warm the gas, between walls that stay at ambient
-            temperature (docs/solver.md): `none`, as in the paper's equation; `included`, with
+            temperature: `none`, as in the paper's equation; `included`, with
             `polytropic_exponent` 1; or `auto`, included in a scene whose force it changes by more
             than `solver.model_tolerance`
         prandtl: Prandtl number, viscosity over conduction of heat
@@ -425,7 +425,7 @@ class Solver(Section):
 
     Attributes:
         method: `auto` takes, for each scene, the composite expansion where that holds the tolerance
-            and costs less, else the periodic state; or one by name (docs/solver.md)
+            and costs less, else the periodic state; or one by name
         tolerance: wanted relative error of each force
         model_tolerance: relative change of a force from which on `auto` includes a term of the
             equation

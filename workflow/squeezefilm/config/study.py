@@ -262,7 +262,7 @@ class Comparison(Section):
 
 class Refine(Section):
     """`snakemake refine`: simulate, fit, design, until a model is good enough (see
-    docs/experiments.md).
+    docs/how-to/few-simulations.md).
 
     Attributes:
         two_factor: models to refine with the finger centred: the library's or the study's own;
@@ -347,7 +347,7 @@ class Extrapolation(Section):
 
 
 class Numerics(Section):
-    """The solver examined, `snakemake verification` (see docs/numerics.md).
+    """The solver examined, `snakemake verification` (see docs/verification.md).
 
     Attributes:
         extent: `full`, or a `sample` of its films, methods and cases

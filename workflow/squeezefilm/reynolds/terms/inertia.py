@@ -37,7 +37,7 @@ LEAST_SLOW, MOST_SLOW, STEEP = 0.5, 2.0, 0.45
 # And no more than so many whose waves have nodes enough, for each node and wave of the first
 # harmonic, fewer where the gas runs against them at a share of their own speed; or that are damped
 # within a part of a wave. With more the linear system is all but singular, for Newton's steps go
-# along waves that the grid does not resolve: 17 of the 200 random scenes of docs/solver.md had no
+# along waves that the grid does not resolve: 17 of 200 random scenes had no
 # state on their first grids.
 RESOLVED, AGAINST_THEM, DAMPED = 3.0, 0.8, 0.1
 # Share of a velocity at the rim, about, within which gas is neither coming in nor going out: with a

@@ -1,0 +1,73 @@
+"""Configuration of Sphinx (`make docs`), and the pages that are made from the code."""
+
+import csv
+import subprocess
+import sys
+from math import isfinite
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+WORKFLOW = HERE.parent / "workflow"
+sys.path.insert(0, str(WORKFLOW))
+
+from squeezefilm import __version__
+from squeezefilm.cli.main import commands_of
+from squeezefilm.config.keys import key_table, schema
+from squeezefilm.film.validity import LIMITS
+
+project, version, release = "squeezefilm", __version__, __version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+html_theme, html_title, html_show_copyright = "furo", "squeezefilm", False
+exclude_patterns = ["_build", "**/_generated"]
+autodoc_member_order = "bysource"
+GENERATED = HERE / "reference" / "_generated"
+HEAD_OF_LIMITS = (
+    "| quantity | films | modelling error unknown above | equation does not apply above | source |",
+    "| --- | --- | --- | --- | --- |",
+)
+
+
+def bound(value: float) -> str:
+    """Return a limit as the page shows it."""
+    return f"{value:.2g}" if isfinite(value) else "–"
+
+
+def claims() -> list[str]:
+    """Return the paper's claims beside the values of the checked reference, rows of a table."""
+    with (HERE.parent / "tests/reference/paper/claims.csv").open(encoding="utf-8") as file:
+        ours = {(row["item"], row["quantity"]): row["value"] for row in csv.DictReader(file)}
+    with (WORKFLOW / "paper/papers_claims.csv").open(encoding="utf-8") as file:
+        claims = list(csv.DictReader(file))
+    rows = ["| claim | paper | here | unit | verdict |", "| --- | --- | --- | --- | --- |"]
+    for each in claims:
+        agrees = ours[each["claim_id"], "verdict"] == "agrees"
+        verdict = f"agrees {each['within']}" if agrees else f"differs because {each['because']}"
+        value = ours.get((each["claim_id"], "ours"), "below 1 s")  # run times are not compared
+        cells = each["claim"], each["paper"], value, each["unit"], verdict
+        rows.append(f"| {' | '.join(cells)} |")
+    agreeing = sum(verdict == "agrees" for (_, name), verdict in ours.items() if name == "verdict")
+    return [f"{agreeing} of {len(claims)} claims agree.", "", *rows]
+
+
+def write_generated() -> None:
+    """Write keys of a study, help of all commands, limits of validity and the paper's claims."""
+    GENERATED.mkdir(exist_ok=True)
+    rows = [
+        f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
+        f"| {bound(limit.not_above)} | {limit.source} |"
+        for limit in LIMITS
+    ]
+    (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
+    (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
+    (GENERATED / "claims.md").write_text("\n".join(claims()), encoding="utf-8")
+    helps = []
+    for name in commands_of():
+        words = [sys.executable, "-m", "squeezefilm", name, "--help"]
+        text = subprocess.run(words, capture_output=True, text=True, check=True, cwd=WORKFLOW)
+        helps.append(f"## {name}\n\n```text\n{text.stdout}```\n")
+    (GENERATED / "commands.md").write_text("\n".join(helps), encoding="utf-8")
+
+
+write_generated()
