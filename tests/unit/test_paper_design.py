@@ -14,6 +14,7 @@ from squeezefilm.designs.paper_design import (
     find_regions,
     search_design,
 )
+from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 
 FILM = Box(("h0_m", "hv_m"), (5e-6, 0.2e-6), (10e-6, 2e-6))
@@ -23,11 +24,11 @@ PLACED = Box(
 
 
 def film_gradient(points):
-    return TWO_FACTOR.gradient(SCREEN_THETA, TWO_FACTOR.factors(points))
+    return TWO_FACTOR.gradient(SCREEN_THETA, Factors.of(**dict(zip(FILM.names, points.T, strict=True))))
 
 
 def placed_gradient(points):
-    return FOUR_FACTOR.gradient(FOUR_FACTOR_THETA, FOUR_FACTOR.factors(points))
+    return FOUR_FACTOR.gradient(FOUR_FACTOR_THETA, Factors.of(**dict(zip(PLACED.names, points.T, strict=True))))
 
 
 def test_two_angles_at_the_centre_are_one_scene():

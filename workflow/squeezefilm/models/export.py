@@ -14,7 +14,7 @@ from string import Template
 
 from squeezefilm.columns import CARTESIAN, POLAR, form_of
 from squeezefilm.errors import InputError
-from squeezefilm.formulas.expressions import Name, Node, Number
+from squeezefilm.formulas import Expression, Operation, fold
 from squeezefilm.models.data import COLUMNS, FACTORS, POSITION
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.limit_table import SLACK, LimitTable
@@ -98,7 +98,7 @@ def source(fit: FittedModel, language: str) -> str:
         "high": ", ".join(_number(high) for _, high in limits),
         "error_constant": _number(error[0]) if error else written.nan,
         "error_share": _number(error[1]) if error else written.nan,
-        "formula": _printed(fit.force_model.parsed.root, _names(fit, own), own),
+        "formula": _printed(fit.force_model.parsed, _names(fit, own), own),
     }
     text = (FOLDER / f"{language}.in").read_text(encoding="utf-8")
     model, _, table = text.partition("------ table\n")
@@ -125,20 +125,20 @@ def _names(fit: FittedModel, own: str) -> dict[str, str]:
     return names
 
 
-def _printed(part: Node, names: Mapping[str, str], own: str) -> str:
-    """A part of a formula, everything in brackets so that no order is left open."""
-    if isinstance(part, Number):
-        return _number(part.value)
-    if isinstance(part, Name):
-        return names[part.name]
-    inner = [_printed(argument, names, own) for argument in part.arguments]
-    match part.operator:
-        case "negative":
-            return f"(-{inner[0]})"
-        case "+" | "-" | "*" | "/":
-            return f"({inner[0]} {part.operator} {inner[1]})"
-    function = {"**": "pow", "abs": "fabs", "sinc": f"{own}sinc"}.get(part.operator, part.operator)
-    return f"{function}({', '.join(inner)})"
+def _printed(expression: Expression, names: Mapping[str, str], own: str) -> str:
+    """A formula with everything in brackets, so that no order is left open."""
+
+    def printed(part: Operation, arguments: list[str]) -> str:
+        if part.operator == "negative":
+            return f"(-{arguments[0]})"
+        if part.operator in "+-*/":
+            return f"({arguments[0]} {part.operator} {arguments[1]})"
+        other = {"**": "pow", "abs": "fabs", "sinc": f"{own}sinc"}
+        return f"{other.get(part.operator, part.operator)}({', '.join(arguments)})"
+
+    return fold(
+        expression.root, lambda leaf: _number(leaf) if leaf not in names else names[leaf], printed
+    )
 
 
 def _limit_table(fit: FittedModel) -> LimitTable:

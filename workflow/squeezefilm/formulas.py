@@ -1,8 +1,8 @@
-"""Formulas that a user types: read safely, evaluated with NumPy.
+"""Formulas that a user types: read safely, evaluated with NumPy, the units in them inferred.
 
 A formula is arithmetic on named quantities and nothing else: + - * / **, numbers, ``pi``, and the
 functions of FUNCTIONS. Python's own parser reads the text; every node of its tree is then either
-one of these or an error that names its place, so that no text can run anything. Size, depth and
+one of these or an error that names its place, so that no text can run anything. Length, depth and
 exponents are bounded, and constant parts are computed in floating point, so that none can take long
 either.
 
@@ -11,6 +11,9 @@ to θ in the imaginary part, without a difference (W. Squire and G. Trapp, Using
 estimate derivatives of real functions, SIAM Rev. 40 (1998) 110-112). Where the formula has a kink
 or a vertical tangent the value is NaN. A formula that is undefined for real numbers may have a
 complex value; its real value has to be looked at first.
+
+The units of a formula's parameters follow from those of the quantities in it. A parameter whose
+unit is not known yet is a base of its own; dimensions are linear in these.
 """
 
 from __future__ import annotations
@@ -18,39 +21,25 @@ from __future__ import annotations
 import ast
 import math
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Any
+from fractions import Fraction
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
+from squeezefilm.units import BASES, NONE, UNITS, Dimension, compound, times
 
 Array = NDArray[Any]
+Result = TypeVar("Result")
 
-LONGEST = 4000
-MOST_PARTS = 1000
-DEEPEST = 150
+LONGEST, DEEPEST = 4000, 150
 LARGEST_EXPONENT = 32.0
 LARGEST_NUMBER = 1e100
 CONSTANTS = {"pi": math.pi}
 UNDEFINED = complex(math.nan, math.nan)
-
-
-@dataclass(frozen=True)
-class Number:
-    """A constant."""
-
-    value: float
-
-
-@dataclass(frozen=True)
-class Name:
-    """A quantity whose value is given when the formula is evaluated."""
-
-    name: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +48,22 @@ class Operation:
 
     operator: str
     arguments: tuple[Node, ...]
-    place: str = ""
+    place: str
 
 
-Node = Number | Name | Operation
+Node = float | str | Operation
+"""A number, the name of a quantity, or an operation on other parts."""
+
+
+def fold(
+    part: Node,
+    leaf: Callable[[Any], Result],
+    operation: Callable[[Operation, list[Result]], Result],
+) -> Result:
+    """What a formula comes to, from what its numbers and names are and what operations do."""
+    if not isinstance(part, Operation):
+        return leaf(part)
+    return operation(part, [fold(each, leaf, operation) for each in part.arguments])
 
 
 def _at_zero(z: Any) -> Any:
@@ -102,14 +103,6 @@ def _power(base: Any, exponent: Any) -> Any:
     return np.where(zero, 0, np.where(undefined, UNDEFINED, np.power(base + 0j, exponent)))
 
 
-OPERATORS: dict[str, Callable[..., Any]] = {
-    "+": np.add,
-    "-": np.subtract,
-    "*": np.multiply,
-    "/": np.divide,
-    "**": _power,
-    "negative": np.negative,
-}
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sqrt": _square_root,
     "exp": np.exp,
@@ -124,6 +117,14 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": _absolute,
     "sinc": _sinc,  # as MATLAB and the paper have it
 }
+_OPERATIONS: dict[str, Callable[..., Any]] = FUNCTIONS | {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
+    "**": _power,
+    "negative": np.negative,
+}
 _BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 _HINTS: dict[type, str] = {
     ast.BitXor: "a power is written **",
@@ -133,46 +134,24 @@ _HINTS: dict[type, str] = {
 
 @dataclass(frozen=True)
 class Expression:
-    """A formula that was read: its text and its parts."""
+    """A formula that was read: its text, its parts, and the names in it as they occur."""
 
     text: str
     root: Node = field(compare=False)
-
-    @cached_property
-    def parts(self) -> list[Node]:
-        """All parts, each after those it is made of; one that occurs twice is here once."""
-        seen: dict[int, Node] = {}
-
-        def visit(part: Node) -> None:
-            if id(part) not in seen:
-                for argument in part.arguments if isinstance(part, Operation) else ():
-                    visit(argument)
-                seen[id(part)] = part
-
-        visit(self.root)
-        return list(seen.values())
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """The named quantities that occur, in the order in which they do."""
-        return tuple(part.name for part in self.parts if isinstance(part, Name))
+    names: tuple[str, ...]
 
     def evaluate(self, **values: ArrayLike) -> Array:
         """The formula's value for named numbers or arrays, which are broadcast together.
 
         Where it is undefined or overflows the result is NaN or infinite, without a warning.
         """
-        known: dict[int, Any] = {}
         with np.errstate(all="ignore"):
-            for part in self.parts:
-                if isinstance(part, Number):
-                    known[id(part)] = part.value
-                elif isinstance(part, Name):
-                    known[id(part)] = np.asarray(values[part.name])
-                else:
-                    arguments = [known[id(each)] for each in part.arguments]
-                    known[id(part)] = _function(part.operator)(*arguments)
-        return np.asarray(known[id(self.root)]) + 0.0  # whole numbers as floating-point ones
+            value = fold(
+                self.root,
+                lambda leaf: np.asarray(values[leaf]) if isinstance(leaf, str) else leaf,
+                lambda part, arguments: _OPERATIONS[part.operator](*arguments),
+            )
+        return np.asarray(value) + 0.0  # whole numbers as floating-point ones
 
 
 def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Expression:
@@ -205,8 +184,8 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{place}: {_shown(text)}: the formula cannot be read") from None
     names = tuple(names)
-    known = known or ", ".join((*names, *CONSTANTS))
-    return Expression(text, _Reader(text, names, place, known).read(tree.body))
+    reader = _Reader(text, names, place, known or ", ".join((*names, *CONSTANTS)))
+    return Expression(text, reader.read(tree.body), tuple(reader.used))
 
 
 @dataclass
@@ -217,19 +196,18 @@ class _Reader:
     names: tuple[str, ...]
     place: str
     known: str
-    count: int = 0
-    shared: dict[tuple[Any, ...], Node] = field(default_factory=dict)
-    """Parts by what they are: equal ones are one."""
+    used: dict[str, None] = field(default_factory=dict)
 
     def read(self, node: ast.expr, *, depth: int = 1) -> Node:
-        self.count += 1
-        if self.count > MOST_PARTS:
-            raise self._error(node, f"the formula has more than {MOST_PARTS} parts")
         if depth > DEEPEST:
             raise self._error(node, f"the formula is nested more than {DEEPEST} deep")
         match node:
             case ast.Constant(value):
-                return self._number(node, value)
+                if isinstance(value, bool) or not isinstance(value, int | float):
+                    raise self._error(node, "this is not a number")
+                if not abs(value) <= LARGEST_NUMBER:
+                    raise self._error(node, f"the number must lie within ±{LARGEST_NUMBER:g}")
+                return float(value)
             case ast.Name(name):
                 return self._name(node, name)
             case ast.UnaryOp(ast.UAdd(), operand):
@@ -250,41 +228,30 @@ class _Reader:
                 raise self._error(node, f"this is no arithmetic; {allowed}")
         return self._operation(node, operator, [self.read(e, depth=depth + 1) for e in operands])
 
-    def _number(self, node: ast.expr, value: object) -> Node:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._error(node, "this is not a number")
-        if not abs(value) <= LARGEST_NUMBER:
-            raise self._error(node, f"the number must lie within ±{LARGEST_NUMBER:g}")
-        return self._once(Number(float(value)), float(value))
-
     def _name(self, node: ast.expr, name: str) -> Node:
         if name in self.names:
-            return self._once(Name(name), name)
+            self.used[name] = None
+            return name
         if name in CONSTANTS:
-            return self._once(Number(CONSTANTS[name]), CONSTANTS[name])
+            return CONSTANTS[name]
         if name in FUNCTIONS:
             raise self._error(node, f"a function needs its argument: {name}(…)")
         raise self._error(node, f"this name is unknown; known are {self.known}")
 
     def _operation(self, node: ast.expr, operator: str, arguments: list[Node]) -> Node:
-        numbers = [np.float64(each.value) for each in arguments if isinstance(each, Number)]
+        numbers = [np.float64(each) for each in arguments if isinstance(each, float)]
         if len(numbers) == len(arguments):
             with np.errstate(all="ignore"):
-                value = float(_function(operator)(*numbers))
+                value = float(_OPERATIONS[operator](*numbers))
             if not abs(value) <= LARGEST_NUMBER:
                 raise self._error(node, f"this is undefined or exceeds {LARGEST_NUMBER:g}")
-            return self._once(Number(value), value)
-        if operator == "**" and isinstance(arguments[1], Number):
-            exponent = arguments[1].value
-            if abs(exponent) > LARGEST_EXPONENT:
-                raise self._error(
-                    node, f"the exponent must lie within ±{LARGEST_EXPONENT:g}, not {exponent:g}"
-                )
-        part = Operation(operator, tuple(arguments), place=self._source(node))
-        return self._once(part, operator, *map(id, arguments))
-
-    def _once(self, part: Node, *key: Any) -> Node:
-        return self.shared.setdefault(key, part)
+            return value
+        exponent = arguments[-1]
+        if operator == "**" and isinstance(exponent, float) and abs(exponent) > LARGEST_EXPONENT:
+            raise self._error(
+                node, f"the exponent must lie within ±{LARGEST_EXPONENT:g}, not {exponent:g}"
+            )
+        return Operation(operator, tuple(arguments), place=self._source(node))
 
     def _source(self, node: ast.expr) -> str:
         return ast.get_source_segment(self.text, node) or self.text
@@ -300,5 +267,101 @@ def _shown(text: str) -> str:
     return repr(text if len(text) <= 60 else f"{text[:57]}…")
 
 
-def _function(operator: str) -> Callable[..., Any]:
-    return OPERATORS.get(operator) or FUNCTIONS[operator]
+def parameter_units(
+    expression: Expression,
+    *,
+    units: Mapping[str, str],
+    parameters: tuple[str, ...],
+    place: str,
+) -> dict[str, str]:
+    """The units of a formula's parameters, such that all of it fits and a force in N comes out.
+
+    units: those of the factors, and of parameters for which they were declared. A formula whose
+    result has no unit is read in newtons.
+    Raises InputError naming the part whose units do not fit.
+    """
+    force, solved = UNITS["N"].dimension, dict[str, Dimension]()
+    dimensions = {name: _coherent(unit, place=f"{place}, {name}") for name, unit in units.items()}
+    dimensions = {name: {name: Fraction(1)} for name in parameters} | dimensions
+
+    def reduced(dimension: Dimension) -> Dimension:
+        """With the parameters that are solved for put in."""
+        while known := [name for name in dimension if name in solved]:
+            power = dimension[known[0]]
+            rest = {name: each for name, each in dimension.items() if name != known[0]}
+            dimension = times(rest, solved[known[0]], power)
+        return dimension
+
+    def equate(a: Dimension, b: Dimension, otherwise: str) -> None:
+        rest = dict(reduced(times(a, b, -1)))
+        name = next((each for each in rest if each in parameters), None)
+        if name:
+            solved[name] = times(NONE, rest, -1 / rest.pop(name))
+        elif rest:
+            raise InputError(f"{place}: {otherwise}")
+
+    def dimension_of(part: Operation, inner: list[Dimension]) -> Dimension:
+        first, second = (*inner, NONE)[:2]
+        match part.operator:
+            case "+" | "-":
+                a, b = (_in(reduced(each)) for each in (first, second))
+                verb = "adds" if part.operator == "+" else "subtracts"
+                equate(first, second, f"{part.place!r} {verb} quantities {a} and {b}")
+                return first
+            case "*" | "/":
+                return times(first, second, 1 if part.operator == "*" else -1)
+            case "negative" | "abs":
+                return first
+            case "sqrt":
+                return times(NONE, first, Fraction(1, 2))
+            case "**" if isinstance(exponent := part.arguments[1], float):
+                return times(NONE, first, Fraction(exponent).limit_denominator(1000))
+        for each in inner:
+            unit = _text(reduced(each))
+            hint = "; the angle in radians is called `angle`" if unit == "deg" else ""
+            equate(each, NONE, f"{part.place!r} needs a number without unit, not {unit}{hint}")
+        return NONE
+
+    result = reduced(fold(expression.root, lambda leaf: dimensions.get(leaf, NONE), dimension_of))
+    if set(result) & set(parameters):
+        equate(result, force, "the result must be a force in N")
+    elif result not in (force, NONE):
+        raise InputError(
+            f"{place}: the result is in {_text(result)}; a force in N, or a number, is wanted"
+        )
+    # What stays open is a parameter that cannot be told from another: any unit would do.
+    found = {name: reduced(dimensions[name]) for name in parameters}
+    return {
+        name: _text({base: each[base] for base in each if base in BASES})
+        for name, each in found.items()
+    }
+
+
+def _coherent(text: str, *, place: str) -> Dimension:
+    """The dimension of a unit in which formulas are evaluated: SI, or degrees."""
+    unit = compound(text)
+    if unit is None or unit.size != 1:
+        raise InputError(
+            f"{place}, unit: {text!r} is no unit of N, m, s, deg, Pa, Hz and kg; write it like "
+            "N/m**2"
+        )
+    return unit.dimension
+
+
+def _in(dimension: Dimension) -> str:
+    return f"in {_text(dimension)}" if dimension else "without unit"
+
+
+def _text(dimension: Dimension) -> str:
+    """A dimension as a unit: N/m**2, 1/deg, 1; a parameter's that is not known yet in brackets."""
+
+    def power(base: str, exponent: Fraction) -> str:
+        name = base if base in BASES else f"[{base}]"
+        if exponent == 1:
+            return name
+        return f"{name}**{exponent if exponent.denominator == 1 else f'({exponent})'}"
+
+    order = sorted(dimension, key=lambda base: BASES.index(base) if base in BASES else len(BASES))
+    above = [power(base, dimension[base]) for base in order if dimension[base] > 0]
+    below = [power(base, -dimension[base]) for base in order if dimension[base] < 0]
+    return "/".join(["*".join(above) or "1", *below])
