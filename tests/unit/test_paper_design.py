@@ -24,11 +24,15 @@ PLACED = Box(
 
 
 def film_gradient(points):
-    return TWO_FACTOR.gradient(SCREEN_THETA, Factors.of(**dict(zip(FILM.names, points.T, strict=True))))
+    return TWO_FACTOR.gradient(
+        SCREEN_THETA, Factors.of(**dict(zip(FILM.names, points.T, strict=True)))
+    )
 
 
 def placed_gradient(points):
-    return FOUR_FACTOR.gradient(FOUR_FACTOR_THETA, Factors.of(**dict(zip(PLACED.names, points.T, strict=True))))
+    return FOUR_FACTOR.gradient(
+        FOUR_FACTOR_THETA, Factors.of(**dict(zip(PLACED.names, points.T, strict=True)))
+    )
 
 
 def test_two_angles_at_the_centre_are_one_scene():

@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
 from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
-from squeezefilm.designs.exact import exchange
-from squeezefilm.designs.optimal import log_determinant
+from squeezefilm.designs.optimal import exchange, log_determinant
 from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
 

@@ -38,8 +38,7 @@ from math import isfinite, nan
 import numpy as np
 from scipy import stats
 
-from squeezefilm.designs.exact import exchange
-from squeezefilm.designs.optimal import Array, Indices, sensitivity
+from squeezefilm.designs.optimal import Array, Indices, exchange, sensitivity
 from squeezefilm.errors import InputError, naming
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import (
