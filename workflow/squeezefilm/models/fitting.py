@@ -283,17 +283,17 @@ def sum_of_squares(
     return total if np.isfinite(total) else np.inf
 
 
-def best_told_apart(model: ExpressionModel, factors: Factors) -> tuple[float, Array, Array]:
-    """Where experiments tell a model's parameters apart best, of random theta.
+def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
+    """See that the gradient has full rank at some theta, so that a fit can have one answer.
 
-    The least singular value of the gradient with columns scaled to one, its direction, shape (p,),
-    and theta, shape (p,). The least value is -1 where the model is undefined at every theta tried,
-    and at most LEAST_SINGULAR_VALUE where no theta was found that the experiments tell apart.
+    The rank is taken numerically, with columns scaled to one, at many random theta at which the
+    model is defined: what fails at all of them is a property of the model and the points.
+    Raises InputError naming the parameters that the points cannot tell apart, or a model that is
+    undefined wherever it was tried.
     """
-    count = len(model.parameter_names)
-    random = np.random.default_rng(SEED)
-    best, direction, where = -1.0, np.zeros(count), np.zeros(count)
-    for draw in range(DRAWS):
+    count, random = len(model.parameter_names), np.random.default_rng(SEED)
+    best, direction = -1.0, np.zeros(count)
+    for draw in range(DRAWS if count else 0):
         spread = SPREADS[draw % len(SPREADS)]
         theta = np.sinh(random.uniform(-spread, spread, count))
         try:
@@ -307,34 +307,20 @@ def best_told_apart(model: ExpressionModel, factors: Factors) -> tuple[float, Ar
             continue
         scaled = gradient / np.where(length > 0, length, 1.0)
         _, values, directions = np.linalg.svd(scaled, full_matrices=False)
+        if values[-1] > LEAST_SINGULAR_VALUE:
+            return
         if values[-1] > best:
-            best, direction, where = float(values[-1]), directions[-1], theta
-        if best > 1e3 * LEAST_SINGULAR_VALUE:
-            break
-    return best, direction, where
-
-
-def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
-    """See that the gradient has full rank at some theta, so that a fit can have one answer.
-
-    The rank is taken numerically, with columns scaled to one, at many random theta at which the
-    model is defined: what fails at all of them is a property of the model and the points.
-    Raises InputError naming the parameters that the points cannot tell apart, or a model that is
-    undefined wherever it was tried.
-    """
-    if not model.parameter_names:
-        return
-    best, direction, _ = best_told_apart(model, factors)
-    if best < 0:
-        raise InputError(
-            f"{model.place}: the formula is undefined at {DRAWS} random parameter sets; no fit can "
-            "start from there"
-        )
-    if best <= LEAST_SINGULAR_VALUE:
+            best, direction = float(values[-1]), directions[-1]
+    if best >= 0:
         large = np.abs(direction) > SHARE_OF_DIRECTION * np.abs(direction).max()
         names = np.array(model.parameter_names)[large]
         what = "has no effect on the force" if len(names) == 1 else "cannot be told apart"
         raise InputError(
             f"{model.place}: {', '.join(names)} {what} at these points; leave a parameter out, or "
             "vary the factors that it belongs to"
+        )
+    if count:
+        raise InputError(
+            f"{model.place}: the formula is undefined at {DRAWS} random parameter sets; no fit can "
+            "start from there"
         )
