@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
+from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_FACTOR
 
 from squeezefilm.designs.box import Box, coordinates, pair_distances
 from squeezefilm.designs.paper_design import (
@@ -15,7 +15,6 @@ from squeezefilm.designs.paper_design import (
     search_design,
 )
 from squeezefilm.models.data import Factors
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 
 FILM = Box(("h0_m", "hv_m"), (5e-6, 0.2e-6), (10e-6, 2e-6))
 PLACED = Box(

@@ -183,83 +183,68 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
         raise InputError(f"{place}: {_shown(text)}: {what}") from None
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{place}: {_shown(text)}: the formula cannot be read") from None
-    names = tuple(names)
-    reader = _Reader(text, names, place, known or ", ".join((*names, *CONSTANTS)))
-    return Expression(text, reader.read(tree.body), tuple(reader.used))
+    names, used = tuple(names), dict[str, None]()
 
+    def text_of(node: ast.expr) -> str:
+        return ast.get_source_segment(text, node) or text
 
-@dataclass
-class _Reader:
-    """From Python's tree to a formula's parts; anything else is an error."""
+    def refused(node: ast.expr, what: str) -> InputError:
+        before = text.encode()[: node.col_offset]  # Python counts bytes
+        column = len(before.decode()) + 1
+        return InputError(f"{place}: column {column}, {_shown(text_of(node))}: {what}")
 
-    text: str
-    names: tuple[str, ...]
-    place: str
-    known: str
-    used: dict[str, None] = field(default_factory=dict)
-
-    def read(self, node: ast.expr, *, depth: int = 1) -> Node:
+    def read(node: ast.expr, depth: int = 1) -> Node:
+        """A formula's part of Python's tree; anything else is an error."""
         if depth > DEEPEST:
-            raise self._error(node, f"the formula is nested more than {DEEPEST} deep")
+            raise refused(node, f"the formula is nested more than {DEEPEST} deep")
         match node:
-            case ast.Constant(value):
-                if isinstance(value, bool) or not isinstance(value, int | float):
-                    raise self._error(node, "this is not a number")
+            case ast.Constant(int() | float() as value) if not isinstance(value, bool):
                 if not abs(value) <= LARGEST_NUMBER:
-                    raise self._error(node, f"the number must lie within ±{LARGEST_NUMBER:g}")
+                    raise refused(node, f"the number must lie within ±{LARGEST_NUMBER:g}")
                 return float(value)
-            case ast.Name(name):
-                return self._name(node, name)
+            case ast.Constant():
+                raise refused(node, "this is not a number")
+            case ast.Name(name) if name in names:
+                used[name] = None
+                return name
+            case ast.Name(name) if name in CONSTANTS:
+                return CONSTANTS[name]
+            case ast.Name(name) if name in FUNCTIONS:
+                raise refused(node, f"a function needs its argument: {name}(…)")
+            case ast.Name():
+                listed = known or ", ".join((*names, *CONSTANTS))
+                raise refused(node, f"this name is unknown; known are {listed}")
             case ast.UnaryOp(ast.UAdd(), operand):
-                return self.read(operand, depth=depth + 1)
+                return read(operand, depth + 1)
             case ast.UnaryOp(ast.USub(), operand):
                 operator, operands = "negative", [operand]
             case ast.BinOp(left, op, right) if type(op) in _BINARY:
                 operator, operands = _BINARY[type(op)], [left, right]
             case ast.Call(ast.Name(operator), operands, keywords) if operator in FUNCTIONS:
                 if keywords or len(operands) != 1:
-                    raise self._error(node, f"{operator} takes one argument")
+                    raise refused(node, f"{operator} takes one argument")
             case ast.Call(function):
                 allowed = ", ".join(FUNCTIONS)
-                raise self._error(function, f"this is no known function; known are {allowed}")
+                raise refused(function, f"this is no known function; known are {allowed}")
             case _:
                 hint = _HINTS.get(type(getattr(node, "op", None)), "")
                 allowed = hint or f"allowed are + - * / **, numbers and {', '.join(FUNCTIONS)}"
-                raise self._error(node, f"this is no arithmetic; {allowed}")
-        return self._operation(node, operator, [self.read(e, depth=depth + 1) for e in operands])
-
-    def _name(self, node: ast.expr, name: str) -> Node:
-        if name in self.names:
-            self.used[name] = None
-            return name
-        if name in CONSTANTS:
-            return CONSTANTS[name]
-        if name in FUNCTIONS:
-            raise self._error(node, f"a function needs its argument: {name}(…)")
-        raise self._error(node, f"this name is unknown; known are {self.known}")
-
-    def _operation(self, node: ast.expr, operator: str, arguments: list[Node]) -> Node:
+                raise refused(node, f"this is no arithmetic; {allowed}")
+        arguments = [read(each, depth + 1) for each in operands]
         numbers = [np.float64(each) for each in arguments if isinstance(each, float)]
         if len(numbers) == len(arguments):
             with np.errstate(all="ignore"):
                 value = float(_OPERATIONS[operator](*numbers))
             if not abs(value) <= LARGEST_NUMBER:
-                raise self._error(node, f"this is undefined or exceeds {LARGEST_NUMBER:g}")
+                raise refused(node, f"this is undefined or exceeds {LARGEST_NUMBER:g}")
             return value
         exponent = arguments[-1]
         if operator == "**" and isinstance(exponent, float) and abs(exponent) > LARGEST_EXPONENT:
-            raise self._error(
-                node, f"the exponent must lie within ±{LARGEST_EXPONENT:g}, not {exponent:g}"
-            )
-        return Operation(operator, tuple(arguments), place=self._source(node))
+            what = f"the exponent must lie within ±{LARGEST_EXPONENT:g}, not {exponent:g}"
+            raise refused(node, what)
+        return Operation(operator, tuple(arguments), place=text_of(node))
 
-    def _source(self, node: ast.expr) -> str:
-        return ast.get_source_segment(self.text, node) or self.text
-
-    def _error(self, node: ast.expr, what: str) -> InputError:
-        before = self.text.encode()[: node.col_offset]  # Python counts bytes
-        column = len(before.decode()) + 1
-        return InputError(f"{self.place}: column {column}, {_shown(self._source(node))}: {what}")
+    return Expression(text, read(tree.body), tuple(used))
 
 
 def _shown(text: str) -> str:
@@ -286,10 +271,9 @@ def parameter_units(
 
     def reduced(dimension: Dimension) -> Dimension:
         """With the parameters that are solved for put in."""
-        while known := [name for name in dimension if name in solved]:
-            power = dimension[known[0]]
-            rest = {name: each for name, each in dimension.items() if name != known[0]}
-            dimension = times(rest, solved[known[0]], power)
+        while name := next((each for each in dimension if each in solved), None):
+            power = dimension[name]
+            dimension = times(times(dimension, {name: power}, -1), solved[name], power)
         return dimension
 
     def equate(a: Dimension, b: Dimension, otherwise: str) -> None:
@@ -304,7 +288,7 @@ def parameter_units(
         first, second = (*inner, NONE)[:2]
         match part.operator:
             case "+" | "-":
-                a, b = (_in(reduced(each)) for each in (first, second))
+                a, b = (f"in {_text(d)}" if d else "without unit" for d in map(reduced, inner))
                 verb = "adds" if part.operator == "+" else "subtracts"
                 equate(first, second, f"{part.place!r} {verb} quantities {a} and {b}")
                 return first
@@ -348,10 +332,6 @@ def _coherent(text: str, *, place: str) -> Dimension:
     return unit.dimension
 
 
-def _in(dimension: Dimension) -> str:
-    return f"in {_text(dimension)}" if dimension else "without unit"
-
-
 def _text(dimension: Dimension) -> str:
     """A dimension as a unit: N/m**2, 1/deg, 1; a parameter's that is not known yet in brackets."""
 
@@ -361,7 +341,7 @@ def _text(dimension: Dimension) -> str:
             return name
         return f"{name}**{exponent if exponent.denominator == 1 else f'({exponent})'}"
 
-    order = sorted(dimension, key=lambda base: BASES.index(base) if base in BASES else len(BASES))
+    order = sorted(dimension, key=[*BASES, *dimension].index)
     above = [power(base, dimension[base]) for base in order if dimension[base] > 0]
     below = [power(base, -dimension[base]) for base in order if dimension[base] < 0]
     return "/".join(["*".join(above) or "1", *below])

@@ -97,13 +97,13 @@ class Criterion:
         value = inverse_determinant(self.derivatives(designs))
         if self.distance is not None:
             value = value + inverse_distances(self.distance(designs))
-        if self.apart is not None:
-            value = np.where(self.spares(designs).min(axis=-1) >= -1e-9, value, SINGULAR)
-        return np.minimum(value, SINGULAR)
+        far = self.spares(designs).min(axis=-1) >= -1e-9
+        return np.where(far, np.minimum(value, SINGULAR), SINGULAR)
 
     def spares(self, designs: Array) -> Array:
         """By how much each pair of points exceeds the separation, shape (..., N(N-1)/2)."""
-        assert self.apart is not None
+        if self.apart is None:
+            return np.zeros((*designs.shape[:-2], 1))
         return pair_distances(self.apart(designs)) - self.separation
 
 

@@ -30,7 +30,7 @@ from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validities
 from squeezefilm.models.data import POSITION, Factors
 from squeezefilm.models.fitting import Fit
-from squeezefilm.models.force_model import ExpressionModel, get_model, make_model
+from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
@@ -43,7 +43,6 @@ from squeezefilm.models.prediction_interval import (
 from squeezefilm.tables import read_json
 
 Array = NDArray[np.float64]
-Ranges = Mapping[str, tuple[float, float]]
 
 FILM_UNKNOWN = "not known: the fit's file does not describe its film"
 NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
@@ -87,9 +86,9 @@ class FittedModel(BaseModel):
     points: StrictInt
     global_error: StrictFloat
     sum_of_squares: StrictFloat
-    expression: str | None = None
-    parameters: list[str] = []
-    parameter_units: list[str] = []
+    expression: str
+    parameters: list[str]
+    parameter_units: list[str]
     ranges: dict[str, tuple[StrictFloat, StrictFloat]] = {}
     cross_validation: dict[str, StrictInt | StrictFloat] | None = None
     interval: PredictionInterval | None = Field(None, alias="validation")
@@ -108,18 +107,13 @@ class FittedModel(BaseModel):
 
     @cached_property
     def force_model(self) -> ExpressionModel:
-        """The model with the formula that the file carries; the library's, if it carries none.
+        """The model with the formula that the file carries.
 
-        Raises InputError naming the file, for a formula that is refused or an unknown model.
+        Raises InputError naming the file, for a formula that is refused.
         """
-        if self.expression is None:
-            model = get_model(self.model)
-        elif len(self.parameters) == len(self.parameter_units):
-            parameters = dict(zip(self.parameters, self.parameter_units, strict=True))
-            entry = {"expression": self.expression, "parameters": parameters}
-            model = make_model(self.model, entry, place=self.place)
-        else:
-            raise InputError(f"{self.place}: parameter_units: give one for each of 'parameters'")
+        parameters = dict(zip(self.parameters, self.parameter_units, strict=False))
+        entry = {"expression": self.expression, "parameters": parameters}
+        model = make_model(self.model, entry, place=self.place)
         if len(model.parameter_names) != len(self.theta):
             raise InputError(
                 f"{self.place}: 'theta' has {len(self.theta)} numbers for the parameters "
@@ -218,7 +212,7 @@ class FittedModel(BaseModel):
         *,
         force_n: ArrayLike,
         force_error_n: ArrayLike,
-        ranges: Ranges,
+        ranges: Mapping[str, tuple[float, float]],
     ) -> FittedModel:
         """The same fit with the prediction interval that a validation sample gives.
 
@@ -309,12 +303,9 @@ def describe(
     position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
     folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
     held_out = left_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
-    crossed = None
-    if np.all(np.isfinite(held_out)):
-        sizes = error_sizes(model_n=held_out, simulation_n=force_n)
-        crossed = {"folds": int(folds.max()) + 1, **sizes}
-    else:
-        held_out = np.full(len(force_n), np.nan)
+    known = bool(np.isfinite(held_out).all())
+    sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
+    missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
     fitted_n = model.evaluate(fit.theta, factors)
     return {
         **asdict(fit),
@@ -329,7 +320,7 @@ def describe(
             for values in [factors.column(name)]
         },
         "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
-        "cross_validation": crossed,
-        "error_scale": list(error_scale(held_out - force_n, force_n)),
+        "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
+        "error_scale": list(error_scale(missed_n, force_n)),
         "profile_uncertainty": profile_uncertainty,
     }

@@ -262,7 +262,3 @@ def check_columns(model: ExpressionModel, factors: Factors) -> None:
                 f"{unknown[0] + 1}: the physics limit does not hold there (see its status), so the "
                 f"model {model.name} cannot be used on these points"
             )
-
-
-TWO_FACTOR = get_model("two_factor")
-FOUR_FACTOR = get_model("four_factor")

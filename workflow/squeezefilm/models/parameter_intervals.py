@@ -57,8 +57,8 @@ class ParameterRange:
 
     def to_dict(self) -> dict[str, Any]:
         """Estimate and range, ready for JSON; an open end is null."""
-        plain = {name: getattr(self, name) for name in ("name", "unit", "estimate")}
-        ends = {name: getattr(self, name) for name in ("lower", "upper")}
+        plain = {"name": self.name, "unit": self.unit, "estimate": self.estimate}
+        ends = {"lower": self.lower, "upper": self.upper}
         return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
@@ -92,51 +92,40 @@ def parameter_ranges(
     # Next to the fit the points may say nothing of a parameter, or describe it without a residual.
     usable = (spread > 1e-12 * np.abs(theta)) & (spread < 1e3 * np.abs(theta))
     spread = np.where(usable | (theta == 0) & (spread > 0), spread, 0.1 * np.abs(theta) + 1e-6)
+
+    def end(place: int, step: float) -> tuple[float, Array]:
+        """Where the profile reaches the allowed sum of squares, on one side, and theta there."""
+        tried = {0.0: (theta, least - allowed)}
+
+        def excess(way: float) -> float:
+            if way not in tried:
+                defined = [each for each in tried if tried[each][1] < np.inf]
+                at = tried[min(defined, key=lambda each: abs(each - way))][0].copy()
+                at[place] = theta[place] + way * step
+                if np.isfinite(sum_of_squares(model, factors, force_n, at)):
+                    at = local_fit(model, factors, force_n, at, fixed=place)
+                tried[way] = at, sum_of_squares(model, factors, force_n, at) - allowed
+            return tried[way][1]
+
+        inside, way = 0.0, 1.0
+        for _ in range(MOST_STEPS):
+            above = excess(way)
+            if above <= 0:
+                inside, way = way, 2 * way
+                continue
+            if above == np.inf:  # beyond the edge of the region in which the model is defined
+                way = (inside + way) / 2
+                if way - inside >= 1e-9:
+                    continue
+            elif excess(inside) < 0:  # not so of a fit whose residual is rounding
+                inside = float(brentq(excess, inside, way, xtol=1e-6))
+            return float(theta[place] + inside * step), tried[inside][0]
+        return float(np.copysign(np.inf, step)), tried[inside][0]
+
     ranges = []
-    for place, step in enumerate(spread):
-        (lower, theta_lower), (upper, theta_upper) = (
-            _end(model, factors, force_n, theta, place, sign * float(step), allowed)
-            for sign in (-1.0, 1.0)
-        )
+    for place, step in enumerate(spread.tolist()):
+        (lower, theta_lower), (upper, theta_upper) = end(place, -step), end(place, step)
         name, unit = model.parameter_names[place], model.parameter_units[place]
         ends = (lower, upper, tuple(theta_lower.tolist()), tuple(theta_upper.tolist()))
         ranges.append(ParameterRange(name, unit, float(theta[place]), *ends))
     return ranges
-
-
-def _end(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: ArrayLike,
-    theta: Array,
-    place: int,
-    step: float,
-    allowed: float,
-) -> tuple[float, Array]:
-    """Where the profile reaches the allowed sum of squares, on one side, and theta there."""
-    tried = {0.0: (theta, sum_of_squares(model, factors, force_n, theta) - allowed)}
-
-    def excess(way: float) -> float:
-        if way not in tried:
-            defined = [each for each in tried if tried[each][1] < np.inf]
-            at = tried[min(defined, key=lambda each: abs(each - way))][0].copy()
-            at[place] = theta[place] + way * step
-            if np.isfinite(sum_of_squares(model, factors, force_n, at)):
-                at = local_fit(model, factors, force_n, at, fixed=place)
-            tried[way] = at, sum_of_squares(model, factors, force_n, at) - allowed
-        return tried[way][1]
-
-    inside, way = 0.0, 1.0
-    for _ in range(MOST_STEPS):
-        above = excess(way)
-        if above <= 0:
-            inside, way = way, 2 * way
-            continue
-        if above == np.inf:  # beyond the edge of the region in which the model is defined
-            way = (inside + way) / 2
-            if way - inside >= 1e-9:
-                continue
-        elif excess(inside) < 0:  # not so of a fit whose residual is rounding
-            inside = float(brentq(excess, inside, way, xtol=1e-6))
-        return float(theta[place] + inside * step), tried[inside][0]
-    return float(np.copysign(np.inf, step)), tried[inside][0]

@@ -260,8 +260,7 @@ def measured_interval(
     calibration = np.append(np.sort(score[~ranking]), np.inf)
     errors, quantiles = [], []
     for level, normal in NORMAL.items():
-        rank = min(ceil(len(calibration) * level), len(calibration))
-        quantiles.append(quantile := calibration[rank - 1])
+        quantiles.append(quantile := calibration[ceil(len(calibration) * level) - 1])
         scan = profile_uncertainty * normal / NORMAL[SCAN_LEVEL]
         known = np.isfinite(quantile)
         errors.append((constant * quantile, share * quantile + scan) if known else None)
