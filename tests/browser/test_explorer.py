@@ -135,10 +135,7 @@ def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer)
         place = {n: v for n, v in explorer.factors().items() if n in ("phi_r_m", "phi_deg")}
         shown = explorer.element("amplitude").get_attribute("data-metres")
         try:
-            amplitude_m = amplitude_for_force(
-                *(fit.force_model, fit.theta),
-                **{"force_n": load_n, "h0_m": 6e-6, "complete": fit.complete, **place},
-            )
+            amplitude_m = amplitude_for_force(fit.evaluate, force_n=load_n, h0_m=6e-6, **place)
         except InputError:
             assert shown == ""
         else:

@@ -6,8 +6,10 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import get_model
 from squeezefilm.tables import FACTOR_COLUMNS
 
+TWO_FACTOR, FOUR_FACTOR = get_model("two_factor"), get_model("four_factor")
 # Where the searches for the paper's forms (7) and (14) end on these plans (tests/unit/test_fit.py).
 SCREEN_THETA = (7.6240, 1.91659, -1.001314)
 FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)

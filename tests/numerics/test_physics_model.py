@@ -9,11 +9,11 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, reference_table
 
 from squeezefilm.config.loading import Config
-from squeezefilm.models.cross_validation import error_sizes
 from squeezefilm.models.data import COLUMNS, Factors
 from squeezefilm.models.fitting import fit_model
 from squeezefilm.models.force_model import get_model
 from squeezefilm.models.limit_table import MOST_NODES
+from squeezefilm.models.prediction_interval import error_sizes
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scenes_in

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.formulas.expressions import FUNCTIONS, Expression, parse
+from squeezefilm.formulas import FUNCTIONS, Expression, parse
 
 NAMES = ("a", "b", "x", "h0")
 

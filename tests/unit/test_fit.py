@@ -2,12 +2,17 @@
 
 import numpy as np
 import pytest
-from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA, reference_forces
+from reference_forces import (
+    FOUR_FACTOR,
+    FOUR_FACTOR_THETA,
+    SCREEN_THETA,
+    TWO_FACTOR,
+    reference_forces,
+)
 from scipy.optimize import least_squares
 
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import evolution, fit_model
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.box import Box, grid
-from squeezefilm.designs.exact import exchange
-from squeezefilm.designs.optimal import maximin_design, optimal_in_box, optimal_weights
+from squeezefilm.designs.optimal import exchange, maximin_design, optimal_in_box, optimal_weights
 from squeezefilm.designs.paper_design import Criterion, exchange_design, search_design
 from squeezefilm.errors import InputError
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
+from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_FACTOR
 
-from squeezefilm.designs.box import Box, coordinates, corners, pair_distances
+from squeezefilm.designs.box import Box, coordinates, pair_distances
 from squeezefilm.designs.paper_design import (
     Criterion,
     augment,
@@ -14,7 +14,7 @@ from squeezefilm.designs.paper_design import (
     find_regions,
     search_design,
 )
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
+from squeezefilm.models.data import Factors
 
 FILM = Box(("h0_m", "hv_m"), (5e-6, 0.2e-6), (10e-6, 2e-6))
 PLACED = Box(
@@ -23,11 +23,15 @@ PLACED = Box(
 
 
 def film_gradient(points):
-    return TWO_FACTOR.gradient(SCREEN_THETA, TWO_FACTOR.factors(points))
+    return TWO_FACTOR.gradient(
+        SCREEN_THETA, Factors.of(**dict(zip(FILM.names, points.T, strict=True)))
+    )
 
 
 def placed_gradient(points):
-    return FOUR_FACTOR.gradient(FOUR_FACTOR_THETA, FOUR_FACTOR.factors(points))
+    return FOUR_FACTOR.gradient(
+        FOUR_FACTOR_THETA, Factors.of(**dict(zip(PLACED.names, points.T, strict=True)))
+    )
 
 
 def test_two_angles_at_the_centre_are_one_scene():
@@ -73,7 +77,7 @@ def test_regions_and_the_fifth_point(patterns):
         (10.0, 0.2): "A and B",
         (5.0, 1.45): "B",
     }
-    extended = augment(criterion, regions, 5, candidates=corners(FILM))
+    extended = augment(criterion, regions, 5)
     assert extended[-1].origin == "augmentation"
     np.testing.assert_allclose(extended[-1].point, [5e-6, 0.2e-6])
 

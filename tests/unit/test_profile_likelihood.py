@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from reference_forces import reference_forces
+from reference_forces import TWO_FACTOR, reference_forces
 from scipy import stats
 
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import local_fit, sum_of_squares
-from squeezefilm.models.force_model import TWO_FACTOR, make_model
+from squeezefilm.models.force_model import make_model
 from squeezefilm.models.parameter_intervals import parameter_ranges
 
 LINE = make_model("line", {"expression": "t0 + t1*(hv/h0)"}, place="test")

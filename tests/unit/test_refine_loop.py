@@ -6,13 +6,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from squeezefilm.designs.sequential import Goal, Outcome, Pool, Sequential
+from squeezefilm.designs.sequential import Outcome, Pool, Sequential
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 
 GRID = 9
 CHECKS = 8
-GOAL = Goal(global_error=1e-3, worst_error=4e-3, most_simulations=20, batch=2)
+SETTINGS = {"separation": 0.1, "seed": 1}
+GOAL = SETTINGS | {"global_error": 1e-3, "worst_error": 4e-3, "simulations": 20, "batch": 2}
 
 
 def model(expression: str) -> ExpressionModel:
@@ -37,7 +38,7 @@ def run(
     tried: ExpressionModel,
     truth: Callable[[np.ndarray], np.ndarray],
     *,
-    goal: Goal = GOAL,
+    goal: dict = GOAL,
     error_n: float = 1e-9,
     points: Pool | None = None,
 ) -> tuple[Outcome, list[int]]:
@@ -48,7 +49,7 @@ def run(
         force = truth(points.factors.take(which).epsilon)
         return force, np.full(len(which), error_n)
 
-    loop = Sequential(tried, points, goal, simulate, separation=0.1, bound=100, seed=1)
+    loop = Sequential(tried, points, goal, simulate, bound=100)
     return loop.run(), asked
 
 
@@ -84,7 +85,7 @@ def test_a_model_that_lacks_a_term_is_found_out():
     found, asked = run(model("t0*(hv/h0)**2"), lambda e: 5 * e**2 + 30 * e**4)
     assert found.verdict == "model"
     assert len(asked) <= 12
-    assert found.rounds[-1].floor > GOAL.worst_error
+    assert found.rounds[-1].floor > GOAL["worst_error"]
     # It is proved: no other parameter leaves a smaller largest residual than the floor.
     factors = pool().factors.take(found.simulated)
     square = factors.epsilon**2
@@ -106,7 +107,7 @@ def test_rough_simulations_are_not_taken_for_a_bad_model():
 
 
 def test_points_keep_their_distance():
-    goal = Goal(global_error=1e-2, worst_error=1e-6, most_simulations=30, batch=3)
+    goal = GOAL | {"global_error": 1e-2, "worst_error": 1e-6, "simulations": 30, "batch": 3}
     found, _ = run(model(QUADRATIC), wavy(1e-7), goal=goal)
     assert len(found.rounds) > 3
     places = pool().coordinates[found.simulated]
@@ -120,7 +121,7 @@ def test_points_keep_their_distance():
     [(16, 3, 14, ""), (1000, 20, 45, "no more points can be designed")],
 )
 def test_the_loop_ends_where_its_budget_or_its_space_does(allowed, batch, made, reason):
-    goal = Goal(global_error=1e-2, worst_error=1e-6, most_simulations=allowed, batch=batch)
+    goal = GOAL | {"worst_error": 1e-6, "simulations": allowed, "batch": batch}
     found, asked = run(model(QUADRATIC), wavy(1e-7), goal=goal)
     assert found.verdict == "budget"
     assert reason in found.reason

@@ -1,9 +1,10 @@
 """Units of formulas: what does not fit is refused, what is not said is inferred."""
 
 import pytest
+from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, make_model
+from squeezefilm.models.force_model import ExpressionModel, make_model
 
 
 def model(expression: str, **settings) -> ExpressionModel:

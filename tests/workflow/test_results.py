@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
 from paper.claims import CLAIMS, COLUMNS, judge
 from paper.equations import CONDITIONS, FITS, compare, survives
@@ -15,7 +16,6 @@ from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import fit_of, read_fit
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 from squeezefilm.tables import FACTOR_COLUMNS, read_forces
 
 MORE = 1.02

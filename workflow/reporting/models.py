@@ -15,11 +15,15 @@ from reporting.results import Results
 from squeezefilm.columns import form_of
 from squeezefilm.errors import InputError
 from squeezefilm.models.amplitude_for_force import working_point
-from squeezefilm.models.cross_validation import error_sizes, relative_errors
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import SPACES, check_columns
-from squeezefilm.models.prediction_interval import QUANTITIES, ranking_half
+from squeezefilm.models.prediction_interval import (
+    QUANTITIES,
+    error_sizes,
+    ranking_half,
+    relative_errors,
+)
 from squeezefilm.tables import read_forces, read_json
 
 COLUMNS = (

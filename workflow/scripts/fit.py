@@ -5,7 +5,7 @@ from pathlib import Path
 from scripts.job import begin_with_study
 from squeezefilm.errors import naming
 from squeezefilm.files import digest
-from squeezefilm.models.force_model import model_named
+from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
 from squeezefilm.tables import read_forces, read_ok_forces, write_json, write_table
 
@@ -13,7 +13,7 @@ snakemake, config = begin_with_study()
 files = snakemake.input
 with naming(files.forces):
     fit, runs = fit_to_forces(
-        model_named(snakemake.params.model, config["models"], place=config.path),
+        get_model(snakemake.params.model, config["models"], place=config.path),
         config,
         forces=read_ok_forces(files.forces),
         sample=read_forces(files.sample),

@@ -5,13 +5,13 @@ from pathlib import Path
 from scripts.job import begin_with_study
 from squeezefilm.errors import InputError
 from squeezefilm.files import digest
-from squeezefilm.models.force_model import model_named
+from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
 from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json
 
 snakemake, config = begin_with_study()
 files = snakemake.input
-model = model_named(snakemake.wildcards.model, config["models"], place=config.path)
+model = get_model(snakemake.wildcards.model, config["models"], place=config.path)
 uncertainty = profile_uncertainty(config, summary=files.scan)
 try:
     fit, _ = fit_to_forces(

@@ -1,7 +1,7 @@
 """Simulate, fit, judge, design, simulate …, until a model is good enough or cannot be."""
 
 from scripts.job import begin_with_study
-from squeezefilm.models.force_model import model_named
+from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import profile_uncertainty
 from squeezefilm.studies.tasks.refined_model import refine
 from squeezefilm.tables import read_forces, write_json, write_table
@@ -9,7 +9,7 @@ from squeezefilm.tables import read_forces, write_json, write_table
 snakemake, config = begin_with_study()
 files, output = snakemake.input, snakemake.output
 found = refine(
-    model_named(snakemake.wildcards.model, config["models"], place=config.path),
+    get_model(snakemake.wildcards.model, config["models"], place=config.path),
     config,
     space=snakemake.wildcards.space,
     sample=read_forces(files.sample),

@@ -15,7 +15,7 @@ from squeezefilm.api.fit import Fit
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import OK
-from squeezefilm.models.force_model import model_named
+from squeezefilm.models.force_model import get_model
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import (
     finger_positions,
@@ -79,7 +79,7 @@ class Study(Film):
         if seeds < 1:
             raise InputError(f"seeds: {seeds} must be 1 or more")
         config = self.config
-        chosen = model_named(model, config["models"], place=config.path)
+        chosen = get_model(model, config["models"], place=config.path)
         forces, sample = self._simulated(centred=chosen.is_centred)
         for failed in forces[forces["status"] != OK].itertuples():
             raise RunError(f"point {failed.point_id}: {failed.status}")

@@ -17,6 +17,10 @@ mean of d_k. `maximin_design` makes the least of the K efficiencies large.
 
 Derivatives have shape (n, p) or (K, n, p); rows that are undefined (NaN) carry no information.
 Nothing here knows a model, a factor or a unit, and D-optimality does not depend on the parameters'.
+
+An exact design has so many points, each of them once: a simulation has no scatter, so a second one
+at the same point teaches nothing, and one close by hardly anything. It is sought by exchange
+(Fedorov 1972), one point at a time.
 """
 
 from __future__ import annotations
@@ -26,8 +30,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import qr, solve_triangular
+from scipy.linalg import qr
 from scipy.optimize import minimize
+from scipy.spatial.distance import cdist
 
 from squeezefilm.designs.box import Box
 from squeezefilm.errors import InputError
@@ -42,9 +47,12 @@ DROPPED = 1e-9
 SINGULAR = 1e-12
 """Diagonal of a triangular factor with columns of length one, below which it is singular."""
 ROUNDS, STEPS = 100, 100
-SAME_POINT = 2e-3
-"""Distance in unit factors within which points of a support are one."""
+SAME_POINT = 5e-3
+"""Relative distance of derivatives within which points of a support are one."""
 PEAK_ROUNDS, PEAKS = 20, 8
+START_INFORMATION = 1e-6
+"""Information of an exchange at its start, as a share of the candidates' mean: M is never singular.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +99,9 @@ def log_determinant(derivatives: ArrayLike, weights: ArrayLike | None = None) ->
 
     Equal weights if left out. Minus infinity where M is singular.
     """
-    return np.array([2 * np.sum(np.log(each)) for each in _diagonals(derivatives, weights)])
+    pivots = np.diagonal(_roots(stacked_derivatives(derivatives), weights), axis1=1, axis2=2)
+    with np.errstate(divide="ignore"):
+        return np.asarray(2 * np.log(np.abs(pivots)).sum(axis=1))
 
 
 def sensitivity(
@@ -101,31 +111,27 @@ def sensitivity(
 
     Equal weights if left out. Undefined derivatives give zero. Infinite where M is singular.
     """
-    own, other = stacked_derivatives(design), stacked_derivatives(derivatives)
-    total = np.zeros(other.shape[1])
-    for f, at, diagonal in zip(own, other, _diagonals(design, weights), strict=True):
-        if not np.all(diagonal > 0):
-            return np.full(other.shape[1], np.inf)
-        triangle = np.linalg.qr(_weighted(f, weights), mode="r")
-        total += np.sum(solve_triangular(triangle, at.T, trans="T") ** 2, axis=0)
-    return np.asarray(total / len(own) / own.shape[2])
+    roots, other = _roots(stacked_derivatives(design), weights), stacked_derivatives(derivatives)
+    if not roots.any(axis=(1, 2)).all():
+        return np.full(other.shape[1], np.inf)
+    return np.asarray(_variances(other, roots).mean(axis=0) / other.shape[2])
 
 
-def _weighted(f: Array, weights: ArrayLike | None) -> Array:
-    share = np.full(len(f), 1 / len(f)) if weights is None else np.asarray(weights)
-    return np.sqrt(share)[:, None] * f
+def _roots(f: Array, weights: ArrayLike | None = None) -> Array:
+    """Triangular factors of M, shape (K, p, p); zero where M is singular."""
+    layers, points, parameters = f.shape
+    if points < parameters:
+        return np.zeros((layers, parameters, parameters))
+    share = np.full(points, 1 / points) if weights is None else np.asarray(weights)
+    roots = np.linalg.qr(np.sqrt(share)[:, None] * f, mode="r")
+    pivots = np.abs(np.diagonal(roots, axis1=1, axis2=2))
+    singular = np.any(pivots <= SINGULAR * np.linalg.norm(roots, axis=1), axis=1)
+    return np.where(singular[:, None, None], 0.0, roots)
 
 
-def _diagonals(derivatives: ArrayLike, weights: ArrayLike | None) -> Array:
-    """Diagonals of the triangular factors of M, shape (K, p); zero where M is singular."""
-    stack = stacked_derivatives(derivatives)
-    diagonals = np.zeros((len(stack), stack.shape[2]))
-    for diagonal, f in zip(diagonals, (_weighted(f, weights) for f in stack), strict=True):
-        size = np.linalg.norm(f, axis=0)
-        if len(f) >= f.shape[1] and np.all(size > 0):
-            scaled = np.abs(np.diagonal(np.linalg.qr(f / size, mode="r")))
-            diagonal[:] = np.where(scaled.min() > SINGULAR, scaled * size, 0.0)
-    return diagonals
+def _variances(f: Array, roots: Array) -> Array:
+    """d_k(x) of every candidate, shape (K, n), by the triangular factors of M."""
+    return np.sum((f @ np.linalg.inv(roots)) ** 2, axis=-1)
 
 
 def optimal_weights(
@@ -140,24 +146,28 @@ def optimal_weights(
     weights of the parameter vectors, equal if left out.
     Raises InputError where the candidates cannot tell the parameters apart.
     """
-    f, scale = _scaled(derivatives)
+    f = stacked_derivatives(derivatives)
     layers, points, parameters = f.shape
     share = np.full(layers, 1 / layers) if prior is None else np.asarray(prior)
+    roots, scale = _roots(f), log_determinant(f)
+    if not np.isfinite(scale).all():
+        raise InputError("design: the candidates cannot tell the parameters apart")
+    f = f @ np.linalg.inv(roots)  # parameters in which M of equal weights is the identity
     # p points of large determinant for each parameter vector: pivots of a QR decomposition.
     picks = [qr(layer.T, mode="r", pivoting=True)[1][:parameters] for layer in f]
     weights = np.zeros(points)
     weights[np.unique(np.concatenate(picks))] = 1.0
     for _ in range(ROUNDS):
-        weights /= weights.sum()
         active = np.flatnonzero(weights)
-        weights[active] = _best_weights(f[:, active], weights[active], share, gap=gap / 4)
-        weights[weights < DROPPED] = 0
+        best = _best_weights(f[:, active], weights[active] / weights.sum(), share, gap=gap / 4)
+        weights[active] = np.where(best < DROPPED, 0, best)
         weights /= weights.sum()
-        level = share @ _variances(f, weights) / parameters
+        roots = _roots(f[:, active], weights[active])
+        level = share @ _variances(f, roots) / parameters
         if level.max() <= 1 + gap:
             break
         weights[np.argpartition(level, -parameters)[-parameters:]] += 1e-2
-    log_det = np.linalg.slogdet(_information(f, weights))[1] - scale
+    log_det = log_determinant(f[:, active], weights[active]) + scale
     return ApproximateDesign(weights, log_det, float(min(1.0, 1 / level.max())))
 
 
@@ -197,63 +207,35 @@ def maximin_design(derivatives: ArrayLike) -> ApproximateDesign:
     return replace(best, efficiency_bound=float(min(1.0, np.exp(least - ceiling))))
 
 
-def _scaled(derivatives: ArrayLike) -> tuple[Array, Array]:
-    """Derivatives (K, n, p) in parameters for which the plain mean is M = I, and log det of these.
-
-    Raises InputError where they cannot tell the parameters apart.
-    """
-    f = stacked_derivatives(derivatives)
-    scale = np.empty((len(f), f.shape[2], f.shape[2]))
-    for layer, each in zip(scale, f, strict=True):
-        columns = np.linalg.norm(each, axis=0)
-        if len(each) < f.shape[2] or not np.all(columns > 0):
-            raise InputError("design: a parameter has no influence on any candidate")
-        triangle = np.linalg.qr(each / columns, mode="r")
-        if np.abs(np.diagonal(triangle)).min() < 1e-13:
-            raise InputError("design: the candidates cannot tell the parameters apart")
-        layer[:] = np.linalg.inv(triangle) / columns[:, None] * np.sqrt(len(each))
-    return f @ scale, np.asarray(2 * np.linalg.slogdet(scale)[1], dtype=float)
-
-
-def _information(f: Array, weights: Array) -> Array:
-    used = np.flatnonzero(weights)
-    return np.asarray(f[:, used].transpose(0, 2, 1) * weights[used] @ f[:, used])
-
-
-def _variances(f: Array, weights: Array) -> Array:
-    """d_k(x) of every candidate, shape (K, n)."""
-    return np.einsum("kni,kni->kn", f @ np.linalg.inv(_information(f, weights)), f)
-
-
 def _best_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Array:
-    """The best weights of a few points: multiplicative steps, each followed by a Newton step."""
+    """The best weights of a few points: multiplicative steps, each followed by a Newton step.
+
+    Newton's step goes as far as it raises log det M and no weight is negative.
+    """
     for _ in range(STEPS):
-        level = prior @ _variances(f, weights) / f.shape[2]
+        level = prior @ _variances(f, _roots(f, weights)) / f.shape[2]
         if level.max() <= 1 + gap:
             break
-        weights = _newton_step(f, weights * level, prior)
-    return weights
-
-
-def _newton_step(f: Array, weights: Array, prior: Array) -> Array:
-    """Newton's step for the weights, as far as it raises log det M and none is negative."""
-    used = np.flatnonzero(weights > DROPPED / 100)
-    part = f[:, used]
-    cross = part @ np.linalg.inv(_information(f, weights)) @ part.transpose(0, 2, 1)
-    slope = prior @ np.diagonal(cross, axis1=1, axis2=2)
-    one = np.ones((len(used), 1))
-    matrix = np.block([[np.einsum("k,kij->ij", prior, cross**2), one], [one.T, 0.0]])
-    change = np.linalg.lstsq(matrix, np.append(slope, 0.0), rcond=1e-12)[0][:-1]
-    change -= change.mean()
-    shrinking = change < 0
-    limit = float(np.min(-weights[used][shrinking] / change[shrinking], initial=1.0))
-    before = prior @ np.linalg.slogdet(_information(f, weights))[1]
-    for step in limit * 0.5 ** np.arange(8):
-        moved = np.zeros(len(weights))
-        moved[used] = np.maximum(weights[used] + step * change, 0)
-        moved /= moved.sum()
-        if prior @ np.linalg.slogdet(_information(f, moved))[1] > before:
-            return moved
+        weights = weights * level
+        used = np.flatnonzero(weights > DROPPED / 100)
+        roots = _roots(f, weights)
+        part = f[:, used] @ np.linalg.inv(roots)
+        cross = part @ part.transpose(0, 2, 1)
+        slope = prior @ np.diagonal(cross, axis1=1, axis2=2)
+        one = np.ones((len(used), 1))
+        matrix = np.block([[np.einsum("k,kij->ij", prior, cross**2), one], [one.T, 0.0]])
+        change = np.linalg.lstsq(matrix, np.append(slope, 0.0), rcond=1e-12)[0][:-1]
+        change -= change.mean()
+        shrinking = change < 0
+        limit = float(np.min(-weights[used][shrinking] / change[shrinking], initial=1.0))
+        before = prior @ log_determinant(f, weights)
+        for step in limit * 0.5 ** np.arange(8):
+            moved = np.zeros(len(weights))
+            moved[used] = np.maximum(weights[used] + step * change, 0)
+            moved /= moved.sum()
+            if prior @ log_determinant(f, moved) > before:
+                weights = moved
+                break
     return weights
 
 
@@ -262,91 +244,155 @@ def optimal_in_box(
 ) -> ContinuousDesign:
     """The best approximate design anywhere in the box, from a grid of candidates, shape (n, k).
 
-    The support of the best design on the grid is moved off it together with its weights, and peaks
-    of the sensitivity join it, until the equivalence theorem holds at every peak. efficiency_bound
-    holds against the grid and all peaks between its points. Raises InputError where the candidates
-    cannot tell the parameters apart.
+    Peaks of the sensitivity join the candidates, until the equivalence theorem holds at every peak.
+    efficiency_bound holds against the grid and all peaks between its points. Raises InputError
+    where the candidates cannot tell the parameters apart.
     """
-    grid = gradients(candidates)
-    points = _merged(candidates, optimal_weights(grid).weights, box)
-    best, highest = ContinuousDesign(points[:0], np.empty(0)), 0.0
+    places, known = candidates, stacked_derivatives(gradients(candidates))
+    best, highest = ContinuousDesign(candidates[:0], np.empty(0)), 0.0
     for _ in range(PEAK_ROUNDS):
-        points = _moved(points, optimal_weights(gradients(points)).weights, gradients, box)
-        points = _merged(points, optimal_weights(gradients(points)).weights, box)
-        own = gradients(points)
+        kept = _merged(known, optimal_weights(known, gap=gap / 10).weights)
+        points, own = places[kept], known[:, kept]
         weights = optimal_weights(own, gap=gap / 10).weights
-        level = sensitivity(own, grid, weights=weights)
-        starts = np.concatenate([points, candidates[np.argsort(level)[-PEAKS:]]])
+        level = sensitivity(own, known, weights=weights)
+        starts = np.concatenate([points, places[np.argsort(level)[-PEAKS:]]])
         peaks = _climbed(own, weights, gradients, box, starts)
-        there = sensitivity(own, gradients(peaks), weights=weights)
-        bound = float(min(1.0, 1 / max(level.max(), there.max())))
+        added = stacked_derivatives(gradients(peaks))
+        bound = 1 / max(1.0, level.max(), sensitivity(own, added, weights=weights).max())
         if bound > highest:
             used, highest = weights > DROPPED, bound
             best = ContinuousDesign(points[used], weights[used] / weights[used].sum(), bound)
         if bound >= 1 - gap:
             break
-        higher = there > 1 + gap
-        heights = np.append(1 + weights, np.where(higher, 1e-3 * there, 0))
-        points = _merged(np.concatenate([points, peaks]), heights, box)
+        places = np.concatenate([places, peaks])
+        known = np.concatenate([known, added], axis=1)
     return best
 
 
-def _moved(points: Array, weights: Array, gradients: Gradients, box: Box) -> Array:
-    """The points of a design moved, and its weights with them, to where log det M is largest.
+def _climbed(own: Array, weights: Array, gradients: Gradients, box: Box, starts: Array) -> Array:
+    """The maxima of a design's sensitivity next to points, shape (n, k): all climb at once."""
+    unit, shift = np.clip(box.to_unit(starts), 0, 1), 1e-6 * np.eye(starts.shape[1])
 
-    Its slope is w_i times that of d at a point x_i, and d_i - p with respect to a weight.
-    """
-    count, factors = points.shape
-    shift = 1e-6 * np.eye(factors)
-
-    def loss(z: Array) -> tuple[float, Array]:
-        unit, weight = z[:-count].reshape(points.shape), z[-count:]
-        share, own = weight / weight.sum(), gradients(box.from_unit(unit))
-        above, below = (np.clip(unit[:, None] + sign * shift, 0, 1) for sign in (1, -1))
-        near = np.concatenate([above, below]).reshape(-1, factors)
-        level = sensitivity(own, gradients(box.from_unit(near)), weights=share)
-        rise = np.subtract(*level.reshape(2, count, factors)) / (above - below).sum(axis=-1)
-        at = sensitivity(own, own, weights=share)
-        slopes = np.append(share[:, None] * rise, (at - 1) / weight.sum())
-        return -float(log_determinant(own, share).mean()) / own.shape[-1], -slopes
+    def loss(flat: Array) -> tuple[float, Array]:
+        at = flat.reshape(unit.shape)[:, None]
+        above, below = np.minimum(at + shift, 1), np.maximum(at - shift, 0)
+        near = np.concatenate([at, above, below], axis=1)
+        there = gradients(box.from_unit(near.reshape(-1, len(shift))))
+        level = sensitivity(own, there, weights=weights).reshape(near.shape[:2])
+        height, higher, lower = np.split(level, [1, 1 + len(shift)], axis=1)
+        return -float(height.sum()), -((higher - lower) / (above - below).sum(axis=-1)).ravel()
 
     found = minimize(
         loss,
-        np.append(box.to_unit(points), weights),
+        unit.ravel(),
         jac=True,
         method="L-BFGS-B",
-        bounds=[(0.0, 1.0)] * (count * factors) + [(1e-12, 1.0)] * count,
+        bounds=[(0.0, 1.0)] * unit.size,
         options={"ftol": 1e-15, "gtol": 1e-9},
     )
-    return box.from_unit(found.x[:-count].reshape(points.shape))
+    return box.from_unit(found.x.reshape(unit.shape))
 
 
-def _climbed(own: Array, weights: Array, gradients: Gradients, box: Box, starts: Array) -> Array:
-    """The maxima of a design's sensitivity next to points, shape (n, k)."""
-
-    def height(unit: Array) -> float:
-        at = gradients(box.from_unit(unit[None]))
-        return -float(sensitivity(own, at, weights=weights)[0])
-
-    tops = []
-    for unit in np.clip(box.to_unit(starts), 0, 1):
-        top = minimize(
-            height,
-            unit,
-            method="L-BFGS-B",
-            jac="3-point",
-            bounds=[(0.0, 1.0)] * len(unit),
-            options={"ftol": 1e-15, "gtol": 1e-9},
-        )
-        tops.append(top.x if top.fun < height(unit) else unit)
-    return box.from_unit(np.array(tops))
+def _merged(f: Array, weights: Array) -> Indices:
+    """The points with a weight, of those of nearly equal derivatives the heaviest."""
+    used = np.argsort(-weights)[: np.count_nonzero(weights > DROPPED)]
+    rows = np.concatenate(f[:, used] @ np.linalg.inv(_roots(f[:, used], weights[used])), axis=1)
+    near = cdist(rows, rows) <= SAME_POINT * np.sqrt(rows.shape[1])
+    kept: list[int] = []
+    for place in range(len(used)):
+        if not near[place, kept].any():
+            kept.append(place)
+    return used[kept]
 
 
-def _merged(points: Array, weights: Array, box: Box) -> Array:
-    """The points with a weight, of those closer than SAME_POINT the heaviest."""
-    kept: list[Array] = []
-    for place in np.argsort(-weights)[: np.count_nonzero(weights > DROPPED)]:
-        unit = box.to_unit(points[place])
-        if all(np.linalg.norm(unit - other) > SAME_POINT for other in kept):
-            kept.append(unit)
-    return box.from_unit(np.array(kept))
+def exchange(
+    derivatives: ArrayLike,
+    points: int,
+    *,
+    existing: ArrayLike | None = None,
+    coordinates: ArrayLike | None = None,
+    existing_coordinates: ArrayLike | None = None,
+    separation: float = 0.0,
+    starts: int = 8,
+    seed: int = 1,
+) -> Indices:
+    """The best exact design found among candidates, by exchange from several starts.
+
+    Returns the candidates chosen, in ascending order.
+
+    Args:
+        derivatives: of the candidates, shape (n, p), or (K, n, p) for K parameter vectors whose
+            mean log-determinant counts.
+        points: how many to choose.
+        existing: derivatives of points that stay as they are, shape (m, p) or (K, m, p).
+        coordinates: of the candidates, shape (n, c), in which distances are taken; with
+            existing_coordinates, shape (m, c), existing points are kept away from too.
+        separation: least distance between two points of the design.
+
+    Raises InputError where no candidate is left that is far enough from the others, or where the
+    points cannot tell the parameters apart.
+    """
+    f = stacked_derivatives(derivatives)
+    size = np.sqrt(np.mean(f**2, axis=1, keepdims=True))
+    if points < 1:
+        raise InputError(f"design: {points} points are none; ask for one at least")
+    if not np.all(size > 0):
+        raise InputError("design: a parameter has no influence on any candidate")
+    old = f[:, :0] if existing is None else stacked_derivatives(existing)
+    known, f = _squares(old / size), f / size
+    places = np.zeros((f.shape[1], 0)) if coordinates is None else np.asarray(coordinates)
+    allowed = np.any(f != 0, axis=(0, 2))
+    if existing_coordinates is not None:
+        near = cdist(places, np.asarray(existing_coordinates))
+        allowed &= ~np.any(near < max(separation, 1e-9), axis=1)
+
+    def free(chosen: Indices) -> Indices:
+        """The candidates that may join the points chosen."""
+        far = np.all(cdist(places, places[chosen]) >= separation * (1 - 1e-9), axis=1)
+        return np.setdiff1d(np.flatnonzero(allowed & far), chosen)
+
+    def grown(chosen: Indices) -> Indices:
+        """The points chosen and more, each time the one with the largest gain."""
+        while len(chosen) < points:
+            if not len(open_to := free(chosen)):
+                raise InputError(
+                    f"design: only {len(chosen)} of {points} points fit in; ask for fewer, a "
+                    "smaller separation or more candidates"
+                )
+            matrix = known + _squares(f[:, chosen]) + START_INFORMATION * np.eye(f.shape[2])
+            others = f[:, open_to]
+            gain = np.log1p(np.einsum("kni,kni->kn", others @ np.linalg.inv(matrix), others))
+            chosen = np.append(chosen, open_to[np.argmax(gain.mean(axis=0))])
+        return chosen
+
+    def log_det(chosen: Indices) -> float:
+        """Mean log det of the information; minus infinity where it is singular."""
+        matrix = known + _squares(f[:, chosen])
+        if np.linalg.cond(matrix).max() > 1e14:
+            return -np.inf
+        return float(np.linalg.slogdet(matrix)[1].mean())
+
+    rng = np.random.default_rng(seed)
+    best, highest = np.empty(0, dtype=int), -np.inf
+    for start in range(starts):
+        # The first start is greedy from nothing, the others from one or more random points.
+        chosen = np.empty(0, dtype=int)
+        for _ in range(min(start, points)):
+            if len(open_to := free(chosen)):
+                chosen = np.append(chosen, rng.choice(open_to))
+        chosen = grown(chosen)
+        value, tried = log_det(chosen), 0
+        while tried < points:
+            other = grown(chosen[1:])  # the first point for the best one
+            tried = 0 if log_det(other) > value + 1e-10 else tried + 1
+            value, chosen = (log_det(other), other) if tried == 0 else (value, np.roll(chosen, -1))
+        if value > highest:
+            best, highest = np.sort(chosen), value
+    if not np.isfinite(highest):
+        raise InputError("design: the points cannot tell the parameters apart; ask for more points")
+    return best
+
+
+def _squares(f: Array) -> Array:
+    """F'F of each layer, shape (K, p, p)."""
+    return np.asarray(f.transpose(0, 2, 1) @ f)

@@ -10,15 +10,13 @@ common are patterns of points, and their union is a design too.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
-from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
-from squeezefilm.designs.exact import exchange
-from squeezefilm.designs.optimal import log_determinant
+from squeezefilm.designs.box import Array, Box, Coordinates, corners, grid, pair_distances
+from squeezefilm.designs.optimal import exchange, log_determinant
 from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
 
@@ -99,13 +97,14 @@ class Criterion:
         value = inverse_determinant(self.derivatives(designs))
         if self.distance is not None:
             value = value + inverse_distances(self.distance(designs))
-        return np.where(self.spare(designs) >= -1e-9, np.minimum(value, SINGULAR), SINGULAR)
+        far = self.spares(designs).min(axis=-1) >= -1e-9
+        return np.where(far, np.minimum(value, SINGULAR), SINGULAR)
 
-    def spare(self, designs: Array) -> Array:
-        """By how much the closest pair of points exceeds the separation, shape (...)."""
+    def spares(self, designs: Array) -> Array:
+        """By how much each pair of points exceeds the separation, shape (..., N(N-1)/2)."""
         if self.apart is None:
-            return np.zeros(designs.shape[:-2])
-        return np.min(pair_distances(self.apart(designs)), axis=-1) - self.separation
+            return np.zeros((*designs.shape[:-2], 1))
+        return pair_distances(self.apart(designs)) - self.separation
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,20 +127,19 @@ def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
     Equal arguments give an equal result. Raises InputError where no design with a finite
     criterion was found.
     """
-    factors = len(criterion.box.names)
+    box = criterion.box
+    shape = (points, len(box.names))
     found = genetic_search(
-        lambda flat: criterion.value(criterion.box.from_unit(flat.reshape(-1, points, factors))),
-        lower=np.zeros(points * factors),
-        upper=np.ones(points * factors),
+        lambda flat: criterion.value(box.from_unit(flat.reshape(-1, *shape))),
+        lower=np.zeros(np.prod(shape)),
+        upper=np.ones(np.prod(shape)),
         seed=seed,
         population=POPULATION,
         first=10 * POPULATION,
         generations=GENERATIONS,
     )
-    box = criterion.box
-    best = descend(criterion, box.from_unit(found.x.reshape(points, factors)))
-    kicks = np.random.default_rng(seed).normal(scale=KICK, size=(KICKS, points, factors))
-    for kick in kicks:
+    best = descend(criterion, box.from_unit(found.x.reshape(shape)))
+    for kick in np.random.default_rng(seed).normal(scale=KICK, size=(KICKS, *shape)):
         start = box.from_unit(np.clip(box.to_unit(best.points) + kick, 0, 1))
         if float(criterion.value(start)) < SINGULAR:
             best = min(best, descend(criterion, start), key=lambda design: design.value)
@@ -171,16 +169,11 @@ def descend(criterion: Criterion, points: Array) -> Design:
     def objective(unit: Array) -> Array:
         return np.log(smooth.value(designs(unit)) / start)
 
-    constraints: list[Any] = []
-    if criterion.apart is not None:
-        apart, separation = criterion.apart, criterion.separation
+    def spares(unit: Array) -> Array:
+        return criterion.spares(designs(unit))
 
-        def spares(unit: Array) -> Array:
-            return pair_distances(apart(designs(unit))) - separation
-
-        constraints.append({"type": "ineq", "fun": spares, "jac": lambda u: _slopes(spares, u)})
-    best = np.clip(box.to_unit(points).ravel(), 0, 1)
-    value = 0.0
+    apart = {"type": "ineq", "fun": spares, "jac": lambda u: _slopes(spares, u)}
+    best, value = np.clip(box.to_unit(points).ravel(), 0, 1), 0.0
     for _ in range(20):
         step = minimize(
             lambda u: float(objective(u)),
@@ -188,22 +181,18 @@ def descend(criterion: Criterion, points: Array) -> Design:
             jac=lambda u: _slopes(objective, u),
             method="SLSQP",
             bounds=Bounds(np.zeros(len(best)), np.ones(len(best))),
-            constraints=constraints,
+            constraints=[] if criterion.apart is None else [apart],
             options={"ftol": 1e-14, "maxiter": 500},
         )
         unit = np.clip(step.x, 0, 1)
-        reached = float(np.log(criterion.value(designs(unit)) / start))
-        fell = value - reached
+        fell = value - float(np.log(criterion.value(designs(unit)) / start))
         if fell > 0:
-            best, value = unit, reached
+            best, value = unit, value - fell
         if fell < 1e-11:
             break
     found = designs(best)
-    return Design(
-        points=_sorted(found, box),
-        value=float(criterion.value(found)),
-        inverse_determinant=float(inverse_determinant(criterion.derivatives(found))),
-    )
+    determinant = float(inverse_determinant(criterion.derivatives(found)))
+    return Design(_sorted(found, box), float(criterion.value(found)), determinant)
 
 
 def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:
@@ -296,18 +285,15 @@ def find_patterns(designs: Sequence[Design], box: Box) -> list[Pattern]:
     apart than SAME. From the best design on, each joins the first pattern whose best design it
     equals in this sense, or starts a new one.
     """
-    groups: list[list[int]] = []
-    for index in sorted(range(len(designs)), key=lambda index: designs[index].value):
-        for group in groups:
-            if _mismatch(designs[index].points, designs[group[0]].points, box) <= SAME:
-                group.append(index)
-                break
-        else:
-            groups.append([index])
-    best = [designs[group[0]] for group in groups]
+    groups: dict[int, list[int]] = {}
+    for index in np.argsort([design.value for design in designs], kind="stable").tolist():
+        points = designs[index].points
+        same = (best for best in groups if _mismatch(points, designs[best].points, box) <= SAME)
+        groups.setdefault(next(same, index), []).append(index)
+    least = min(design.value for design in designs)
     return [
-        Pattern(chr(ord("A") + number), design, tuple(group), design.value - best[0].value)
-        for number, (design, group) in enumerate(zip(best, groups, strict=True))
+        Pattern(chr(ord("A") + number), designs[best], tuple(group), designs[best].value - least)
+        for number, (best, group) in enumerate(groups.items())
     ]
 
 
@@ -320,26 +306,20 @@ def find_regions(patterns: Sequence[Pattern], box: Box) -> list[Region]:
     for pattern in patterns:
         for point in pattern.design.points:
             gaps = [np.linalg.norm(box.to_unit(point) - box.to_unit(r.point)) for r in regions]
-            if not gaps or min(gaps) > SAME:
+            if min(gaps, default=np.inf) > SAME:
                 regions.append(Region(point, [pattern.name]))
             elif pattern.name not in (near := regions[int(np.argmin(gaps))]).patterns:
                 near.patterns.append(pattern.name)
     return regions
 
 
-def augment(
-    criterion: Criterion,
-    regions: Sequence[Region],
-    points: int,
-    *,
-    candidates: Array,
-) -> list[Region]:
-    """Regions extended to so many points, each time by the candidate with the least criterion.
+def augment(criterion: Criterion, regions: Sequence[Region], points: int) -> list[Region]:
+    """Regions extended to so many points, each time by the corner with the least criterion.
 
-    The points given stay where they are. candidates has shape (c, k): `corners(box)`, for a free
-    point would settle next to one that is there already, the determinant outweighing the distances
-    of (12) by far; a simulation has no scatter, and a near replicate teaches nothing.
-    Raises InputError where there are more regions than points wanted, or no candidate is left.
+    The points given stay where they are. A free point would settle next to one that is there
+    already, the determinant outweighing the distances of (12) by far; a simulation has no scatter,
+    and a near replicate teaches nothing.
+    Raises InputError where there are more regions than points wanted, or no corner is left.
     """
     if len(regions) > points:
         raise InputError(
@@ -348,15 +328,13 @@ def augment(
         )
     # Without distances in the criterion a replicate would be as good as any other point.
     spaced = replace(criterion, distance=criterion.distance or criterion.box.to_unit)
-    extended = list(regions)
+    candidates, extended = corners(criterion.box), list(regions)
     while len(extended) < points:
-        kept = np.array([region.point for region in extended])
-        trials = np.concatenate(
-            [np.broadcast_to(kept, (len(candidates), *kept.shape)), candidates[:, None]], axis=1
-        )
+        kept = [region.point for region in extended]
+        trials = np.array([[*kept, corner] for corner in candidates])
         values = spaced.value(trials)
         if values.min() >= SINGULAR:
-            raise InputError("design: no candidate is left for another point; give more candidates")
+            raise InputError(f"design: no corner is left for one of {points} points; ask for fewer")
         extended.append(Region(candidates[int(np.argmin(values))], []))
     return extended
 

@@ -31,25 +31,19 @@ The loop ends in one of these ways:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, nan
+from typing import Any
 
 import numpy as np
 from scipy import stats
+from scipy.spatial.distance import cdist
 
-from squeezefilm.designs.exact import exchange
-from squeezefilm.designs.optimal import Array, Indices, sensitivity
+from squeezefilm.designs.optimal import Array, Indices, exchange, sensitivity
 from squeezefilm.errors import InputError, naming
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fitting import (
-    LEAST_SINGULAR_VALUE,
-    best_told_apart,
-    check_identifiable,
-    fit_model,
-    local_fit,
-    sum_of_squares,
-)
+from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit, sum_of_squares
 from squeezefilm.models.force_model import ExpressionModel
 
 Simulate = Callable[[Indices], tuple[Array, Array]]
@@ -74,16 +68,6 @@ class Pool:
     candidates: Indices
     verification: Indices
     typical: Indices
-
-
-@dataclass(frozen=True)
-class Goal:
-    """When to stop: the wanted errors, relative, and the most simulations in all."""
-
-    global_error: float
-    worst_error: float
-    most_simulations: int
-    batch: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,18 +118,16 @@ class Outcome:
 class Sequential:
     """The loop: forces of the pool's points, NaN where none is known, and fits to some.
 
-    simulate is called with points of the pool, each once;
-    separation is the least distance between two points simulated, in the pool's coordinates; bound
-    and seed are of the global search with which a fit begins where no parameters are known.
+    settings is the section ``refine`` of a study; its separation, the least distance between two
+    points simulated, is in the pool's coordinates. simulate is called with points of the pool, each
+    once; bound is that of the global search with which a fit begins where no parameters are known.
     """
 
     model: ExpressionModel
     pool: Pool
-    goal: Goal
+    settings: Mapping[str, Any]
     simulate: Simulate
-    separation: float
     bound: float
-    seed: int
     force_n: Array = field(init=False)
     error_n: Array = field(init=False)
 
@@ -163,14 +145,16 @@ class Sequential:
     def fitted(self, points: Indices, *starts: Array | None) -> Array:
         """The least-squares parameters of some points from several starts, None a global search."""
         factors, force = self.pool.factors.take(points), self.force_n[points]
-        fits = []
+        best, least = np.empty(0), np.inf
         for start in starts if self.parameters else ():
             if start is None or sum_of_squares(self.model, factors, force, start) == np.inf:
-                found = fit_model(self.model, factors, force, bound=self.bound, seed=self.seed)
+                seed = self.settings["seed"]
+                found = fit_model(self.model, factors, force, bound=self.bound, seed=seed)
                 start = np.array(found.theta)
-            fits.append(local_fit(self.model, factors, force, start))
-        squares = [sum_of_squares(self.model, factors, force, theta) for theta in fits]
-        return fits[int(np.argmin(squares))] if fits else np.empty(0)
+            theta = local_fit(self.model, factors, force, start)
+            squares = sum_of_squares(self.model, factors, force, theta)
+            best, least = (theta, squares) if squares < least else (best, least)
+        return best
 
     def residuals(self, theta: Array, points: Indices) -> Array:
         return self.model.evaluate(theta, self.pool.factors.take(points)) - self.force_n[points]
@@ -181,20 +165,18 @@ class Sequential:
             return np.zeros(len(points))
         f = self.model.gradient(theta, self.pool.factors.take(design))
         at = self.model.gradient(theta, self.pool.factors.take(points))
-        spread = sensitivity(f, at) * len(theta) / len(design)
         known = np.isfinite(f).all() and np.isfinite(at).all(axis=1)
-        return np.where(known, spread, np.inf)
+        return np.where(known, sensitivity(f, at) * len(theta) / len(design), np.inf)
 
     def scale(self, theta: Array) -> float:
         """Root mean square force over the space, by the model."""
         force = self.model.evaluate(theta, self.pool.factors.take(self.pool.typical))
         known = force[np.isfinite(force)]
-        return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
+        return float(np.sqrt(np.mean(known**2))) if len(known) else nan
 
     def first_points(self) -> Indices:
-        """One point more than there are parameters, far from each other.
+        """One point more than there are parameters, far from each other and from what verifies.
 
-        Where these cannot tell the parameters apart, the points that do it best at some parameters.
         Raises InputError where there is no room for them, or where no candidates tell the
         parameters apart.
         """
@@ -204,51 +186,37 @@ class Sequential:
             raise InputError(
                 "refine: errors cannot be estimated from fewer than 3 verification points"
             )
-        if checks + first > self.goal.most_simulations:
+        if checks + first > self.settings["simulations"]:
             raise InputError(
                 f"refine: the model {self.model.name} takes {first} simulations to begin with and "
-                f"{checks} to verify, more than the {self.goal.most_simulations} allowed"
+                f"{checks} to verify, more than the {self.settings['simulations']} allowed"
             )
-        spread = self.spread_points(first)
-        if not first:
-            return spread
-        least, _, theta = best_told_apart(self.model, pool.factors.take(spread))
-        if least < 0 or least > LEAST_SINGULAR_VALUE:
-            return spread
-        candidates = pool.factors.take(pool.candidates)
-        with naming(f"refine: {len(candidates)} candidates"):
-            check_identifiable(self.model, candidates)
-        theta = best_told_apart(self.model, candidates)[2]
-        return self.added_points(theta, np.empty(0, dtype=int), first)
-
-    def spread_points(self, count: int) -> Indices:
-        """Candidates far from each other and from the verification points, one after the other."""
-        taken = self.pool.coordinates[self.pool.verification]
-        places = self.pool.coordinates[self.pool.candidates]
+        with naming(f"refine: {len(pool.candidates)} candidates"):
+            check_identifiable(self.model, pool.factors.take(pool.candidates))
+        places, taken = (pool.coordinates[each] for each in (pool.candidates, pool.verification))
         chosen = np.empty(0, dtype=int)
-        for _ in range(count):
-            far = np.linalg.norm(places[:, None] - taken[None], axis=-1).min(axis=1)
+        for _ in range(first):
+            far = cdist(places, taken).min(axis=1)
             if not len(chosen):  # the first at an edge
-                far = (far >= self.separation) * np.linalg.norm(
-                    places - places.mean(axis=0), axis=1
-                )
+                middle = places.mean(axis=0)
+                far = (far >= self.settings["separation"]) * np.linalg.norm(places - middle, axis=1)
             best = int(np.argmax(far))
-            chosen = np.append(chosen, self.pool.candidates[best])
+            chosen = np.append(chosen, pool.candidates[best])
             taken = np.concatenate([taken, places[best : best + 1]])
         return chosen
 
-    def added_points(self, theta: Array, design: Indices, count: int) -> Indices:
+    def added_points(self, theta: Array, design: Indices) -> Indices:
         """The most informative points about the parameters, besides those of the design."""
         pool, model = self.pool, self.model
         found = exchange(
             model.gradient(theta, pool.factors.take(pool.candidates)),
-            count,
-            existing=model.gradient(theta, pool.factors.take(design)) if len(design) else None,
+            self.settings["batch"],
+            existing=model.gradient(theta, pool.factors.take(design)),
             coordinates=pool.coordinates[pool.candidates],
             existing_coordinates=pool.coordinates[np.concatenate([pool.verification, design])],
-            separation=self.separation,
+            separation=self.settings["separation"],
             starts=3,
-            seed=self.seed,
+            seed=self.settings["seed"],
         )
         return np.asarray(pool.candidates[found])
 
@@ -258,7 +226,7 @@ class Sequential:
         start, surprise = None, np.empty(0)
         if rounds:
             start = rounds[-1].theta
-            surprise = self.residuals(start, design[-self.goal.batch :])
+            surprise = self.residuals(start, design[-self.settings["batch"] :])
         theta = self.fitted(design, start)
         hindsight = self.fitted(everything, theta)
         done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
@@ -276,9 +244,8 @@ class Sequential:
     ) -> Round:
         """The round's estimates; surprise are errors at the newest points before their fit."""
         checks, scale = self.pool.verification, self.scale(hindsight)
-        misses = self.residuals(theta, checks)
-        misses = np.where(np.isfinite(misses), misses, np.inf)
-        count = len(checks)
+        misses, count = self.residuals(theta, checks), len(checks)
+        misses[~np.isfinite(misses)] = np.inf
         relative = float(np.linalg.norm(misses) / np.linalg.norm(self.force_n[checks]))
         lower, upper = np.sqrt(count / stats.chi2.ppf([LEVEL, 1 - LEVEL], count))
         spread = self.variances(theta, design, checks)
@@ -289,9 +256,8 @@ class Sequential:
         variance = self.variances(theta, design, places)
         at = int(np.argmax(variance))
         known = isfinite(variance[at]) and isfinite(lack)
-        width = np.inf
-        if known:
-            width = float(stats.t.ppf((1 + LEVEL) / 2, count)) * lack * np.sqrt(1 + variance[at])
+        times = float(stats.t.ppf((1 + LEVEL) / 2, count))
+        width = times * lack * np.sqrt(1 + variance[at]) if known else np.inf
         seen = np.abs(np.concatenate([misses, surprise])).max()
         everything = np.concatenate([checks, design])
         left = self.residuals(hindsight, everything)
@@ -313,36 +279,35 @@ class Sequential:
 
     def verdict(self, last: Round, hindsight: Array) -> tuple[str, str]:
         """The loop's end and the reason for it; nothing while it should go on."""
-        goal, parameters = self.goal, self.parameters
-        tried = last.number > 1 or parameters == 0
-        if (
-            tried
-            and last.global_upper <= goal.global_error
-            and last.worst_error <= goal.worst_error
-        ):
+        wanted, parameters = self.settings, self.parameters
+        below = (
+            last.global_upper <= wanted["global_error"]
+            and last.worst_error <= wanted["worst_error"]
+        )
+        if below and (last.number > 1 or parameters == 0):
             return "reached", (
                 f"global error {last.global_error:.2g}, below {last.global_upper:.2g} with 95 %; "
                 f"worst error {last.worst_error:.2g}"
             )
         numerical = last.floor <= NUMERICAL * last.simulation_error
         what = "simulation" if numerical else "model"
-        if last.simulations > parameters and last.floor > goal.worst_error:
+        if last.simulations > parameters and last.floor > wanted["worst_error"]:
             return what, (
                 f"no parameters bring the largest residual on the {last.simulations} points "
                 f"simulated below {last.floor:.2g} of the mean force; wanted are "
-                f"{goal.worst_error:.2g}"
+                f"{wanted['worst_error']:.2g}"
             )
         least = self.least_global_error(hindsight)
-        if least > goal.global_error:
+        if least > wanted["global_error"]:
             return what, (
                 "even the best fit to the verification points leaves a global error above "
-                f"{least:.2g} with 95 %; wanted are {goal.global_error:.2g}"
+                f"{least:.2g} with 95 %; wanted are {wanted['global_error']:.2g}"
             )
         if parameters == 0:
             return what, "the model has no parameter that more simulations could improve"
-        if last.simulations + goal.batch > goal.most_simulations:
+        if last.simulations + wanted["batch"] > wanted["simulations"]:
             return "budget", (
-                f"{last.simulations} of {goal.most_simulations} simulations are done; global error "
+                f"{last.simulations} of {wanted['simulations']} simulations are done; global error "
                 f"{last.global_error:.2g} to {last.global_upper:.2g}, worst error "
                 f"{last.worst_error:.2g}"
             )
@@ -367,9 +332,8 @@ class Sequential:
 
         Raises InputError where there are too few verification points, or simulations allowed.
         """
-        design = self.first_points()
+        design, rounds = self.first_points(), list[Round]()
         self.measure(np.concatenate([self.pool.verification, design]))
-        rounds: list[Round] = []
         verdict = ""
         while not verdict:
             done, hindsight, verdict, reason = self.one_round(design, rounds)
@@ -377,19 +341,12 @@ class Sequential:
             report(done)
             if not verdict:
                 try:
-                    added = self.added_points(done.theta, design, self.goal.batch)
+                    added = self.added_points(done.theta, design)
                 except InputError as error:
                     verdict, reason = "budget", f"no more points can be designed: {error}"
                 else:
                     design = np.concatenate([design, added])
                     self.measure(added)
-        everything = np.concatenate([self.pool.verification, design])
-        return Outcome(
-            verdict=verdict,
-            reason=reason,
-            rounds=rounds,
-            hindsight=hindsight,
-            simulated=everything,
-            force_n=self.force_n[everything],
-            scale_n=self.scale(hindsight),
-        )
+        simulated = np.concatenate([self.pool.verification, design])
+        force_n, scale_n = self.force_n[simulated], self.scale(hindsight)
+        return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, scale_n)

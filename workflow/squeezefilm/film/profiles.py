@@ -17,7 +17,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Disc, Orders, Surface
-from squeezefilm.formulas.expressions import Expression, parse
+from squeezefilm.formulas import Expression, parse
 
 UNBOUNDED = Disc(inf)
 MOST_KEPT = 1_000_000

@@ -9,20 +9,15 @@ from scipy.optimize import brentq
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.fit_file import FittedModel
-from squeezefilm.models.force_model import ExpressionModel
 
 LOOKED_AT = 400
 """Places at which a model is looked at before the one for a wanted force is refined."""
 STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
 
-Complete = Callable[[Factors], Factors]
-"""Adds the columns of a model's results of physics to factors."""
-
 
 def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
     """Amplitude, its errors and a note for one gap and position; NaN where there is none."""
-    model = fit.force_model
     point = fit.represented(point)
     where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position)}
     row: dict[str, object] = {
@@ -33,9 +28,7 @@ def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
     }
     fit.complete(point)  # an error names what is missing, if anything
     try:
-        hv_m = amplitude_for_force(
-            model, fit.theta, force_n=force_n, complete=fit.complete, **where
-        )
+        hv_m = amplitude_for_force(fit.evaluate, force_n=force_n, **where)
     except InputError as error:
         return row | {"note": str(error).removeprefix("force_n: ")}
     near = Factors.of(**where | {"hv_m": hv_m * np.array([1 - STEP, 1.0, 1 + STEP])})
@@ -52,17 +45,13 @@ def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
 
 
 def amplitude_for_force(
-    model: ExpressionModel,
-    theta: ArrayLike,
-    *,
-    force_n: float,
-    h0_m: float,
-    complete: Complete | None = None,
-    **position: float,
+    evaluate: Callable[[Factors], Array], *, force_n: float, h0_m: float, **position: float
 ) -> float:
     """Smallest amplitude hv in metres that gives the wanted force at a gap and position.
 
-    The position as Factors.of takes it. A model of results of physics needs ``complete``.
+    ``evaluate`` gives a model's forces in newtons, the position is as Factors.of takes it. A model
+    may reach any force just before the edge of the region in which it is defined: beyond it the
+    force counts as on the other side of the wanted one, so that a bracket may end there.
     Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives the
     force.
     """
@@ -71,39 +60,26 @@ def amplitude_for_force(
 
     def excess(share: ArrayLike) -> Array:
         at = Factors.of(h0_m=h0_m, hv_m=np.asarray(share) * h0_m, **position)
-        return model.evaluate(theta, complete(at) if complete else at) - force_n
+        return evaluate(at) - force_n
 
-    if (share := _first_zero(excess, force_n)) is not None:
-        return share * h0_m
-    at_rest = excess(0.0)[0] + force_n
-    rest = "" if np.isnan(at_rest) else f"; at rest it gives {at_rest:.3g} N"
-    raise InputError(
-        f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
-        f"below contact (hv_m < h0_m){rest}"
-    )
+    def signed(share: float, beyond: float) -> float:
+        return float(np.nan_to_num(excess(share)[0], nan=beyond))
 
-
-def _first_zero(excess: Callable[[ArrayLike], Array], force_n: float) -> float | None:
-    """The first share in [0, 1) at which the excess over a force is zero, if there is one.
-
-    A model may reach any force just before the edge of the region in which it is defined: beyond
-    it the excess counts as of the other sign, so that a bracket may end there.
-    """
     grid = np.append(np.linspace(0.0, 1.0, LOOKED_AT, endpoint=False), np.nextafter(1.0, 0.0))
     values = excess(grid)
     known = ~np.isnan(values)
     changes = (values[:-1] * values[1:] <= 0) | (known[:-1] != known[1:])
     for place in np.flatnonzero(changes):
-        defined = values[place] if known[place] else values[place + 1]
-
-        def signed(share: float, beyond: float = -float(defined)) -> float:
-            value = float(excess(share)[0])
-            return beyond if np.isnan(value) else value
-
-        share = grid[place if known[place] else place + 1]
-        if defined:
-            share = brentq(signed, grid[place], grid[place + 1], xtol=1e-16, rtol=1e-15)
+        defined = place if known[place] else place + 1
+        share = grid[defined]
+        if values[defined]:
+            ends = grid[place : place + 2]
+            share = brentq(signed, *ends, args=(-values[defined],), xtol=1e-16, rtol=1e-15)
         # The sign may change at a pole or at the edge, too.
         if abs(excess(share)[0]) <= 1e-9 * (1 + abs(force_n)):
-            return float(share)
-    return None
+            return float(share) * h0_m
+    rest = f"; at rest it gives {values[0] + force_n:.3g} N" if known[0] else ""
+    raise InputError(
+        f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
+        f"below contact (hv_m < h0_m){rest}"
+    )

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.columns import CARTESIAN, POLAR, as_in
+from squeezefilm.columns import CARTESIAN, POLAR, as_in, cartesian
 from squeezefilm.errors import InputError
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
@@ -77,9 +77,7 @@ class Factors:
             named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
             named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
         else:
-            angle = np.radians(named["phi_deg"])
-            named["x_m"] = named["phi_r_m"] * np.cos(angle)
-            named["y_m"] = named["phi_r_m"] * np.sin(angle)
+            named |= cartesian(named["phi_r_m"], named["phi_deg"])
         rest = {name: named.pop(name) for name in others if name not in form}
         return cls(**named, columns=rest, position=form)
 

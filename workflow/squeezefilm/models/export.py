@@ -8,19 +8,19 @@ checked formula, and names of letters, digits and underscores.
 import re
 import textwrap
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 
 from squeezefilm.columns import CARTESIAN, POLAR, form_of
 from squeezefilm.errors import InputError
-from squeezefilm.formulas.expressions import Name, Node, Number
+from squeezefilm.formulas import Expression, Operation, fold
 from squeezefilm.models.data import COLUMNS, FACTORS, POSITION
 from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import SLACK, LimitTable
 
 FOLDER = Path(__file__).with_name("templates")
-WIDTH, LARGEST = 96, 1e300
+WIDTH, LARGEST = 92, 1e300
 RADIANS_PER_DEGREE = "0.017453292519943295"
 OTHER_FORM = {
     POLAR: {
@@ -44,25 +44,8 @@ MEANING = {
 }
 
 
-@dataclass(frozen=True)
-class Language:
-    """What templates do not say of a language.
-
-    begins: a line of the comment on the model; own: what names of the code's own begin with; array:
-    how a column's table is written.
-    """
-
-    begins: str
-    own: str
-    nan: str
-    array: str
-
-
-LANGUAGES = {
-    "c": Language(" * ", "${name}_", "NAN", "static const double ${own}$column[] = {\n$values\n};"),
-    "javascript": Language("// ", "_", "NaN", "const _$column = [\n$values\n];"),
-    "python": Language("", "_", "math.nan", "_$column = (\n$values\n)"),
-}
+LANGUAGES = {"c": "NAN", "javascript": "NaN", "python": "math.nan"}
+"""And what a number that is none is called."""
 
 
 def source(fit: FittedModel, language: str) -> str:
@@ -78,46 +61,65 @@ def source(fit: FittedModel, language: str) -> str:
         )
     if language not in LANGUAGES:
         raise InputError(f"language {language!r}: unknown; allowed are {', '.join(LANGUAGES)}")
-    written = LANGUAGES[language]
-    arguments, interval = fit.force_model.factor_names, fit.interval
-    own = Template(written.own).substitute(name=fit.model)
-    error = None if interval is None else interval.error_95
+    model, interval, table = fit.force_model, fit.interval, fit.limit_table
+    if not model.column_names:
+        table = None
+    elif table is None:
+        raise InputError(
+            f"{fit.place}: the model {fit.model} uses the physics limit, which code without "
+            "dependencies cannot solve for, and its file has no table of it"
+        )
+    arguments, nan = model.factor_names, LANGUAGES[language]
+    own = f"{fit.model}_" if language == "c" else "_"
+    error = interval.error_95 if interval else None
+    constant, share = map(_number, error) if error else (nan, nan)
     known = {**fit.ranges, **(interval.ranges if interval else {})}
     limits = [known.get(name, (-LARGEST, LARGEST)) for name in arguments]
     values: dict[str, object] = {
         "name": fit.model,
         "NAME": fit.model.upper(),
         "own": own,
-        "about": _lines(_about(fit), written.begins),
-        "meaning": _lines((f"  {each}: {MEANING[each]}" for each in arguments), written.begins),
+        "about": "\n".join(_about(fit, table)),
+        "meaning": "\n".join(f"    {name}: {MEANING[name]}" for name in arguments),
         "arguments": ", ".join(arguments),
-        "parameters": ", ".join(f"double {each}" for each in arguments),
-        "unused": " ".join(f"(void){each};" for each in arguments),
+        "parameters": ", ".join(f"double {name}" for name in arguments),
+        "unused": " ".join(f"(void){name};" for name in arguments),
         "theta": _wrapped(fit.theta or (0.0,)),
         "low": ", ".join(_number(low) for low, _ in limits),
         "high": ", ".join(_number(high) for _, high in limits),
-        "error_constant": _number(error[0]) if error else written.nan,
-        "error_share": _number(error[1]) if error else written.nan,
-        "formula": _printed(fit.force_model.parsed.root, _names(fit, own), own),
+        "error_constant": constant,
+        "error_share": share,
+        "formula": _printed(model.parsed, _names(model, table, own), own),
     }
     text = (FOLDER / f"{language}.in").read_text(encoding="utf-8")
-    model, _, table = text.partition("------ table\n")
-    if fit.force_model.column_names:
-        table = Template(table).substitute(values | _table(fit, written, own))
-    else:
-        table = ""
-    return Template(model).substitute(values, table=table)
+    code, tabulated, column = map(Template, re.split("------ .*\n", text))
+    if table is None:
+        return code.substitute(values, table="")
+    columns = "\n".join(
+        column.substitute(own=own, column=name, values=_wrapped(flat)).strip()
+        for name, flat in table.coefficients.items()
+        if name in model.column_names
+    )
+    axes = table.axes.values()
+    position = table.axes.get("phi_r_m")
+    in_table = {
+        "coefficients": columns,
+        "axes_low": ", ".join(_number(low) for low, _ in axes),
+        "axes_high": ", ".join(_number(high) for _, high in axes),
+        "centre": _number(SLACK * max(position[1], 1e-300) if position else -LARGEST),
+        "slack": _number(SLACK),
+        **dict(zip("abcd", table.shape, strict=True)),
+    }
+    return code.substitute(values, table=tabulated.substitute(values, **in_table))
 
 
-def _names(fit: FittedModel, own: str) -> dict[str, str]:
+def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[str, str]:
     """What stands in the code for each name of the formula."""
-    model = fit.force_model
     form = POLAR if set(POLAR) <= set(model.factor_names) else CARTESIAN
     factors = {column: OTHER_FORM[form].get(column, column) for column in FACTORS.values()}
     names = {name: factors[column] for name, column in FACTORS.items()}
     names |= {name: f"theta[{index}]" for index, name in enumerate(model.parameter_names)}
-    if model.column_names:
-        table = _limit_table(fit)
+    if table is not None:
         position = ", ".join(factors[axis] for axis in form_of(table.ranges))
         for name, column in COLUMNS.items():
             names[name] = f"{own}tabulated({own}{column}, h0_m, hv_m, {position})"
@@ -125,52 +127,23 @@ def _names(fit: FittedModel, own: str) -> dict[str, str]:
     return names
 
 
-def _printed(part: Node, names: Mapping[str, str], own: str) -> str:
-    """A part of a formula, everything in brackets so that no order is left open."""
-    if isinstance(part, Number):
-        return _number(part.value)
-    if isinstance(part, Name):
-        return names[part.name]
-    inner = [_printed(argument, names, own) for argument in part.arguments]
-    match part.operator:
-        case "negative":
-            return f"(-{inner[0]})"
-        case "+" | "-" | "*" | "/":
-            return f"({inner[0]} {part.operator} {inner[1]})"
-    function = {"**": "pow", "abs": "fabs", "sinc": f"{own}sinc"}.get(part.operator, part.operator)
-    return f"{function}({', '.join(inner)})"
+def _printed(expression: Expression, names: Mapping[str, str], own: str) -> str:
+    """A formula with everything in brackets, so that no order is left open."""
 
+    def printed(part: Operation, arguments: list[str]) -> str:
+        if part.operator == "negative":
+            return f"(-{arguments[0]})"
+        if part.operator in "+-*/":
+            return f"({arguments[0]} {part.operator} {arguments[1]})"
+        other = {"**": "pow", "abs": "fabs", "sinc": f"{own}sinc"}
+        return f"{other.get(part.operator, part.operator)}({', '.join(arguments)})"
 
-def _limit_table(fit: FittedModel) -> LimitTable:
-    if fit.limit_table is None:
-        raise InputError(
-            f"{fit.place}: the model {fit.model} uses the physics limit, which code without "
-            "dependencies cannot solve for, and its file has no table of it"
-        )
-    return fit.limit_table
-
-
-def _table(fit: FittedModel, written: Language, own: str) -> dict[str, object]:
-    """The table of the limits: coefficients of the columns that the model uses, and its axes."""
-    table, used = _limit_table(fit), fit.force_model.column_names
-    axes = table.axes
-    coefficients = (
-        Template(written.array).substitute(own=own, column=name, values=_wrapped(flat))
-        for name, flat in table.coefficients.items()
-        if name in used
+    return fold(
+        expression.root, lambda leaf: _number(leaf) if leaf not in names else names[leaf], printed
     )
-    centre = SLACK * max(axes["phi_r_m"][1], 1e-300) if "phi_r_m" in axes else -LARGEST
-    return {
-        "coefficients": "\n".join(coefficients),
-        "axes_low": ", ".join(_number(low) for low, _ in axes.values()),
-        "axes_high": ", ".join(_number(high) for _, high in axes.values()),
-        "centre": _number(centre),
-        "slack": _number(SLACK),
-        **dict(zip("abcd", table.shape, strict=True)),
-    }
 
 
-def _about(fit: FittedModel) -> list[str]:
+def _about(fit: FittedModel, table: LimitTable | None) -> list[str]:
     """What the code is, for its first comment."""
     model, digest = fit.force_model, str(fit.source.get("forces_sha256"))
     lines = [
@@ -186,14 +159,10 @@ def _about(fit: FittedModel) -> list[str]:
     if fit.symmetry is not None and set(model.factor_names) & set(POSITION):
         text = f"{fit.symmetry.text} Bring a position there before you call."
         lines += textwrap.wrap(text, 90)
-    if model.column_names:
-        error = _limit_table(fit).largest_relative_error
+    if table is not None:
+        error = table.largest_relative_error
         lines.append(f"The physics limit is tabulated; its largest relative error is {error:.1e}.")
     return lines
-
-
-def _lines(lines: Iterable[str], begin: str) -> str:
-    return "\n".join(f"{begin}{line}".rstrip() for line in lines)
 
 
 def _number(value: float) -> str:
@@ -204,11 +173,6 @@ def _number(value: float) -> str:
 
 def _wrapped(values: Iterable[float]) -> str:
     """Numbers with commas, in lines of a page's width."""
-    return textwrap.fill(
-        " ".join(f"{_number(value)}," for value in values),
-        WIDTH,
-        initial_indent="    ",
-        subsequent_indent="    ",
-        break_on_hyphens=False,
-        break_long_words=False,
-    )
+    text = " ".join(f"{_number(value)}," for value in values)
+    lines = textwrap.wrap(text, WIDTH, break_on_hyphens=False, break_long_words=False)
+    return textwrap.indent("\n".join(lines), "    ")

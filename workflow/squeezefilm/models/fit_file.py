@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import (
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     PlainSerializer,
@@ -22,7 +21,6 @@ from pydantic import (
 )
 
 from squeezefilm.columns import POLAR
-from squeezefilm.config.film import key_of
 from squeezefilm.errors import InputError
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.profiles import Piston
@@ -30,20 +28,21 @@ from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validities
-from squeezefilm.models.cross_validation import error_sizes, film_folds, left_out_predictions
 from squeezefilm.models.data import POSITION, Factors
 from squeezefilm.models.fitting import Fit
-from squeezefilm.models.force_model import ExpressionModel, get_model, make_model
+from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
     error_scale,
+    error_sizes,
+    film_folds,
+    left_out_predictions,
     measured_interval,
 )
 from squeezefilm.tables import read_json
 
 Array = NDArray[np.float64]
-Ranges = Mapping[str, tuple[float, float]]
 
 FILM_UNKNOWN = "not known: the fit's file does not describe its film"
 NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
@@ -53,33 +52,18 @@ FOLDS, FOLD_SEED = 5, 1
 """Of the cross-validation that gives a fit's error at points it was not fitted to."""
 
 
-def _by_keys(values: Any) -> Any:
-    """Values by the keys of a study; a fit's file has its names with units."""
-    if not isinstance(values, Mapping):
-        return values
-    return {key_of(name): value for name, value in values.items()}
-
-
 class Pad(BaseModel):
     """The pad of a fit's film, as far as limits of validity go."""
 
     length_x_m: float
     length_y_m: float
-    gap: Annotated[GapShape, BeforeValidator(_by_keys)]
-
-
-def _gas_by_names(values: Any) -> Any:
-    """A gas by the keys of a study, of which a fit's file has all."""
-    names = [each.name for each in fields(Gas)] if isinstance(values, Mapping) else []
-    if missing := [name for name in names if name not in values]:
-        raise ValueError(f"{', '.join(missing)}: not there")
-    return _by_keys(values)
+    gap: GapShape
 
 
 class FilmOfFit(BaseModel):
     """The film of a fit's simulations, as far as limits of validity go."""
 
-    gas: Annotated[Gas, BeforeValidator(_gas_by_names), PlainSerializer(asdict)]
+    gas: Annotated[Gas, PlainSerializer(asdict)]
     frequency_hz: float
     finger: Pad
 
@@ -102,9 +86,9 @@ class FittedModel(BaseModel):
     points: StrictInt
     global_error: StrictFloat
     sum_of_squares: StrictFloat
-    expression: str | None = None
-    parameters: list[str] = []
-    parameter_units: list[str] = []
+    expression: str
+    parameters: list[str]
+    parameter_units: list[str]
     ranges: dict[str, tuple[StrictFloat, StrictFloat]] = {}
     cross_validation: dict[str, StrictInt | StrictFloat] | None = None
     interval: PredictionInterval | None = Field(None, alias="validation")
@@ -123,18 +107,13 @@ class FittedModel(BaseModel):
 
     @cached_property
     def force_model(self) -> ExpressionModel:
-        """The model with the formula that the file carries; the library's, if it carries none.
+        """The model with the formula that the file carries.
 
-        Raises InputError naming the file, for a formula that is refused or an unknown model.
+        Raises InputError naming the file, for a formula that is refused.
         """
-        if self.expression is None:
-            model = get_model(self.model)
-        elif len(self.parameters) == len(self.parameter_units):
-            parameters = dict(zip(self.parameters, self.parameter_units, strict=True))
-            entry = {"expression": self.expression, "parameters": parameters}
-            model = make_model(self.model, entry, place=self.place)
-        else:
-            raise InputError(f"{self.place}: parameter_units: give one for each of 'parameters'")
+        parameters = dict(zip(self.parameters, self.parameter_units, strict=False))
+        entry = {"expression": self.expression, "parameters": parameters}
+        model = make_model(self.model, entry, place=self.place)
         if len(model.parameter_names) != len(self.theta):
             raise InputError(
                 f"{self.place}: 'theta' has {len(self.theta)} numbers for the parameters "
@@ -161,13 +140,9 @@ class FittedModel(BaseModel):
         """
         if self.symmetry is None:
             return factors
-        place = {name: factors.column(name) for name in self.symmetry.position}
-        return Factors.of(
-            h0_m=factors.h0_m,
-            hv_m=factors.hv_m,
-            **self.symmetry.represent(**place),
-            **factors.columns,
-        )
+        given = {name: factors.column(name) for name in self.symmetry.position}
+        place = self.symmetry.represent(**given)
+        return Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, **place, **factors.columns)
 
     def complete(self, factors: Factors) -> Factors:
         """The factors with the physics limits that the model needs, from the file's own table.
@@ -212,21 +187,18 @@ class FittedModel(BaseModel):
         Returns both half widths in newtons, shape (n,), NaN where there is none, and notes that
         are empty where there is.
         """
-        force = np.asarray(force_n, dtype=float)
-        if self.interval is None:
-            unknown = np.full(len(force), np.nan)
-            return unknown, unknown, [f"not validated: {NO_SAMPLE}"] * len(force)
-        few = "" if self.interval.error_95 else "too few points of the sample have a force"
-        undefined = np.where(np.isfinite(force), "", "undefined here").tolist()
+        force, interval = np.asarray(force_n, dtype=float), self.interval
+        error_95, error_99 = np.full((2, len(force)), np.nan)
+        if interval is None:
+            return error_95, error_99, [f"not validated: {NO_SAMPLE}"] * len(force)
+        few = "" if interval.error_95 else "too few points of the sample have a force"
         notes = [
-            "; ".join(filter(None, (outside or few, none)))
-            for outside, none in zip(self.interval.outside(factors), undefined, strict=True)
+            "; ".join(filter(None, (outside or few, "" if known else "undefined here")))
+            for outside, known in zip(interval.outside(factors), np.isfinite(force), strict=True)
         ]
         known = [not note for note in notes]
-        error_95, error_99 = (
-            np.where(known, self.interval.error_n(force, level=level), np.nan)
-            for level in (0.95, 0.99)
-        )
+        error_95[known] = interval.error_n(force[known])
+        error_99[known] = interval.error_n(force[known], level=0.99)
         return error_95, error_99, [note and f"not validated: {note}" for note in notes]
 
     @property
@@ -240,7 +212,7 @@ class FittedModel(BaseModel):
         *,
         force_n: ArrayLike,
         force_error_n: ArrayLike,
-        ranges: Ranges,
+        ranges: Mapping[str, tuple[float, float]],
     ) -> FittedModel:
         """The same fit with the prediction interval that a validation sample gives.
 
@@ -299,7 +271,9 @@ def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
     if "refused" in values:
         raise InputError(f"{place}: there is no fit: {values['refused']}")
     try:
-        return FittedModel.model_validate({**values, "place": str(place)})
+        # Of the film a file has names with units, which are keys of a study without.
+        given = {**values, "place": str(place)}
+        return FittedModel.model_validate(given, by_alias=True, by_name=True)
     except ValidationError as error:
         wrong = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
         raise InputError(f"{place}: {'; '.join(wrong)}") from None
@@ -329,12 +303,9 @@ def describe(
     position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
     folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
     held_out = left_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
-    crossed = None
-    if np.all(np.isfinite(held_out)):
-        sizes = error_sizes(model_n=held_out, simulation_n=force_n)
-        crossed = {"folds": int(folds.max()) + 1, **sizes}
-    else:
-        held_out = np.full(len(force_n), np.nan)
+    known = bool(np.isfinite(held_out).all())
+    sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
+    missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
     fitted_n = model.evaluate(fit.theta, factors)
     return {
         **asdict(fit),
@@ -349,7 +320,7 @@ def describe(
             for values in [factors.column(name)]
         },
         "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
-        "cross_validation": crossed,
-        "error_scale": list(error_scale(held_out - force_n, force_n)),
+        "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
+        "error_scale": list(error_scale(missed_n, force_n)),
         "profile_uncertainty": profile_uncertainty,
     }

@@ -61,12 +61,7 @@ class Fit:
 
     @classmethod
     def of(
-        cls,
-        model: ExpressionModel,
-        factors: Factors,
-        force_n: Array,
-        theta: Array,
-        **about: Any,
+        cls, model: ExpressionModel, factors: Factors, force_n: Array, theta: Array, **about: Any
     ) -> Fit:
         """A fit by its parameters, shape (p,); ``about`` says how they were found, if searched."""
         squares, found = sum_of_squares(model, factors, force_n, theta), tuple(theta.tolist())
@@ -75,15 +70,9 @@ class Fit:
                 f"fit: the {model.name} model is undefined at every candidate tried; "
                 "no parameters describe these points"
             )
-        unsearched: dict[str, Any] = {"searches": 0, "evaluations": 0, "search_theta": found}
-        return cls(
-            model=model.name,
-            theta=found,
-            sum_of_squares=squares,
-            global_error=float(np.sqrt(squares) / np.linalg.norm(force_n)),
-            points=len(force_n),
-            **unsearched | about,
-        )
+        error = float(np.sqrt(squares) / np.linalg.norm(force_n))
+        unsearched = {"searches": 0, "evaluations": 0, "search_theta": found}
+        return cls(model.name, found, squares, error, len(force_n), **unsearched | about)
 
 
 Search = Callable[[Objective, Array, int], list[Found]]
@@ -144,7 +133,7 @@ def fit_by(
 ) -> list[Fit]:
     """A fit for each bound, search and seed; all their simplexes go side by side.
 
-    A model that is linear in its parameters, or has none, needs no search.
+    A model that is linear in its parameters, or has none, needs no search and is fitted once.
     factors and force_n hold n experiments, force_n in newtons. Equal input and seed give an equal
     result. Raises InputError for fewer points than parameters, for lengths that differ and for
     forces that are not finite or all zero.
@@ -159,18 +148,11 @@ def fit_by(
         )
     if not (np.all(np.isfinite(force)) and np.any(force)):
         raise InputError("force_n: forces must be finite numbers, and not all zero")
-    for bound, _, _ in ways:
-        if not (np.isfinite(bound) and bound > 0):
-            raise InputError(f"bound: {bound} is not allowed; give a positive finite number")
-
     if model.is_linear:
         theta = local_fit(model, factors, force, np.zeros(count))
         method = "linear least squares" if count else "no parameters"
-        about: dict[str, Any] = {"method": method, "evaluations": 1}
-        return [
-            Fit.of(model, factors, force, theta, bound=bound, seed=seed, **about)
-            for bound, _, seed in ways
-        ]
+        about = {"bound": ways[0][0], "seed": ways[0][2], "evaluations": 1}
+        return [Fit.of(model, factors, force, theta, method=method, **about)]
     objective = _objective(model, factors, force)
 
     def searched(way: tuple[float, Search, int]) -> list[Found]:
@@ -180,11 +162,12 @@ def fit_by(
     searches = parallel_map(searched, ways, processes=processes)
     # A false minimum can look better while the search is rough: the best four go on for a while.
     rough = [sorted(found, key=lambda each: each.value)[:4] for found in searches]
-    starts = np.array([each.x for found in rough for each in found])
-    nearer = iter(nelder_mead(objective, starts, restarts=2))
-    pairs = [[(each, next(nearer)) for each in found] for found in rough]
-    leading = [min(each, key=lambda pair: pair[1].value) for each in pairs]
-    ends = nelder_mead(objective, np.array([near.x for _, near in leading]))
+    nearer = iter(
+        nelder_mead(objective, np.array([e.x for each in rough for e in each]), restarts=2)
+    )
+    tried = [[(next(nearer), start) for start in found] for found in rough]
+    leading = [min(pairs, key=lambda pair: pair[0].value) for pairs in tried]
+    ends = nelder_mead(objective, np.array([near.x for near, _ in leading]))
     return [
         Fit.of(
             model,
@@ -195,11 +178,11 @@ def fit_by(
             bound=bound,
             seed=seed,
             searches=len(found),
-            evaluations=sum(e.evaluations for e in [*found, *(near for _, near in tried), end]),
+            evaluations=sum(e.evaluations for e in [*found, *(near for near, _ in pairs), end]),
             search_theta=tuple(np.sinh(start.x).tolist()),
         )
-        for (bound, search, seed), found, tried, (start, _), end in zip(
-            ways, searches, pairs, leading, ends, strict=True
+        for (bound, search, seed), found, pairs, (_, start), end in zip(
+            ways, searches, tried, leading, ends, strict=True
         )
     ]
 
@@ -214,7 +197,7 @@ def fits_from_seeds(
 ) -> list[Fit]:
     """Every seed with every bound, and a differential evolution with every bound as a check.
 
-    settings is the section ``fit`` of a study. A model that is linear is fitted once.
+    settings is the section ``fit`` of a study.
     """
     first_seed = settings["first_seed"]
     count = settings["seeds"]["two_factor" if model.is_centred else "four_factor"]
@@ -223,7 +206,6 @@ def fits_from_seeds(
         (bound, *search)
         for bound, search in product(settings["bounds"], [*searches, (evolution, first_seed)])
     ]
-    ways = ways[:1] if model.is_linear else ways
     return fit_by(ways, model, factors, force_n, processes=processes)
 
 
@@ -260,9 +242,8 @@ def local_fit(
     the start does not matter. Steps to where the model is undefined are taken back.
     Raises InputError where the model is undefined at the start, or has no derivative on the way.
     """
-    force = np.asarray(force_n, dtype=float)
     theta = np.array(start, dtype=float)
-    free = np.array([index for index in range(len(theta)) if index != fixed], dtype=int)
+    free = np.arange(len(theta)) != (-1 if fixed is None else fixed)
 
     def whole(part: Array) -> Array:
         full = theta.copy()
@@ -270,29 +251,26 @@ def local_fit(
         return full
 
     def residuals(part: Array) -> Array:
-        return model.evaluate(whole(part), factors) - force
+        return model.evaluate(whole(part), factors) - np.asarray(force_n, dtype=float)
 
     def slopes(part: Array) -> Array:
         return model.gradient(whole(part), factors)[:, free]
 
-    undefined = np.flatnonzero(np.isnan(residuals(theta[free])))
-    if len(undefined):
-        raise InputError(
-            f"fit: the {model.name} model is undefined "
-            f"{model.described(theta, factors, undefined[0])}"
-        )
-    if len(free) == 0:
+    begun = residuals(theta[free])
+    if np.isnan(begun).any():
+        where = model.described(theta, factors, int(np.argmax(np.isnan(begun))))
+        raise InputError(f"fit: the {model.name} model is undefined {where}")
+    if not free.any():
         return theta
     if model.is_linear:  # exact in one step, whatever the parameters' sizes
         rows = slopes(theta[free])
         size = np.linalg.norm(rows, axis=0)
         size = np.where(size > 0, size, 1.0)
-        change = np.linalg.lstsq(rows / size, -residuals(theta[free]), rcond=None)[0] / size
+        change = np.linalg.lstsq(rows / size, -begun, rcond=None)[0] / size
         return whole(theta[free] + change)
+    tolerances = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
     with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
-        found = least_squares(
-            residuals, theta[free], jac=slopes, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15
-        )
+        found = least_squares(residuals, theta[free], jac=slopes, x_scale="jac", **tolerances)
     return whole(found.x)
 
 
@@ -305,34 +283,6 @@ def sum_of_squares(
     return total if np.isfinite(total) else np.inf
 
 
-def best_told_apart(model: ExpressionModel, factors: Factors) -> tuple[float, Array, Array]:
-    """Where experiments tell a model's parameters apart best, of random theta.
-
-    The least singular value of the gradient with columns scaled to one, its direction, shape (p,),
-    and theta, shape (p,). The least value is -1 where the model is undefined at every theta tried,
-    and at most LEAST_SINGULAR_VALUE where no theta was found that the experiments tell apart.
-    """
-    count = len(model.parameter_names)
-    random = np.random.default_rng(SEED)
-    best, direction, where = -1.0, np.zeros(count), np.zeros(count)
-    for draw in range(DRAWS):
-        spread = SPREADS[draw % len(SPREADS)]
-        theta = np.sinh(random.uniform(-spread, spread, count))
-        try:
-            gradient = model.gradient(theta, factors)
-        except InputError:  # a number within the formula that exceeds the largest there is
-            continue
-        gradient = gradient[np.isfinite(gradient).all(axis=1)]
-        if len(gradient) < count:
-            continue
-        least, along = _weakest(gradient)
-        if least > best:
-            best, direction, where = least, along, theta
-        if best > 1e3 * LEAST_SINGULAR_VALUE:
-            break
-    return best, direction, where
-
-
 def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
     """See that the gradient has full rank at some theta, so that a fit can have one answer.
 
@@ -341,39 +291,36 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
     Raises InputError naming the parameters that the points cannot tell apart, or a model that is
     undefined wherever it was tried.
     """
-    if not model.parameter_names:
-        return
-    best, direction, _ = best_told_apart(model, factors)
-    if best < 0:
+    count, random = len(model.parameter_names), np.random.default_rng(SEED)
+    best, direction = -1.0, np.zeros(count)
+    for draw in range(DRAWS if count else 0):
+        spread = SPREADS[draw % len(SPREADS)]
+        theta = np.sinh(random.uniform(-spread, spread, count))
+        try:
+            gradient = model.gradient(theta, factors)
+        except InputError:  # a number within the formula that exceeds the largest there is
+            continue
+        gradient = gradient[np.isfinite(gradient).all(axis=1)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            length = np.linalg.norm(gradient, axis=0)
+        if len(gradient) < count or not np.all(np.isfinite(length)):
+            continue
+        scaled = gradient / np.where(length > 0, length, 1.0)
+        _, values, directions = np.linalg.svd(scaled, full_matrices=False)
+        if values[-1] > LEAST_SINGULAR_VALUE:
+            return
+        if values[-1] > best:
+            best, direction = float(values[-1]), directions[-1]
+    if best >= 0:
+        large = np.abs(direction) > SHARE_OF_DIRECTION * np.abs(direction).max()
+        names = np.array(model.parameter_names)[large]
+        what = "has no effect on the force" if len(names) == 1 else "cannot be told apart"
+        raise InputError(
+            f"{model.place}: {', '.join(names)} {what} at these points; leave a parameter out, or "
+            "vary the factors that it belongs to"
+        )
+    if count:
         raise InputError(
             f"{model.place}: the formula is undefined at {DRAWS} random parameter sets; no fit can "
             "start from there"
         )
-    if best <= LEAST_SINGULAR_VALUE:
-        share = np.abs(direction) / np.abs(direction).max()
-        names = [
-            name
-            for name, each in zip(model.parameter_names, share, strict=True)
-            if each > SHARE_OF_DIRECTION
-        ]
-        what = (
-            f"{names[0]} has no effect on the force"
-            if len(names) == 1
-            else f"{', '.join(names)} cannot be told apart"
-        )
-        raise InputError(
-            f"{model.place}: {what} at these points; leave a parameter out, or vary the factors "
-            "that it belongs to"
-        )
-
-
-def _weakest(gradient: Array) -> tuple[float, Array]:
-    """The least singular value of a gradient with columns of length one, and its direction."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        length = np.linalg.norm(gradient, axis=0)
-    if np.any(length == 0):
-        return 0.0, (length == 0).astype(float)
-    if not np.all(np.isfinite(length)):
-        return -1.0, length
-    _, values, directions = np.linalg.svd(gradient / length, full_matrices=False)
-    return float(values[-1]), directions[-1]

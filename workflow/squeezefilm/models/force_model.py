@@ -8,12 +8,13 @@ the library's.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import product
 from math import inf
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError, naming
-from squeezefilm.formulas.dimensions import parameter_units
-from squeezefilm.formulas.expressions import Expression, Name, Node, Number, parse
+from squeezefilm.formulas import Expression, Operation, fold, parameter_units, parse
 from squeezefilm.models.data import COLUMNS, FACTORS, Factors
 
 Array = NDArray[np.float64]
@@ -88,17 +88,7 @@ class ExpressionModel:
     @property
     def is_linear(self) -> bool:
         """Whether the force is a linear function of the parameters, so that no search is needed."""
-        return _degree(self.parsed.root, self.parameter_names) <= 1
-
-    def factors(self, points: ArrayLike) -> Factors:
-        """Factors from the rows of a design, shape (n, number of factors), in SI units."""
-        points = np.asarray(points, dtype=float)
-        if points.ndim != 2 or points.shape[1] != len(self.factor_names):
-            raise InputError(
-                f"a design for the {self.name} model has the columns "
-                f"{', '.join(self.factor_names)}; got an array of shape {points.shape}"
-            )
-        return Factors.of(**dict(zip(self.factor_names, points.T, strict=True)))
+        return _degree(self.parsed, self.parameter_names) <= 1
 
     def evaluate(self, theta: ArrayLike, factors: Factors) -> Array:
         """Force eta in newtons, from the model's expression.
@@ -106,7 +96,7 @@ class ExpressionModel:
         theta has shape (p,) or, for a whole population, (m, p); the result has shape (n,) or
         (m, n). Where the expression is undefined the result is NaN.
         """
-        theta = self._checked(theta)
+        theta = np.asarray(theta, dtype=float)
         force_n = np.empty((*theta.shape[:-1], len(factors)))
         force_n[...] = self.parsed.evaluate(**self._inputs(theta, factors))
         force_n[~np.isfinite(force_n)] = np.nan
@@ -118,9 +108,7 @@ class ExpressionModel:
         theta has shape (p,). Where the expression is undefined the row is NaN.
         Raises InputError where the expression has a value and no finite derivative.
         """
-        theta = self._checked(theta)
-        if theta.ndim != 1:
-            raise InputError(f"gradient takes one theta, not a population of {len(theta)}")
+        theta = np.asarray(theta, dtype=float)
         value = self.evaluate(theta, factors)
         step = STEP * np.where(theta == 0, 1.0, np.abs(theta))
         turned = self.parsed.evaluate(**self._inputs(theta + 1j * np.diag(step), factors))
@@ -145,38 +133,27 @@ class ExpressionModel:
         parameters = ", ".join(f"{name} = {value:g}" for name, value in given)
         return f"at {point}" + (f", with {parameters}" if parameters else "")
 
-    def _checked(self, theta: ArrayLike) -> Array:
-        theta = np.asarray(theta, dtype=float)
-        count = len(self.parameter_names)
-        if theta.ndim not in (1, 2) or theta.shape[-1] != count:
-            raise InputError(
-                f"theta: the {self.name} model has {count} parameters; got shape {theta.shape}"
-            )
-        return theta
-
     def _inputs(self, theta: Array, factors: Factors) -> dict[str, Array]:
-        parameters = {
-            name: theta[..., index, None] for index, name in enumerate(self.parameter_names)
-        }
-        used = {
+        parameters = np.moveaxis(theta, -1, 0)[..., None]
+        return dict(zip(self.parameter_names, parameters, strict=True)) | {
             name: factors.column(column)
             for name, column in (FACTORS | COLUMNS).items()
             if name in self.parsed.names
         }
-        return parameters | used
 
 
-def _degree(part: Node, parameters: tuple[str, ...]) -> float:
+def _degree(expression: Expression, parameters: tuple[str, ...]) -> float:
     """Degree of a formula as a polynomial of the parameters; infinite where it is none."""
-    if isinstance(part, Number | Name):
-        return float(isinstance(part, Name) and part.name in parameters)
-    degrees = [_degree(each, parameters) for each in part.arguments]
-    if part.operator in ("+", "-", "negative"):
-        return max(degrees)
-    if part.operator == "*":
-        return sum(degrees)
-    constant = not any(degrees[1:] if part.operator == "/" else degrees)
-    return degrees[0] if constant else inf
+
+    def degree(part: Operation, degrees: list[float]) -> float:
+        if part.operator in ("+", "-", "negative"):
+            return max(degrees)
+        if part.operator == "*":
+            return sum(degrees)
+        constant = not any(degrees[1:] if part.operator == "/" else degrees)
+        return degrees[0] if constant else inf
+
+    return fold(expression.root, lambda leaf: float(leaf in parameters), degree)
 
 
 def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> ExpressionModel:
@@ -214,7 +191,10 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
         raise InputError(
             f"{where}: {len(parameters)} parameters; at most {MOST_PARAMETERS} are allowed"
         )
-    units = {key: _unit_of(column) for key, column in (FACTORS | COLUMNS).items()}
+    units = {
+        name: UNITS_OF_SUFFIX.get(column.rsplit("_", 1)[-1], "1")
+        for name, column in (FACTORS | COLUMNS).items()
+    }
     if isinstance(declared, Mapping):
         units |= {key: str(unit) for key, unit in declared.items() if unit is not None}
     inferred = parameter_units(expression, units=units, parameters=parameters, place=where)
@@ -228,11 +208,6 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
     )
 
 
-def _unit_of(column: str) -> str:
-    """A column's unit, which the end of its name tells; 1 for none."""
-    return UNITS_OF_SUFFIX.get(column.rsplit("_", 1)[-1], "1")
-
-
 @cache
 def library() -> Mapping[str, ExpressionModel]:
     """The models of models.yaml, by name."""
@@ -240,19 +215,10 @@ def library() -> Mapping[str, ExpressionModel]:
     return {name: make_model(name, entry, place=name) for name, entry in entries.items()}
 
 
-def get_model(name: str, *, beside: Iterable[str] = ()) -> ExpressionModel:
-    """The library's model of that name; raises InputError for an unknown one.
-
-    ``beside`` are names known otherwise, for the message.
-    """
-    if name not in library():
-        known = ", ".join((*beside, *library()))
-        raise InputError(f"model {name!r} is unknown; known are {known}")
-    return library()[name]
-
-
-def model_named(name: str, own: Mapping[str, Any], *, place: object) -> ExpressionModel:
-    """A model by its name; ``two-factor`` is ``two_factor``.
+def get_model(
+    name: str, own: Mapping[str, Any] = MappingProxyType({}), *, place: object = ""
+) -> ExpressionModel:
+    """A model of the library or of a study by its name; ``two-factor`` is ``two_factor``.
 
     ``own`` is the section ``models`` of a study's configuration, ``place`` the file for messages.
     Raises InputError for an unknown name, and where one of the study's own is refused.
@@ -260,7 +226,9 @@ def model_named(name: str, own: Mapping[str, Any], *, place: object) -> Expressi
     name = name.replace("-", "_")
     if name in own:
         return make_model(name, own[name], place=f"{place}: models.{name}")
-    return get_model(name, beside=own)
+    if name not in library():
+        raise InputError(f"model {name!r} is unknown; known are {', '.join((*own, *library()))}")
+    return library()[name]
 
 
 def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: object) -> None:
@@ -274,11 +242,11 @@ def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: obj
             raise InputError(
                 f"{place}: models.{name}: the library has a model of this name; take another"
             )
-        model_named(name, own, place=place)
+        get_model(name, own, place=place)
     for section, space in product(NAMING, SPACES):
         for name in named[section][space]:
             with naming(f"{place}: {section}.{space}"):
-                model_named(name, own, place=place)
+                get_model(name, own, place=place)
 
 
 def check_columns(model: ExpressionModel, factors: Factors) -> None:
@@ -294,7 +262,3 @@ def check_columns(model: ExpressionModel, factors: Factors) -> None:
                 f"{unknown[0] + 1}: the physics limit does not hold there (see its status), so the "
                 f"model {model.name} cannot be used on these points"
             )
-
-
-TWO_FACTOR = get_model("two_factor")
-FOUR_FACTOR = get_model("four_factor")

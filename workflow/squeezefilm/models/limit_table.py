@@ -7,7 +7,7 @@ lines through the box, for over the position it bends as often as the profile.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from math import prod
 from typing import Literal
@@ -74,7 +74,16 @@ class LimitTable(BaseModel):
 
     def complete(self, factors: Factors) -> Factors:
         """The factors with the limits' columns; NaN outside the table."""
-        places, inside = self.places(factors)
+        values = {"h0_m": factors.h0_m, "epsilon_square": factors.epsilon**2}
+        values |= {name: factors.column(name) for name in form_of(self.ranges)}
+        if "phi_deg" in values:  # every direction is the same at the centre
+            at_centre = factors.phi_r_m <= SLACK * max(self.ranges["phi_r_m"][1], 1e-300)
+            values["phi_deg"] = np.where(at_centre, self.ranges["phi_deg"][0], factors.phi_deg)
+        low, high = np.array(list(self.axes.values())).T[:, :, None]
+        at, half = np.array([values[axis] for axis in self.axes]), (high - low) / 2
+        slack = SLACK * np.maximum(np.abs(low), np.abs(high))
+        inside = np.all((at >= low - slack) & (at <= high + slack), axis=0)
+        places = np.clip((at - (high + low) / 2) / np.where(half > 0, half, np.inf), -1.0, 1.0)
         columns = {
             name: np.where(inside, factors.epsilon**2 * _sums(table, places), np.nan)
             for name, table in self.tables.items()
@@ -83,38 +92,16 @@ class LimitTable(BaseModel):
         own = {name: factors.column(name) for name in ("h0_m", "hv_m", *factors.position)}
         return Factors.of(**own, **columns, sigma=sigma)
 
-    def places(self, factors: Factors) -> tuple[list[Array], Array]:
-        """Where the points lie on each axis, in [-1, 1], and which lie inside the table."""
-        values = {"h0_m": factors.h0_m, "epsilon_square": factors.epsilon**2}
-        values |= {name: factors.column(name) for name in form_of(self.ranges)}
-        if "phi_deg" in values:  # every direction is the same at the centre
-            at_centre = factors.phi_r_m <= SLACK * max(self.ranges["phi_r_m"][1], 1e-300)
-            values["phi_deg"] = np.where(at_centre, self.ranges["phi_deg"][0], factors.phi_deg)
-        inside = np.ones(len(factors), dtype=bool)
-        places = []
-        for axis, (low, high) in self.axes.items():
-            half = (high - low) / 2
-            middle = (high + low) / 2
-            slack = SLACK * max(abs(low), abs(high))
-            inside &= (values[axis] >= low - slack) & (values[axis] <= high + slack)
-            place = (values[axis] - middle) / half if half else np.zeros(len(factors))
-            places.append(np.clip(place, -1.0, 1.0))
-        return places, inside
 
-
-def _sums(table: Array, places: Sequence[Array]) -> Array:
-    """Sums of Chebyshev polynomials with a table of coefficients, at places in [-1, 1]."""
-    values = np.empty(len(places[0]))
-    for start in range(0, len(values), BATCH):
-        some = slice(start, start + BATCH)
-        a, b, c, d = (
-            chebyshev.chebvander(place[some], points - 1)
-            for place, points in zip(places, table.shape, strict=True)
-        )
-        part = np.einsum("abcd,nd->nabc", table, d)
-        part = np.einsum("nabc,nc->nab", part, c)
-        values[some] = np.einsum("nab,nb,na->n", part, b, a)
-    return values
+def _sums(table: Array, places: Array) -> Array:
+    """Sums of Chebyshev polynomials with a table of coefficients, at places (4, n) in [-1, 1]."""
+    parts = []
+    for some in np.array_split(places, range(BATCH, places.shape[1], BATCH), axis=1):
+        part = table[None]
+        for place, points in zip(some[::-1], table.shape[::-1], strict=True):
+            part = np.einsum("n...d,nd->n...", part, chebyshev.chebvander(place, points - 1))
+        parts.append(part)
+    return np.concatenate(parts)
 
 
 def tails(values: Array) -> Array:

@@ -57,8 +57,8 @@ class ParameterRange:
 
     def to_dict(self) -> dict[str, Any]:
         """Estimate and range, ready for JSON; an open end is null."""
-        plain = {name: getattr(self, name) for name in ("name", "unit", "estimate")}
-        ends = {name: getattr(self, name) for name in ("lower", "upper")}
+        plain = {"name": self.name, "unit": self.unit, "estimate": self.estimate}
+        ends = {"lower": self.lower, "upper": self.upper}
         return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
@@ -86,74 +86,46 @@ def parameter_ranges(
         raise InputError(f"profile: the parameters of {model.name} are not those of the best fit")
     allowed = least * (1 + float(fdtri(1, spare, LEVEL)) / spare)
     slopes = model.gradient(theta, factors)
-    spread = _standard_errors(slopes) * np.sqrt(least / spare)
+    size = np.linalg.norm(slopes, axis=0)
+    size = np.where(size > 0, size, 1.0)
+    spread = np.linalg.norm(np.linalg.pinv(slopes / size), axis=1) / size * np.sqrt(least / spare)
     # Next to the fit the points may say nothing of a parameter, or describe it without a residual.
     usable = (spread > 1e-12 * np.abs(theta)) & (spread < 1e3 * np.abs(theta))
     spread = np.where(usable | (theta == 0) & (spread > 0), spread, 0.1 * np.abs(theta) + 1e-6)
+
+    def end(place: int, step: float) -> tuple[float, Array]:
+        """Where the profile reaches the allowed sum of squares, on one side, and theta there."""
+        tried = {0.0: (theta, least - allowed)}
+
+        def excess(way: float) -> float:
+            if way not in tried:
+                defined = [each for each in tried if tried[each][1] < np.inf]
+                at = tried[min(defined, key=lambda each: abs(each - way))][0].copy()
+                at[place] = theta[place] + way * step
+                if np.isfinite(sum_of_squares(model, factors, force_n, at)):
+                    at = local_fit(model, factors, force_n, at, fixed=place)
+                tried[way] = at, sum_of_squares(model, factors, force_n, at) - allowed
+            return tried[way][1]
+
+        inside, way = 0.0, 1.0
+        for _ in range(MOST_STEPS):
+            above = excess(way)
+            if above <= 0:
+                inside, way = way, 2 * way
+                continue
+            if above == np.inf:  # beyond the edge of the region in which the model is defined
+                way = (inside + way) / 2
+                if way - inside >= 1e-9:
+                    continue
+            elif excess(inside) < 0:  # not so of a fit whose residual is rounding
+                inside = float(brentq(excess, inside, way, xtol=1e-6))
+            return float(theta[place] + inside * step), tried[inside][0]
+        return float(np.copysign(np.inf, step)), tried[inside][0]
+
     ranges = []
-    for place, step in enumerate(spread):
-        (lower, theta_lower), (upper, theta_upper) = (
-            _end(model, factors, force_n, theta, place, sign * float(step), allowed)
-            for sign in (-1.0, 1.0)
-        )
-        ranges.append(
-            ParameterRange(
-                name=model.parameter_names[place],
-                unit=model.parameter_units[place],
-                estimate=float(theta[place]),
-                lower=lower,
-                upper=upper,
-                theta_lower=tuple(theta_lower.tolist()),
-                theta_upper=tuple(theta_upper.tolist()),
-            )
-        )
+    for place, step in enumerate(spread.tolist()):
+        (lower, theta_lower), (upper, theta_upper) = end(place, -step), end(place, step)
+        name, unit = model.parameter_names[place], model.parameter_units[place]
+        ends = (lower, upper, tuple(theta_lower.tolist()), tuple(theta_upper.tolist()))
+        ranges.append(ParameterRange(name, unit, float(theta[place]), *ends))
     return ranges
-
-
-def _standard_errors(slopes: Array) -> Array:
-    """Square roots of the diagonal of (F'F)^-1, with F scaled first."""
-    size = np.linalg.norm(slopes, axis=0)
-    size = np.where(size > 0, size, 1.0)
-    inverse = np.linalg.pinv((slopes / size).T @ (slopes / size))
-    return np.asarray(np.sqrt(np.maximum(np.diagonal(inverse), 0)) / size)
-
-
-def _end(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: ArrayLike,
-    theta: Array,
-    place: int,
-    step: float,
-    allowed: float,
-) -> tuple[float, Array]:
-    """Where the profile reaches the allowed sum of squares, on one side, and theta there."""
-    near, known = {0.0: theta}, dict[float, float]()
-
-    def excess(way: float) -> float:
-        if way in known:
-            return known[way]
-        start = near[min(near, key=lambda each: abs(each - way))].copy()
-        start[place] = theta[place] + way * step
-        if np.isfinite(sum_of_squares(model, factors, force_n, start)):
-            start = local_fit(model, factors, force_n, start, fixed=place)
-        near[way] = start
-        known[way] = sum_of_squares(model, factors, force_n, start) - allowed
-        return known[way]
-
-    inside, way = 0.0, 1.0
-    for _ in range(MOST_STEPS):
-        above = excess(way)
-        if above == np.inf:  # beyond the edge of the region in which the model is defined
-            del near[way]
-            way = (inside + way) / 2
-            if way - inside < 1e-9:
-                return float(theta[place] + inside * step), near[inside]
-        elif above > 0:
-            if excess(inside) >= 0:  # of a fit whose residual is rounding
-                return float(theta[place] + inside * step), near[inside]
-            end = float(brentq(excess, inside, way, xtol=1e-6))
-            return float(theta[place] + end * step), near[end]
-        else:
-            inside, way = way, 2 * way
-    return float(np.copysign(np.inf, step)), near[inside]

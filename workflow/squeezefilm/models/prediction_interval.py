@@ -1,4 +1,10 @@
-"""The prediction interval of a fitted model, measured on a validation sample.
+"""Errors of a fitted model: at points it was not fitted to, and its prediction interval.
+
+In cross-validation points of one gap and amplitude are held out together, wherever the finger is:
+where a force hardly depends on its position they are copies, and no point is unseen whose copy was
+fitted.
+
+The prediction interval is measured on a validation sample.
 
 The sample is simulated at points that are independent and uniform over the declared space and that
 no fit uses. Half of it ranks models; the other half calibrates the interval by split conformal
@@ -23,6 +29,8 @@ from pydantic import BaseModel, ConfigDict, computed_field, model_validator
 
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
+from squeezefilm.models.fitting import local_fit
+from squeezefilm.models.force_model import ExpressionModel
 
 Array = NDArray[np.float64]
 
@@ -42,8 +50,6 @@ SYMBOLS = {
     "x_m": ("x", "mm", 1e3),
     "y_m": ("y", "mm", 1e3),
 }
-
-
 THIRDS = ("low", "middle", "high")
 QUANTITIES = {
     "h0_m": "gap h0",
@@ -135,6 +141,72 @@ class PredictionInterval(BaseModel):
         return ["; ".join(each) for each in notes]
 
 
+def film_folds(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
+    """To which fold each point belongs, shape (n,): of as many as asked for, or as there are pairs
+    of a gap and an amplitude if these are fewer; all points of a pair to one."""
+    films = pd.DataFrame({"h0_m": factors.h0_m, "hv_m": factors.hv_m})
+    film = films.groupby(["h0_m", "hv_m"], sort=False).ngroup().to_numpy()
+    return np.random.default_rng(seed).permutation(np.arange(film.max() + 1) % folds)[film]
+
+
+def left_out_predictions(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    *,
+    theta: ArrayLike,
+    folds: NDArray[np.int64],
+) -> Array:
+    """Each point's force by the model fitted to the other folds of films, in newtons, shape (n,).
+
+    ``theta`` is where the fits start: that of all points; ``folds`` are those of ``film_folds``.
+    NaN where the model, fitted to the others, is undefined, and everywhere where a fold leaves
+    fewer points than parameters. Raises InputError where a fit is impossible.
+    """
+    force = np.asarray(force_n, dtype=float)
+    predicted = np.full(len(force), np.nan)
+    if len(force) - np.bincount(folds).max() < max(len(model.parameter_names), 1):
+        return predicted
+    for fold in np.unique(folds):
+        out = folds == fold
+        found = local_fit(model, factors.take(~out), force[~out], theta)
+        predicted[out] = model.evaluate(found, factors.take(out))
+    return predicted
+
+
+def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
+    """(model - simulation)/simulation for each point, shape (n,), from forces in newtons.
+
+    Raises InputError for forces that are not finite, for none, or for a
+    simulated force of zero.
+    """
+    model, simulation = np.array([model_n, simulation_n], dtype=float)
+    if not len(model):
+        raise InputError("validation: no points; give at least one")
+    if not np.isfinite([model, simulation]).all():
+        raise InputError("validation: a force is not a finite number; all must be")
+    if np.any(simulation == 0):
+        raise InputError("validation: a simulated force is zero; its relative error is undefined")
+    return np.asarray((model - simulation) / simulation)
+
+
+def error_sizes(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, float]:
+    """Errors of modelled against simulated forces, both in newtons, shape (n,), in four numbers.
+
+    ``global_error`` is |model - simulation|/|simulation|, ``root_mean_square_n`` and ``largest_n``
+    are in newtons, ``largest_relative`` is the largest relative error in magnitude. Raises
+    InputError as relative_errors does.
+    """
+    relative = relative_errors(model_n=model_n, simulation_n=simulation_n)
+    error = np.asarray(model_n) - np.asarray(simulation_n)
+    return {
+        "global_error": float(np.linalg.norm(error) / np.linalg.norm(simulation_n)),
+        "root_mean_square_n": float(np.sqrt(np.mean(error**2))),
+        "largest_n": float(np.max(np.abs(error))),
+        "largest_relative": float(np.max(np.abs(relative))),
+    }
+
+
 def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float]:
     """Constant a in newtons and share b of a scale a + b·|force| of a model's errors.
 
@@ -180,33 +252,26 @@ def measured_interval(
         ranges: of the declared space.
         profile_uncertainty: share of a force that a measured profile leaves open, at 95 %.
     """
-    model, force, own = (
-        np.asarray(each, dtype=float) for each in (model_n, force_n, force_error_n)
-    )
+    model, force, own = np.array([model_n, force_n, force_error_n], dtype=float)
     constant, share = scale
-    error = np.abs(model - force) + own
-    score = error / (constant + share * np.abs(model))
+    score = (np.abs(model - force) + own) / (constant + share * np.abs(model))
     score[~np.isfinite(score)] = np.inf
     ranking = ranking_half(len(score))
-    calibration = np.sort(score[~ranking])
-    quantiles = {level: _quantile(calibration, level) for level in NORMAL}
-    error_95, error_99 = (
-        (
-            float(constant * quantile),
-            float(share * quantile + profile_uncertainty * NORMAL[level] / NORMAL[SCAN_LEVEL]),
-        )
-        if np.isfinite(quantile)
-        else None
-        for level, quantile in quantiles.items()
-    )
-    inside = np.isfinite(score) & (score <= quantiles[0.95])
+    calibration = np.append(np.sort(score[~ranking]), np.inf)
+    errors, quantiles = [], []
+    for level, normal in NORMAL.items():
+        quantiles.append(quantile := calibration[ceil(len(calibration) * level) - 1])
+        scan = profile_uncertainty * normal / NORMAL[SCAN_LEVEL]
+        known = np.isfinite(quantile)
+        errors.append((constant * quantile, share * quantile + scan) if known else None)
+    inside = np.isfinite(score) & (score <= quantiles[0])
     return PredictionInterval(
         ranges=dict(ranges),
-        error_95=error_95,
-        error_99=error_99,
+        error_95=errors[0],
+        error_99=errors[1],
         points=len(score),
         failed=int(np.sum(~np.isfinite(score))),
-        calibration_points=len(calibration),
+        calibration_points=int(np.sum(~ranking)),
         mean_coverage=float(inside[ranking].mean()),
         coverage=tuple(
             region | {"coverage": float(inside[ranking][mask].mean())}
@@ -214,12 +279,6 @@ def measured_interval(
         ),
         profile_uncertainty=profile_uncertainty,
     )
-
-
-def _quantile(scores: Array, level: float) -> float:
-    """The score that a share ``level`` of new points does not exceed; infinite for few points."""
-    rank = ceil((len(scores) + 1) * level)
-    return float(scores[rank - 1]) if rank <= len(scores) else np.inf
 
 
 def regions(factors: Factors) -> Iterator[tuple[dict[str, Any], NDArray[np.bool_]]]:

@@ -86,7 +86,7 @@ def extrapolation_scenes(config: Config, fits: Mapping[str, FittedModel]) -> pd.
     for name, fit in fits.items():
         with naming(name):
             amplitudes[name] = amplitude_for_force(
-                fit.force_model, fit.theta, force_n=point["force_n"], h0_m=point["h0_m"]
+                fit.evaluate, force_n=point["force_n"], h0_m=point["h0_m"]
             )
     scenes = plan(
         h0_m=[point["h0_m"]] * len(amplitudes),

@@ -23,7 +23,7 @@ from pathlib import Path
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import naming
 from squeezefilm.files import digest
-from squeezefilm.models.force_model import model_named
+from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import fit_with_limits
 from squeezefilm.tables import read_forces, read_ok_forces, write_json, write_table
 
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
-    model = model_named(options.model, config["models"], place=options.config)
+    model = get_model(options.model, config["models"], place=options.config)
     forces = read_ok_forces(options.forces)
     sample = read_forces(options.sample) if options.sample else None
     with naming(options.forces):

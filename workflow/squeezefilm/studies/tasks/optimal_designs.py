@@ -13,9 +13,9 @@ import pandas as pd
 from squeezefilm.columns import CARTESIAN
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import corners
-from squeezefilm.designs.exact import exchange
 from squeezefilm.designs.optimal import (
     ContinuousDesign,
+    exchange,
     log_determinant,
     maximin_design,
     optimal_in_box,

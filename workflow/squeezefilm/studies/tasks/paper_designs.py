@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config.loading import Config
-from squeezefilm.designs.box import Box, coordinates, corners
+from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.designs.paper_design import (
     Criterion,
     Design,
@@ -60,9 +60,7 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
         patterns, each, summary[scaling] = _patterns(scaling, criterion, designs, best)
         rows += each
         if scaling == settings["scaling"]:
-            regions = augment(
-                criterion, find_regions(patterns, box), settings["points"], candidates=corners(box)
-            )
+            regions = augment(criterion, find_regions(patterns, box), settings["points"])
     points = np.array([region.point for region in regions])
     table = _design_table(points, [region.origin for region in regions], box, fit.position)
     about = {

@@ -9,7 +9,7 @@ import pandas as pd
 
 from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
-from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, Sequential
+from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import describe, fit_of
@@ -144,16 +144,9 @@ def refine(
     loop = Sequential(
         model,
         pool,
-        Goal(
-            global_error=settings["global_error"],
-            worst_error=settings["worst_error"],
-            most_simulations=settings["simulations"],
-            batch=settings["batch"],
-        ),
+        settings,
         simulated.simulate,
-        separation=settings["separation"],
         bound=config["fit"]["bounds"][-1],
-        seed=settings["seed"],
     )
     outcome = loop.run(_print_round)
     print(f"{outcome.verdict}: {outcome.reason}")

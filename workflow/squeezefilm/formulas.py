@@ -1,0 +1,347 @@
+"""Formulas that a user types: read safely, evaluated with NumPy, the units in them inferred.
+
+A formula is arithmetic on named quantities and nothing else: + - * / **, numbers, ``pi``, and the
+functions of FUNCTIONS. Python's own parser reads the text; every node of its tree is then either
+one of these or an error that names its place, so that no text can run anything. Length, depth and
+exponents are bounded, and constant parts are computed in floating point, so that none can take long
+either.
+
+Values may be complex: a formula at θ + ih, h far below round-off, has its derivative with respect
+to θ in the imaginary part, without a difference (W. Squire and G. Trapp, Using complex variables to
+estimate derivatives of real functions, SIAM Rev. 40 (1998) 110-112). Where the formula has a kink
+or a vertical tangent the value is NaN. A formula that is undefined for real numbers may have a
+complex value; its real value has to be looked at first.
+
+The units of a formula's parameters follow from those of the quantities in it. A parameter whose
+unit is not known yet is a base of its own; dimensions are linear in these.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from squeezefilm.errors import InputError
+from squeezefilm.units import BASES, NONE, UNITS, Dimension, compound, times
+
+Array = NDArray[Any]
+Result = TypeVar("Result")
+
+LONGEST, DEEPEST = 4000, 150
+LARGEST_EXPONENT = 32.0
+LARGEST_NUMBER = 1e100
+CONSTANTS = {"pi": math.pi}
+UNDEFINED = complex(math.nan, math.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """An operator or function on other parts; ``place`` is its text in the formula."""
+
+    operator: str
+    arguments: tuple[Node, ...]
+    place: str
+
+
+Node = float | str | Operation
+"""A number, the name of a quantity, or an operation on other parts."""
+
+
+def fold(
+    part: Node,
+    leaf: Callable[[Any], Result],
+    operation: Callable[[Operation, list[Result]], Result],
+) -> Result:
+    """What a formula comes to, from what its numbers and names are and what operations do."""
+    if not isinstance(part, Operation):
+        return leaf(part)
+    return operation(part, [fold(each, leaf, operation) for each in part.arguments])
+
+
+def _at_zero(z: Any) -> Any:
+    """Where a value is zero and changes with the quantity that has the complex step."""
+    return (np.imag(z) != 0) & (np.abs(np.real(z)) <= np.abs(np.imag(z)))
+
+
+def _square_root(z: Any) -> Any:
+    if not np.iscomplexobj(z):
+        return np.sqrt(z)
+    return np.where((z != 0) & (z.real <= np.abs(z.imag)), UNDEFINED, np.sqrt(z))
+
+
+def _absolute(z: Any) -> Any:
+    if not np.iscomplexobj(z):
+        return np.abs(z)
+    return np.where(_at_zero(z), UNDEFINED, np.sign(z.real) * z)
+
+
+def _sinc(z: Any) -> Any:
+    """sin(πz)/(πz); its slope is -π j1(πz), with the spherical Bessel function, exact at 0."""
+    if not np.iscomplexobj(z):
+        return np.sinc(z)
+    from scipy.special import spherical_jn  # few need it, and it takes long to import
+
+    return np.sinc(z.real) - 1j * np.pi * spherical_jn(1, np.pi * z.real) * z.imag
+
+
+def _power(base: Any, exponent: Any) -> Any:
+    if isinstance(exponent, float) and exponent == 2:
+        return np.square(base)
+    if not (np.iscomplexobj(base) or np.iscomplexobj(exponent)):
+        return np.power(base, exponent)
+    zero = (base == 0) & (np.real(exponent) > 0)  # 0**v is 0 for every such v
+    vertical = _at_zero(base) & (np.real(exponent) < 1) & (exponent != 0)
+    undefined = vertical | ((np.real(base) < 0) & (np.imag(exponent) != 0))
+    return np.where(zero, 0, np.where(undefined, UNDEFINED, np.power(base + 0j, exponent)))
+
+
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "sqrt": _square_root,
+    "exp": np.exp,
+    "log": np.log,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "sinh": np.sinh,
+    "cosh": np.cosh,
+    "tanh": np.tanh,
+    "atan": np.arctan,
+    "abs": _absolute,
+    "sinc": _sinc,  # as MATLAB and the paper have it
+}
+_OPERATIONS: dict[str, Callable[..., Any]] = FUNCTIONS | {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
+    "**": _power,
+    "negative": np.negative,
+}
+_BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
+_HINTS: dict[type, str] = {
+    ast.BitXor: "a power is written **",
+    ast.FloorDiv: "a quotient is written /",
+}
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A formula that was read: its text, its parts, and the names in it as they occur."""
+
+    text: str
+    root: Node = field(compare=False)
+    names: tuple[str, ...]
+
+    def evaluate(self, **values: ArrayLike) -> Array:
+        """The formula's value for named numbers or arrays, which are broadcast together.
+
+        Where it is undefined or overflows the result is NaN or infinite, without a warning.
+        """
+        with np.errstate(all="ignore"):
+            value = fold(
+                self.root,
+                lambda leaf: np.asarray(values[leaf]) if isinstance(leaf, str) else leaf,
+                lambda part, arguments: _OPERATIONS[part.operator](*arguments),
+            )
+        return np.asarray(value) + 0.0  # whole numbers as floating-point ones
+
+
+def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Expression:
+    """Read a formula of the named quantities.
+
+    ``place`` says where it was written, for messages; ``known`` tells the names there, if not one
+    by one.
+    Raises InputError for anything but arithmetic on these names, with the place and the part that
+    is not allowed; for a formula that is too long, too deep or has too large an exponent.
+    """
+    if not isinstance(text, str):
+        raise InputError(f"{place}: a formula is text, not {text!r}")
+    text = " ".join(text.split())
+    if not text:
+        raise InputError(f"{place}: the formula is empty")
+    if "#" in text or "\\" in text:
+        raise InputError(f"{place}: {_shown(text)}: # and \\ have no meaning in a formula")
+    if len(text) > LONGEST:
+        raise InputError(
+            f"{place}: the formula has {len(text)} characters; at most {LONGEST} are allowed"
+        )
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about odd spellings, which are refused below
+            tree = ast.parse(text, mode="eval")
+    except SyntaxError as error:
+        # Python's message, without its advice, which is about programs.
+        what = (error.msg or "not a formula").split(".")[0].split(" Perhaps")[0]
+        raise InputError(f"{place}: {_shown(text)}: {what}") from None
+    except (ValueError, RecursionError, MemoryError):
+        raise InputError(f"{place}: {_shown(text)}: the formula cannot be read") from None
+    names, used = tuple(names), dict[str, None]()
+
+    def text_of(node: ast.expr) -> str:
+        return ast.get_source_segment(text, node) or text
+
+    def refused(node: ast.expr, what: str) -> InputError:
+        before = text.encode()[: node.col_offset]  # Python counts bytes
+        column = len(before.decode()) + 1
+        return InputError(f"{place}: column {column}, {_shown(text_of(node))}: {what}")
+
+    def read(node: ast.expr, depth: int = 1) -> Node:
+        """A formula's part of Python's tree; anything else is an error."""
+        if depth > DEEPEST:
+            raise refused(node, f"the formula is nested more than {DEEPEST} deep")
+        match node:
+            case ast.Constant(int() | float() as value) if not isinstance(value, bool):
+                if not abs(value) <= LARGEST_NUMBER:
+                    raise refused(node, f"the number must lie within ±{LARGEST_NUMBER:g}")
+                return float(value)
+            case ast.Constant():
+                raise refused(node, "this is not a number")
+            case ast.Name(name) if name in names:
+                used[name] = None
+                return name
+            case ast.Name(name) if name in CONSTANTS:
+                return CONSTANTS[name]
+            case ast.Name(name) if name in FUNCTIONS:
+                raise refused(node, f"a function needs its argument: {name}(…)")
+            case ast.Name():
+                listed = known or ", ".join((*names, *CONSTANTS))
+                raise refused(node, f"this name is unknown; known are {listed}")
+            case ast.UnaryOp(ast.UAdd(), operand):
+                return read(operand, depth + 1)
+            case ast.UnaryOp(ast.USub(), operand):
+                operator, operands = "negative", [operand]
+            case ast.BinOp(left, op, right) if type(op) in _BINARY:
+                operator, operands = _BINARY[type(op)], [left, right]
+            case ast.Call(ast.Name(operator), operands, keywords) if operator in FUNCTIONS:
+                if keywords or len(operands) != 1:
+                    raise refused(node, f"{operator} takes one argument")
+            case ast.Call(function):
+                allowed = ", ".join(FUNCTIONS)
+                raise refused(function, f"this is no known function; known are {allowed}")
+            case _:
+                hint = _HINTS.get(type(getattr(node, "op", None)), "")
+                allowed = hint or f"allowed are + - * / **, numbers and {', '.join(FUNCTIONS)}"
+                raise refused(node, f"this is no arithmetic; {allowed}")
+        arguments = [read(each, depth + 1) for each in operands]
+        numbers = [np.float64(each) for each in arguments if isinstance(each, float)]
+        if len(numbers) == len(arguments):
+            with np.errstate(all="ignore"):
+                value = float(_OPERATIONS[operator](*numbers))
+            if not abs(value) <= LARGEST_NUMBER:
+                raise refused(node, f"this is undefined or exceeds {LARGEST_NUMBER:g}")
+            return value
+        exponent = arguments[-1]
+        if operator == "**" and isinstance(exponent, float) and abs(exponent) > LARGEST_EXPONENT:
+            what = f"the exponent must lie within ±{LARGEST_EXPONENT:g}, not {exponent:g}"
+            raise refused(node, what)
+        return Operation(operator, tuple(arguments), place=text_of(node))
+
+    return Expression(text, read(tree.body), tuple(used))
+
+
+def _shown(text: str) -> str:
+    """A part of a formula as a message quotes it."""
+    return repr(text if len(text) <= 60 else f"{text[:57]}…")
+
+
+def parameter_units(
+    expression: Expression,
+    *,
+    units: Mapping[str, str],
+    parameters: tuple[str, ...],
+    place: str,
+) -> dict[str, str]:
+    """The units of a formula's parameters, such that all of it fits and a force in N comes out.
+
+    units: those of the factors, and of parameters for which they were declared. A formula whose
+    result has no unit is read in newtons.
+    Raises InputError naming the part whose units do not fit.
+    """
+    force, solved = UNITS["N"].dimension, dict[str, Dimension]()
+    dimensions = {name: _coherent(unit, place=f"{place}, {name}") for name, unit in units.items()}
+    dimensions = {name: {name: Fraction(1)} for name in parameters} | dimensions
+
+    def reduced(dimension: Dimension) -> Dimension:
+        """With the parameters that are solved for put in."""
+        while name := next((each for each in dimension if each in solved), None):
+            power = dimension[name]
+            dimension = times(times(dimension, {name: power}, -1), solved[name], power)
+        return dimension
+
+    def equate(a: Dimension, b: Dimension, otherwise: str) -> None:
+        rest = dict(reduced(times(a, b, -1)))
+        name = next((each for each in rest if each in parameters), None)
+        if name:
+            solved[name] = times(NONE, rest, -1 / rest.pop(name))
+        elif rest:
+            raise InputError(f"{place}: {otherwise}")
+
+    def dimension_of(part: Operation, inner: list[Dimension]) -> Dimension:
+        first, second = (*inner, NONE)[:2]
+        match part.operator:
+            case "+" | "-":
+                a, b = (f"in {_text(d)}" if d else "without unit" for d in map(reduced, inner))
+                verb = "adds" if part.operator == "+" else "subtracts"
+                equate(first, second, f"{part.place!r} {verb} quantities {a} and {b}")
+                return first
+            case "*" | "/":
+                return times(first, second, 1 if part.operator == "*" else -1)
+            case "negative" | "abs":
+                return first
+            case "sqrt":
+                return times(NONE, first, Fraction(1, 2))
+            case "**" if isinstance(exponent := part.arguments[1], float):
+                return times(NONE, first, Fraction(exponent).limit_denominator(1000))
+        for each in inner:
+            unit = _text(reduced(each))
+            hint = "; the angle in radians is called `angle`" if unit == "deg" else ""
+            equate(each, NONE, f"{part.place!r} needs a number without unit, not {unit}{hint}")
+        return NONE
+
+    result = reduced(fold(expression.root, lambda leaf: dimensions.get(leaf, NONE), dimension_of))
+    if set(result) & set(parameters):
+        equate(result, force, "the result must be a force in N")
+    elif result not in (force, NONE):
+        raise InputError(
+            f"{place}: the result is in {_text(result)}; a force in N, or a number, is wanted"
+        )
+    # What stays open is a parameter that cannot be told from another: any unit would do.
+    found = {name: reduced(dimensions[name]) for name in parameters}
+    return {
+        name: _text({base: each[base] for base in each if base in BASES})
+        for name, each in found.items()
+    }
+
+
+def _coherent(text: str, *, place: str) -> Dimension:
+    """The dimension of a unit in which formulas are evaluated: SI, or degrees."""
+    unit = compound(text)
+    if unit is None or unit.size != 1:
+        raise InputError(
+            f"{place}, unit: {text!r} is no unit of N, m, s, deg, Pa, Hz and kg; write it like "
+            "N/m**2"
+        )
+    return unit.dimension
+
+
+def _text(dimension: Dimension) -> str:
+    """A dimension as a unit: N/m**2, 1/deg, 1; a parameter's that is not known yet in brackets."""
+
+    def power(base: str, exponent: Fraction) -> str:
+        name = base if base in BASES else f"[{base}]"
+        if exponent == 1:
+            return name
+        return f"{name}**{exponent if exponent.denominator == 1 else f'({exponent})'}"
+
+    order = sorted(dimension, key=[*BASES, *dimension].index)
+    above = [power(base, dimension[base]) for base in order if dimension[base] > 0]
+    below = [power(base, -dimension[base]) for base in order if dimension[base] < 0]
+    return "/".join(["*".join(above) or "1", *below])

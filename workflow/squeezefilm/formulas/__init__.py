@@ -1,1 +1,0 @@
-"""Arithmetic that people write: parsed, differentiated, its units inferred."""
