@@ -9,7 +9,7 @@ import pytest
 from films import PISTON, SINC, film
 
 from squeezefilm.cli.main import main
-from squeezefilm.film.finger import GapShape
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Profile, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve

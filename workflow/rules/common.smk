@@ -120,7 +120,7 @@ pathvars:
 
 # A scan is smoothed once, before all else, and every command that reads the actuator reads what
 # came of it.
-SMOOTHED = "<results>/profile/smoothed.npz" if SCAN else []
+SMOOTHED = "<results>/profile/smoothed.pickle" if SCAN else []
 # What a scan leaves open is part of a fit's error.
 SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
 
@@ -249,7 +249,7 @@ def numbered(places):
 shell.prefix(
     "set -euo pipefail; export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 "
     + ("SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}} " if workflow.remote_exec else "")
-    + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.npz')} " if SCAN else "")
+    + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.pickle')} " if SCAN else "")
     + f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
 )
 

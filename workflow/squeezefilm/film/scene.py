@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 
 from squeezefilm.config.film import Gas as Gas
-from squeezefilm.film.finger import Finger, net
+from squeezefilm.film.pad import Finger, net
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Surface
 
