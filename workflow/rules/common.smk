@@ -97,7 +97,7 @@ def checked_study():
     if kept.exists():
         return json.loads(kept.read_text())
     from squeezefilm.models.force_model import check_models
-    from squeezefilm.studies.chunks import chunk_counts
+    from squeezefilm.studies.plans import chunk_counts
     from squeezefilm.studies.study import check_study
 
     check_study(CONFIG)

@@ -17,8 +17,8 @@ from squeezefilm.film.symmetry import Directions
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.space import plan
 from squeezefilm.studies.study import scenes_in, smoothed_scan_of, symmetry_of
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
@@ -203,6 +203,4 @@ def _points(config: Config) -> pd.DataFrame:
         places = [place for place in places if place[0] == farthest]
     rows = [(gaps["start"], 0.0, 0.0), (gaps["stop"], 0.0, 0.0)]
     rows += [(gaps["start"], *place) for place in places]
-    gap, first, second = zip(*rows, strict=True)
-    place = dict(zip(found.position, (first, second), strict=True))
-    return plan(h0_m=gap, hv_m=[amplitude] * len(gap), **place)
+    return plan(pd.DataFrame(rows, columns=["h0_m", *found.position]).assign(hv_m=amplitude))
