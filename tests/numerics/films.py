@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.finger import Finger
+from squeezefilm.film.pad import Finger
 from squeezefilm.film.profiles import Piston, Profile, Sinc
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc

@@ -8,7 +8,7 @@ import pytest
 from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, periodic_state
 from physics_facts import fast_piston
 
-from squeezefilm.film.finger import GapShape
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc

@@ -12,7 +12,7 @@ from films import PISTON, film
 from random_scenes import random_films, shares
 
 from squeezefilm.cli.main import main
-from squeezefilm.film.finger import GapShape
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Quadrature, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.derivatives import with_derivatives

@@ -12,8 +12,8 @@ from scipy.special import ellipe, iv
 from skfem import MeshTri2
 
 from squeezefilm.columns import cartesian
-from squeezefilm.film.finger import GapShape
 from squeezefilm.film.outline import read_contour
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.outputs import _from_states

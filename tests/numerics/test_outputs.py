@@ -16,7 +16,7 @@ from random_scenes import random_films, shares
 
 from squeezefilm.api.simulation import merge_forces
 from squeezefilm.cli.main import main
-from squeezefilm.film.finger import GapShape
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc

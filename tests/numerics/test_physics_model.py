@@ -15,7 +15,8 @@ from squeezefilm.models.force_model import get_model
 from squeezefilm.models.limit_table import MOST_NODES
 from squeezefilm.models.prediction_interval import error_sizes
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.plans import box_of, random_plan
+from squeezefilm.studies.plans import random_plan
+from squeezefilm.studies.space import box_of
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks import physics_limits as limits
 from squeezefilm.studies.tasks.physics_limits import with_limits

@@ -9,12 +9,12 @@ import pytest
 from films import PISTON, SINC, film
 
 from squeezefilm.cli.main import main
-from squeezefilm.film.finger import GapShape
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Profile, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.plan import METHODS, previews
-from squeezefilm.studies.plans import plan
+from squeezefilm.studies.space import plan
 from squeezefilm.tables import write_table
 
 PROFILES: tuple[Profile, ...] = (SINC, PISTON, PISTON, StandingWave(0.02, 30.0, 0.001))
@@ -79,7 +79,8 @@ def dry_run(tmp_path):
 
     def dry_run(*words: str) -> pd.DataFrame:
         scenes, output = tmp_path / "scenes.csv", tmp_path / "plan.csv"
-        write_table(plan(h0_m=[5e-6, 10e-6], hv_m=[2e-6, 2e-6], phi_r_m=[0.0, 1e-3]), scenes)
+        factors = {"h0_m": [5e-6, 1e-5], "hv_m": 2e-6, "phi_r_m": [0.0, 1e-3], "phi_deg": 0.0}
+        write_table(plan(pd.DataFrame(factors)), scenes)
         config = ["--config", "config/paper.yaml", "--output", str(output)]
         assert main(["simulate", str(scenes), *config, "--dry-run", *words]) == 0
         return pd.read_csv(output)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from films import film
 
-from squeezefilm.film.finger import GapShape
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Quadrature, StandingWave
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.plan import previews

@@ -5,7 +5,7 @@ import pytest
 
 from squeezefilm.api import simulation
 from squeezefilm.config.loading import Config
-from squeezefilm.studies.chunks import chunk_counts, expected_seconds
+from squeezefilm.studies.plans import chunk_counts, expected_seconds
 
 
 def with_jobs_of(config: Config, seconds: float) -> Config:

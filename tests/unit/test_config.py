@@ -7,7 +7,7 @@ import pytest
 
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError
-from squeezefilm.studies.plan_scenes import scenes_of
+from squeezefilm.studies.plans import scenes_of
 from squeezefilm.studies.study import check_study
 
 

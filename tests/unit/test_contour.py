@@ -8,8 +8,8 @@ import squeezefilm as sf
 from squeezefilm.config.loading import parse_config
 from squeezefilm.config.written import effective_text
 from squeezefilm.errors import InputError
-from squeezefilm.film.finger import Finger
 from squeezefilm.film.outline import read_contour
+from squeezefilm.film.pad import Finger
 from squeezefilm.studies.study import check_study, finger_of
 
 SIDES_M = 0.01, 0.008

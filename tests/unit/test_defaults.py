@@ -11,7 +11,8 @@ from squeezefilm.cli.main import main
 from squeezefilm.config.loading import Config, load_config, parse_config
 from squeezefilm.config.written import effective_text, origin, write_effective
 from squeezefilm.errors import InputError
-from squeezefilm.studies.plans import finger_positions, plan_sizes
+from squeezefilm.studies.plans import plan_sizes
+from squeezefilm.studies.space import finger_positions
 from squeezefilm.studies.study import check_study
 from squeezefilm.units import in_unit
 

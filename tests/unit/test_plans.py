@@ -8,23 +8,20 @@ import pytest
 
 from squeezefilm.film.symmetry import Mirrors
 from squeezefilm.studies.plans import (
-    centred_grid,
-    finger_positions,
     four_factor_plan,
-    level_values,
     plan_sizes,
     random_plan,
-    space_filling,
+    scenes_of,
     sweep_pieces,
 )
+from squeezefilm.studies.space import finger_positions, space_filling
 
 
 def test_the_screen_has_every_gap_with_every_amplitude_once(paper):
-    gaps, amplitudes = (level_values(paper["screen"][name]) for name in ("h0_m", "hv_m"))
-    plan = centred_grid(h0_m=gaps, hv_m=amplitudes)
-    pairs = set(zip(plan["h0_m"], plan["hv_m"], strict=True))
-    assert len(plan) == len(pairs) == 60 == plan_sizes(paper)["screen"]
-    assert pairs == {(gap, amplitude) for gap in gaps for amplitude in amplitudes}
+    plan = scenes_of("screen", paper)
+    assert len(plan) == 60 == plan_sizes(paper)["screen"]
+    assert plan["h0_m"].nunique() * plan["hv_m"].nunique() == 60
+    assert not plan.drop(columns="point_id").duplicated().any()
     assert (plan[["phi_r_m", "phi_deg"]] == 0).all(axis=None)
     assert list(plan["point_id"]) == [str(number) for number in range(1, 61)]
 
@@ -33,9 +30,8 @@ def test_the_four_factor_plan_has_13_positions_with_5_points(paper):
     positions = finger_positions(paper)
     assert len(positions) == len(set(positions)) == 13
     assert positions[0] == (0.0, 0.0)
-    plan = four_factor_plan(
-        positions=positions, h0_m=[5e-6] * 5, hv_m=[1e-6, 1.2e-6, 1.4e-6, 1.6e-6, 2e-6]
-    )
+    design = pd.DataFrame({"h0_m": 5e-6, "hv_m": [1e-6, 1.2e-6, 1.4e-6, 1.6e-6, 2e-6]})
+    plan = four_factor_plan(design, positions=positions)
     assert len(plan) == 65 == plan_sizes(paper)["four_factor"]
     assert not plan.drop(columns="point_id").duplicated().any()
 

@@ -14,7 +14,7 @@ from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.plans import box_of, finger_positions
+from squeezefilm.studies.space import box_of, finger_positions
 from squeezefilm.studies.study import scene_of, symmetry_of
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}

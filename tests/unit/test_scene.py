@@ -8,7 +8,7 @@ import pytest
 
 from squeezefilm.columns import cartesian
 from squeezefilm.errors import InputError
-from squeezefilm.film.finger import GapShape
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Piston, Sinc, make_profile
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.surfaces import Disc

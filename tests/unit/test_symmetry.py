@@ -9,8 +9,8 @@ import pytest
 from squeezefilm.config.loading import Config
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
-from squeezefilm.studies.space import Space
+from squeezefilm.studies.plans import plan_sizes
+from squeezefilm.studies.space import Space, box_of, finger_positions
 from squeezefilm.studies.study import scenes_in, symmetry_of
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}

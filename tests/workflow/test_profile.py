@@ -9,7 +9,7 @@ from .conftest import copy_checkout, snakemake
 @pytest.mark.parametrize(
     ("study", "target", "message"),
     [
-        ("vibrometer", "profile/smoothed.npz", "Make a smooth profile of the scan"),
+        ("vibrometer", "profile/smoothed.pickle", "Make a smooth profile of the scan"),
         ("patch", "simulations/device.json", "Compile the kernels"),
     ],
 )

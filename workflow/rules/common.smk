@@ -97,7 +97,7 @@ def checked_study():
     if kept.exists():
         return json.loads(kept.read_text())
     from squeezefilm.models.force_model import check_models
-    from squeezefilm.studies.chunks import chunk_counts
+    from squeezefilm.studies.plans import chunk_counts
     from squeezefilm.studies.study import check_study
 
     check_study(CONFIG)
@@ -120,7 +120,7 @@ pathvars:
 
 # A scan is smoothed once, before all else, and every command that reads the actuator reads what
 # came of it.
-SMOOTHED = "<results>/profile/smoothed.npz" if SCAN else []
+SMOOTHED = "<results>/profile/smoothed.pickle" if SCAN else []
 # What a scan leaves open is part of a fit's error.
 SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
 
@@ -249,7 +249,7 @@ def numbered(places):
 shell.prefix(
     "set -euo pipefail; export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 "
     + ("SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}} " if workflow.remote_exec else "")
-    + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.npz')} " if SCAN else "")
+    + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.pickle')} " if SCAN else "")
     + f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
 )
 

@@ -1,7 +1,7 @@
 """Write the scenes of a plan."""
 
 from scripts.job import begin_with_study
-from squeezefilm.studies.plan_scenes import write_scenes
+from squeezefilm.studies.plans import write_scenes
 
 snakemake, config = begin_with_study()
 plan = snakemake.wildcards.plan

@@ -3,7 +3,7 @@
 from scripts.job import begin_with_study
 from squeezefilm.api.simulation import no_force, simulate_table
 from squeezefilm.errors import RunError
-from squeezefilm.studies.plan_scenes import write_scenes
+from squeezefilm.studies.plans import write_scenes
 from squeezefilm.studies.solver_settings import solver_settings
 
 snakemake, config = begin_with_study()

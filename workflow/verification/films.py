@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.pad import Finger, GapShape
 from squeezefilm.film.profiles import Piston, Profile, Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc

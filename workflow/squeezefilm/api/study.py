@@ -7,7 +7,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from squeezefilm.api.film import Film
@@ -17,16 +16,11 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import OK
 from squeezefilm.models.force_model import get_model
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.plans import (
-    finger_positions,
-    four_factor_plan,
-    level_values,
-)
+from squeezefilm.studies.plans import four_factor_plan, level_grid
 from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.space import Space
+from squeezefilm.studies.space import Space, finger_positions
 from squeezefilm.studies.study import scenes_in, surface_of
 from squeezefilm.studies.tasks.fits import fit_with_limits, limit_table_values
-from squeezefilm.tables import FACTOR_COLUMNS
 
 
 @dataclass(frozen=True, repr=False)
@@ -51,12 +45,9 @@ class Study(Film):
         study's positions too: h0_m, hv_m, and the position in the surface's form, phi_r_m and
         phi_deg or x_m and y_m.
         """
-        levels = (level_values(self.config["screen"][name]) for name in FACTOR_COLUMNS[:2])
-        gaps, amplitudes = np.meshgrid(*levels, indexing="ij")
         return four_factor_plan(
+            level_grid(self.config["screen"]),
             positions=[(0.0, 0.0)] if centred else finger_positions(self.config),
-            h0_m=gaps.ravel(),
-            hv_m=amplitudes.ravel(),
             position=surface_of(self.config).position,
         )
 

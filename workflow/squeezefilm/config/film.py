@@ -303,8 +303,8 @@ class Scan(Section):
         file: a vibrometer's table (see below), from the folder of this file
         axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
             leaves it free, and is what a rectangle needs
-        sign: with `measured` a scan without phase and sign that looks folded up at a node line is
-            refused; `unknown` takes it as it is, and every force says so
+        sign: with `measured` a scan without phase and sign is refused, for it would be folded up at
+            a node line; `unknown` takes it as it is, and every force says so
     """
 
     kind: Literal["measured"]

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.errors import InputError, naming
-from squeezefilm.film.measured.read import Column, column_of, numbers, read_cells
+from squeezefilm.film.measured.read import columns_of, numbers, read_cells
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
 # of the disc itself would need no ν at the centre.
@@ -247,17 +247,13 @@ def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float =
     Raises:
         InputError: naming file and line where the points make no outline, or sides are others.
     """
-    try:
-        stat = path.stat()
-    except OSError:
-        raise InputError(f"{path}: there is no such outline") from None
-    return _read(path, stat.st_mtime_ns, stat.st_size, sides_m, scatter_m)
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such outline")
+    return _read(path, path.stat().st_mtime_ns, sides_m, scatter_m)
 
 
 @lru_cache(maxsize=16)
-def _read(
-    path: Path, _changed: int, _size: int, sides_m: tuple[float, float], scatter_m: float
-) -> Outline:
+def _read(path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: float) -> Outline:
     points = _points(path)
     with naming(path):
         waves, off_m = _fitted(points, scatter_m=scatter_m)
@@ -267,19 +263,12 @@ def _read(
 def _points(path: Path) -> np.ndarray:
     """Points x + iy in metres, against the clock, checked."""
     header, header_line, cells, _ = read_cells(path, what="outline", form=FORM)
-    columns: dict[str, Column] = {}
-    for place, name in enumerate(header):
-        if (column := column_of(name, place)) and column.unit in column.units:
-            columns.setdefault(column.quantity, column)
-    if not {"x", "y"} <= set(columns):
-        raise InputError(
-            f"{path}: line {header_line}: there is no column x or y with its unit among "
-            f"{', '.join(header)}; an outline is {FORM}"
-        )
-    x_m, y_m = (
-        columns[name].size * numbers(cells[columns[name].place], path=path, name=name)
-        for name in ("x", "y")
-    )
+    where = f"{path}: line {header_line}"
+    columns = columns_of(header, ("x", "y"), where=where)
+    if len(columns) < 2:
+        names = ", ".join(header)
+        raise InputError(f"{where}: there is no column x or y among {names}; an outline is {FORM}")
+    x_m, y_m = (numbers(cells, columns[name], path=path) for name in ("x", "y"))
     z = x_m + 1j * y_m
     if len(z) > 1 and z[0] == z[-1]:  # the first again closes it
         z = z[:-1]
@@ -349,13 +338,12 @@ def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> Cu
             f"finger.length_x: {x}, finger.length_y: {y}"
         )
     waves = waves.copy()
-    waves[len(waves) // 2] -= complex(
-        (rim.real.max() + rim.real.min()) / 2, (rim.imag.max() + rim.imag.min()) / 2
-    )
+    waves[len(waves) // 2] -= complex(*(f.max() + f.min() for f in (rim.real, rim.imag))) / 2
     # What the study's digits leave out of the sides is taken up, so that both are the same pad.
-    mirrored = waves[::-1].conj()
-    along_x, along_y = (waves + mirrored) / 2, (waves - mirrored) / 2
-    return _curve(along_x / extents[0] + along_y / extents[1] * (sides_m[1] / sides_m[0]))
+    mirrored, aspect = waves[::-1].conj(), sides_m[1] / sides_m[0]
+    return _curve(
+        (waves + mirrored) / 2 / extents[0] + (waves - mirrored) / 2 / extents[1] * aspect
+    )
 
 
 def _mapped_curve(curve: Curve, sides_m: tuple[float, float], off_m: float) -> Outline:
@@ -363,14 +351,11 @@ def _mapped_curve(curve: Curve, sides_m: tuple[float, float], off_m: float) -> O
     parameters = 2 * np.pi * np.arange(DENSE + 1) / DENSE
     rim = curve(parameters[:-1])[0]
     weights = _area_shares(rim)
-    centre = (weights * (rim + np.roll(rim, -1))).sum() / 3 / weights.sum()
-    from_centre = rim - centre
+    from_centre = rim - (weights * (rim + np.roll(rim, -1))).sum() / 3 / weights.sum()
     # Second moments of the inside tell the ellipse that it is most like.
-    pair = from_centre, np.roll(from_centre, -1)
-    turning = (weights * (pair[0] ** 2 + pair[0] * pair[1] + pair[1] ** 2)).sum()
-    size = (
-        weights * (abs(pair[0]) ** 2 + (pair[0] * pair[1].conj()).real + abs(pair[1]) ** 2)
-    ).sum()
+    one, other = from_centre, np.roll(from_centre, -1)
+    turning = weights @ (one**2 + one * other + other**2)
+    size = weights @ (abs(one) ** 2 + (one * other.conj()).real + abs(other) ** 2)
     share = min(abs(turning) / size, 0.9999)
     shape = max(np.sqrt((1 + share) / (1 - share)), LEAST_ASPECT)
     direction = np.exp(0.5j * np.angle(turning)) if share > 1e-9 else 1.0

@@ -120,22 +120,30 @@ class BesselMode:
 
 @dataclass(frozen=True)
 class Formula:
-    """An expression in x, y, r (metres) and phi (radians), over its largest magnitude."""
+    """An expression in x, y, r (metres) and phi (radians), over its largest magnitude.
+
+    ``quadrature`` is another for what moves a quarter of a period ahead.
+    """
 
     expression: str
     surface: Surface
-    is_complex = False
+    quadrature: str = "0"
+
+    @property
+    def is_complex(self) -> bool:
+        return self.quadrature != "0"
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return self.unscaled(x_m, y_m) / largest_unscaled(self)
 
     def unscaled(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        """The expression's value."""
+        """The expressions' value."""
         x, y = np.broadcast_arrays(x_m, y_m)
-        parsed = _parsed(self.expression)
-        return np.broadcast_to(
-            parsed.evaluate(x=x, y=y, r=np.hypot(x, y), phi=np.arctan2(y, x)), x.shape
-        )
+        places = {"x": x, "y": y, "r": np.hypot(x, y), "phi": np.arctan2(y, x)}
+        value = _parsed(self.expression).evaluate(**places)
+        if self.is_complex:
+            value = value + 1j * _parsed(self.quadrature).evaluate(**places)
+        return np.broadcast_to(value, x.shape)
 
 
 @dataclass(frozen=True)
@@ -215,38 +223,12 @@ def make_profile(*, kind: str, surface: Surface, **settings: Any) -> Profile:
         # sin T cos ku − cos T sin ku = sin(T − ku): it travels towards larger u.
         wave = StandingWave(**settings, crest_m=0.0)
         return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
-    quadrature = settings.pop("quadrature", None)
     if kind in ("standing-wave", "bessel", "formula"):
         settings["surface"] = surface
     profile: Profile = KINDS[kind](**settings)
-    if quadrature is not None:
-        assert isinstance(profile, Formula)
-        return _with_quadrature(profile, Formula(quadrature, surface))
-    if isinstance(profile, BesselMode | Formula) and not largest_unscaled(profile):
-        raise _without_maximum(profile)
+    if isinstance(profile, BesselMode | Formula):
+        largest_unscaled(profile)
     return profile
-
-
-def _without_maximum(profile: BesselMode | Formula) -> InputError:
-    kind = "formula" if isinstance(profile, Formula) else "bessel"
-    return InputError(
-        f"actuator.profile: the {kind} has no finite value everywhere on the "
-        f"{profile.surface.text}, or is zero on all of it"
-    )
-
-
-def _with_quadrature(first: Formula, second: Formula) -> Profile:
-    """Both formulas over the largest √(first² + second²) on the surface; one if the other is 0."""
-    sizes = largest_unscaled(first), largest_unscaled(second)
-    if not any(sizes):
-        raise _without_maximum(first)
-    if not all(sizes):  # a quarter of a period later it is the same vibration
-        return first if sizes[0] else second
-    both = largest_magnitude(
-        lambda x_m, y_m: np.hypot(first.unscaled(x_m, y_m), second.unscaled(x_m, y_m)),
-        surface=first.surface,
-    )
-    return Quadrature(first, second, shares=(sizes[0] / both, sizes[1] / both))
 
 
 def largest_magnitude(
@@ -284,11 +266,15 @@ def _parsed(expression: str) -> Expression:
 def largest_unscaled(profile: BesselMode | Formula) -> float:
     """Largest magnitude on the surface before the profile is scaled to 1.
 
-    Raises InputError where it is not finite.
+    Raises InputError where it is not finite, or zero.
     """
     size = largest_magnitude(profile.unscaled, surface=profile.surface)
-    if not isfinite(size):
-        raise _without_maximum(profile)
+    if not (isfinite(size) and size):
+        kind = "formula" if isinstance(profile, Formula) else "bessel"
+        raise InputError(
+            f"actuator.profile: the {kind} has no finite value everywhere on the "
+            f"{profile.surface.text}, or is zero on all of it"
+        )
     return size
 
 
@@ -308,10 +294,6 @@ def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     They are where it differs most from its neighbourhood. A spot narrower than a five-hundredth of
     half the surface, with no trace beyond, can be missed.
     """
-    if isinstance(profile, Quadrature):
-        of_both = zip(landmarks_of(profile.first), landmarks_of(profile.second), strict=True)
-        x_m, y_m = map(np.concatenate, of_both)
-        return x_m, y_m
     return _landmarks(profile) if isinstance(profile, Formula) else (np.zeros(0), np.zeros(0))
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 
 from squeezefilm.config.film import Gas as Gas
-from squeezefilm.film.finger import Finger, net
+from squeezefilm.film.pad import Finger, net
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Surface
 
@@ -47,24 +47,18 @@ class OperatingPoints:
     @cached_property
     def sigma(self) -> Any:
         """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the finger's length along x (paper eq. 1)."""
-        return (
-            12
-            * self.gas.viscosity_pa_s
-            * self.actuator.angular_frequency_rad_per_s
-            * self.finger.length_x_m**2
-            / (self.gas.ambient_pressure_pa * self.h0_m**2)
-        )
+        speed = self.actuator.angular_frequency_rad_per_s * self.finger.length_x_m**2
+        return 12 * self.gas.viscosity_pa_s * speed / self._pressure_height
 
     @cached_property
     def bearing_number(self) -> Any:
         """Bearing number Λ = 6 μ U l0 / (p0 h0²) (paper eq. 1)."""
-        return (
-            6
-            * self.gas.viscosity_pa_s
-            * self.finger.speed_x_m_per_s
-            * self.finger.length_x_m
-            / (self.gas.ambient_pressure_pa * self.h0_m**2)
-        )
+        speed = self.finger.speed_x_m_per_s * self.finger.length_x_m
+        return 6 * self.gas.viscosity_pa_s * speed / self._pressure_height
+
+    @property
+    def _pressure_height(self) -> Any:
+        return self.gas.ambient_pressure_pa * self.h0_m**2
 
     @property
     def knudsen(self) -> Any:
@@ -84,12 +78,8 @@ class OperatingPoints:
     @cached_property
     def modified_reynolds(self) -> Any:
         """Modified Reynolds number ρ ω h0² / μ: the inertia that eq. (1) leaves out."""
-        return (
-            self.gas.density_kg_per_m3
-            * self.actuator.angular_frequency_rad_per_s
-            * self.h0_m**2
-            / self.gas.viscosity_pa_s
-        )
+        omega = self.actuator.angular_frequency_rad_per_s
+        return self.gas.density_kg_per_m3 * omega * self.h0_m**2 / self.gas.viscosity_pa_s
 
     @property
     def aspect(self) -> Any:
@@ -322,27 +312,23 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @cached_property
     def gas(self) -> Gas:  # type: ignore[override]
         """The gas' numbers, those of several films as columns."""
-        if len(self.films) == 1:
-            return self.films[0].gas
-        names = [each.name for each in fields(Gas)]
-        return Gas(**{name: self.column(attrgetter(f"gas.{name}")) for name in names})
+        return self._part("gas", *(each.name for each in fields(Gas)))
 
     @cached_property
     def actuator(self) -> Actuator:  # type: ignore[override]
         """The actuator, of several films with a column of frequencies."""
-        first = self.films[0].actuator
-        frequency_hz = self.column(lambda film: film.actuator.frequency_hz)
-        return first if len(self.films) == 1 else replace(first, frequency_hz=frequency_hz)
+        return self._part("actuator", "frequency_hz")
 
     @cached_property
     def finger(self) -> Finger:  # type: ignore[override]
         """The finger, of several films with columns of its sides and speed."""
-        first = self.films[0].finger
+        return self._part("finger", "length_x_m", "length_y_m", "speed_x_m_per_s")
+
+    def _part(self, part: str, *names: str) -> Any:
+        first = getattr(self.films[0], part)
         if len(self.films) == 1:
             return first
-        names = ("length_x_m", "length_y_m", "speed_x_m_per_s")
-        columns = {name: self.column(attrgetter(f"finger.{name}")) for name in names}
-        return replace(first, **columns)
+        return replace(first, **{n: self.column(attrgetter(f"{part}.{n}")) for n in names})
 
     @cached_property
     def force_scale_n(self) -> Any:

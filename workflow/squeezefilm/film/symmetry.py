@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError
-from squeezefilm.film.finger import Finger
+from squeezefilm.film.pad import Finger
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Rectangle, Surface
 

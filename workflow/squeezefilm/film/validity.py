@@ -86,13 +86,8 @@ class Limit:
         """The value up to which nothing is exceeded."""
         return min(self.not_above, self.unknown_above)
 
-    def exceeded_by(self, scenes: Scenes, value: np.ndarray) -> dict[int, str]:
-        """Return the scenes that exceed the limit with a value of its quantity, and by what."""
-        # A value that is no number lies within no bound.
-        beyond = FILMS[self.films](scenes) & ~(value <= self.bound)
-        return {row: self._text(float(value[row])) for row in np.flatnonzero(beyond).tolist()}
-
-    def _text(self, value: float) -> str:
+    def text(self, value: float) -> str:
+        """Return by what a value exceeds the limit, and what that means."""
         never = not value <= self.not_above
         bound = self.not_above if never else self.unknown_above
         kind = "" if self.films == "all" else f" ({self.films})"
@@ -109,9 +104,6 @@ def _read(path: Path) -> tuple[Limit, ...]:
 
 
 LIMITS = _read(Path(__file__).with_name("validity.csv"))
-LEAST_BOUNDS = {
-    symbol: min(limit.bound for limit in LIMITS if limit.symbol == symbol) for symbol in QUANTITIES
-}
 
 
 def exceeded(scene: Scene, symbols: Iterable[str] = QUANTITIES) -> tuple[str, ...]:
@@ -119,7 +111,7 @@ def exceeded(scene: Scene, symbols: Iterable[str] = QUANTITIES) -> tuple[str, ..
 
     Quantity, value, bound, consequence.
     """
-    return tuple(_exceeded(Scenes.of([scene]), symbols).get(0, ()))
+    return tuple(_exceeded(Scenes.of([scene]), symbols)[0])
 
 
 def validity(scene: Scene) -> str:
@@ -129,24 +121,21 @@ def validity(scene: Scene) -> str:
 
 def validities(scenes: Scenes) -> np.ndarray:
     """Return the same for each of some scenes."""
-    found = np.full(len(scenes), OK, dtype=object)
-    for row, words in _exceeded(scenes).items():
-        found[row] = "; ".join(words)
-    return found
+    return np.array(["; ".join(each) or OK for each in _exceeded(scenes)], dtype=object)
 
 
-def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> dict[int, list[str]]:
-    """Return what scenes exceed, in the list's order, by row."""
-    found: dict[int, list[str]] = {}
+def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[str]]:
+    """Return what each scene exceeds, in the list's order."""
+    texts: list[list[str]] = [[] for _ in range(len(scenes))]
     for symbol in symbols:
         value = QUANTITIES[symbol](scenes)
-        if (value <= LEAST_BOUNDS[symbol]).all():
-            continue
         for limit in LIMITS:
-            if limit.symbol == symbol:
-                for row, words in limit.exceeded_by(scenes, value).items():
-                    found.setdefault(row, []).append(words)
-    return found
+            if limit.symbol == symbol and not (value <= limit.bound).all():
+                # A value that is no number lies within no bound.
+                beyond = FILMS[limit.films](scenes) & ~(value <= limit.bound)
+                for row in np.flatnonzero(beyond).tolist():
+                    texts[row].append(limit.text(float(value[row])))
+    return texts
 
 
 GAPS_M = (1e-9, 1e-3)

@@ -22,7 +22,7 @@ from pydantic import (
 
 from squeezefilm.columns import POLAR
 from squeezefilm.errors import InputError
-from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.pad import Finger, GapShape
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.surfaces import Disc

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from squeezefilm.film.finger import GapShape
+from squeezefilm.film.pad import GapShape
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import first_order

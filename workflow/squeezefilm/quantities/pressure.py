@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from squeezefilm.errors import RunError
-from squeezefilm.film.finger import Finger
+from squeezefilm.film.pad import Finger
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.periodic.states import State

@@ -12,7 +12,7 @@ import pandas as pd
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
-from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.pad import Finger, GapShape
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc

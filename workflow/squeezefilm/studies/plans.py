@@ -1,145 +1,73 @@
-"""Which points are simulated: the screen, the four-factor plan, samples and sweeps."""
+"""Which points are simulated: the screen, the four-factor plan, samples and sweeps; in which jobs.
+
+Jobs are counted by what their scenes should cost. Only the configuration is asked: their number is
+known before any plan is made.
+"""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping, Sequence
+from math import ceil
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from squeezefilm.columns import POLAR, as_in, form_of
 from squeezefilm.config.loading import Config
-from squeezefilm.designs.box import Box
-from squeezefilm.film.symmetry import Symmetry
-from squeezefilm.studies.study import surface_of, symmetry_of
-from squeezefilm.tables import FACTOR_COLUMNS
+from squeezefilm.errors import InputError, naming
+from squeezefilm.models.amplitude_for_force import amplitude_for_force
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.reynolds.plan import previews
+from squeezefilm.studies.space import CENTRED, Space, box_of, finger_positions, plan, sobol, twelve
+from squeezefilm.studies.study import planned_profile_of, scenes_in, surface_of
+from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
 
-if TYPE_CHECKING:
-    from scipy.stats import qmc
-
-CENTRED = FACTOR_COLUMNS[:2]
-"""The factors of a finger that stays at the centre."""
 VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
 """The plans of independent points, uniform over the declared space: finger centred, anywhere."""
-POSITIONS_SEED, EXPONENT = 1, 10
-"""Of the sequence of positions, and of two, the most points that it may have."""
+GRIDS = ("screen", "error_map")
+"""The plans of every gap with every amplitude, finger centred: of Fig. 7, and of control points."""
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
 PIECE = 2**17
 
-
-def level_values(levels: dict[str, Any]) -> np.ndarray:
-    """The evenly spaced values of a ``{start, stop, levels}`` section, shape (levels,).
-
-    Rounded to twelve digits, so that a plan reads 7e-06 and not 7.000000000000001e-06.
-    """
-    values = np.linspace(levels["start"], levels["stop"], levels["levels"])
-    return np.array([float(f"{value:.12g}") for value in values])
-
-
-def centred_grid(
-    *, h0_m: np.ndarray, hv_m: np.ndarray, position: tuple[str, ...] = POLAR
-) -> pd.DataFrame:
-    """Every gap with every amplitude, finger centred (the screen of Fig. 7, the control grid)."""
-    gaps, amplitudes = np.meshgrid(h0_m, hv_m, indexing="ij")
-    return plan(h0_m=gaps.ravel(), hv_m=amplitudes.ravel(), position=position)
+# One thread of an AMD EPYC (Zen 5, registers of 64 bytes), 60 and 65 scenes of the paper at 1e-3 to
+# 1e-8: processor time, fitted.
+MFLOP_PER_SECOND = 42_000.0
+# Besides the operations: preparing and collecting, where each scene has a place of its own; where
+# scenes share them, as in most small plans, a fifth of it.
+SECONDS_PER_SCENE = 3e-4
+# Outputs ask for states on two grids more, closely solved, and for Python's time.
+TIMES_FOR_OUTPUTS, SECONDS_OF_OUTPUTS = 4, 1e-2
+SAMPLE = 32
+MOST_CHUNKS = 20_000
 
 
-def plan(
-    *,
-    h0_m: Sequence[float] | np.ndarray,
-    hv_m: Sequence[float] | np.ndarray,
-    position: tuple[str, ...] = (),
-    **place: Sequence[float] | np.ndarray | float,
-) -> pd.DataFrame:
-    """A plan with the columns of a scenes table; points are numbered from 1.
-
-    The position's form is that of ``place``, whose columns it gives, or ``position``; at the centre
-    where it is left out.
-    """
-    centre = dict.fromkeys(position or form_of(place), 0.0)
-    table = pd.DataFrame({"h0_m": h0_m, "hv_m": hv_m, **centre, **place}, dtype=float)
-    table.insert(0, "point_id", np.arange(1, len(table) + 1).astype(str))
-    return table
-
-
-def finger_positions(config: Config) -> list[tuple[float, float]]:
-    """The centre, then those of the section ``positions``, in the surface's form.
-
-    With ``points`` they fill the reachable space. Without, they are those written (Fig. 15), with
-    their images, as far as the scene's own symmetry does not make them the same.
-    """
-    positions = config["positions"]
-    if "points" in positions:
-        return space_filling(symmetry_of(config), positions)
-    return symmetry_of(config).places(positions)
-
-
-def space_filling(symmetry: Symmetry, positions: dict[str, Any]) -> list[tuple[float, float]]:
-    """Positions that fill the reachable space, so that no wave of the profile can alias with them.
-
-    The centre, then a scrambled Sobol' sequence over the space's limits, whose first quarter is
-    moved to the edges: the far one of the first factor, and the nearer one of the second.
-    """
-    limits = symmetry.limits(positions)
-    sequence = _sobol(len(limits), seed=POSITIONS_SEED).random_base2(EXPONENT)
-    unit = sequence[: positions["points"] - 1]
-    # Neighbours of the sequence, for those at a distance that is a power of two lie side by side.
-    edge = len(unit) // 4
-    unit[: edge // 2, 0] = 1.0
-    unit[edge // 2 : edge, 1] = np.round(unit[edge // 2 : edge, 1])
-    box = Box(tuple(limits), *zip(*limits.values(), strict=True))
-    first, second = np.vectorize(lambda value: float(f"{value:.12g}"))(box.from_unit(unit)).T
-    return [(0.0, 0.0), *zip(first.tolist(), second.tolist(), strict=True)]
+def level_grid(section: Mapping[str, Any]) -> pd.DataFrame:
+    """Every gap with every amplitude of a section's ``{start, stop, levels}``."""
+    levels = [section[name] for name in CENTRED]
+    values = [twelve(np.linspace(each["start"], each["stop"], each["levels"])) for each in levels]
+    gaps, amplitudes = np.meshgrid(*values, indexing="ij")
+    return pd.DataFrame({"h0_m": gaps.ravel(), "hv_m": amplitudes.ravel()})
 
 
 def four_factor_plan(
+    design: pd.DataFrame,
     *,
-    positions: Sequence[tuple[float, float]],
-    h0_m: Sequence[float] | np.ndarray,
-    hv_m: Sequence[float] | np.ndarray,
+    positions: Sequence[tuple[float, float]] = ((0.0, 0.0),),
     position: tuple[str, ...] = POLAR,
 ) -> pd.DataFrame:
     """Every finger position with every (h0, hv) point of a two-factor design (section V)."""
-    design = pd.DataFrame({"h0_m": h0_m, "hv_m": hv_m})
-    return plan(**pd.DataFrame(positions, columns=position).merge(design, how="cross"))
+    return plan(pd.DataFrame(positions, columns=position).merge(design[[*CENTRED]], how="cross"))
 
 
-def box_of(config: Config, *, centred: bool = False) -> Box:
-    """The box of a study's factors: the screen's gaps and amplitudes, the finger's positions.
+def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
+    """Points drawn uniformly from ranges of the factors, as control points.
 
-    From the section ``screen``; unless the finger is centred also from ``positions``, ``actuator``
-    and ``finger``. Positions are those that represent all by the scene's symmetry.
+    Equal seeds give equal points.
     """
-    limits = {
-        each: tuple(config["screen"][each][end] for end in ("start", "stop")) for each in CENTRED
-    }
-    if not centred:
-        limits |= symmetry_of(config).limits(config["positions"])
-    lower, upper = zip(*limits.values(), strict=True)
-    return Box(tuple(limits), lower, upper)
-
-
-def declared_ranges(config: Config, *, centred: bool) -> dict[str, tuple[float, float]]:
-    """The limits of the declared space by factor; those of a centred finger's position are zero."""
-    ranges = box_of(config, centred=centred).ranges
-    return ranges | {name: (0.0, 0.0) for name in surface_of(config).position if name not in ranges}
-
-
-def _position_count(config: Config) -> int:
-    return config["positions"].get("points") or len(finger_positions(config))
-
-
-def plan_sizes(config: Config) -> dict[str, int]:
-    """The number of points of each plan that is simulated in chunks."""
-    grid = {name: config[name] for name in ("screen", "error_map")}
-    return {
-        **{name: g["h0_m"]["levels"] * g["hv_m"]["levels"] for name, g in grid.items()},
-        "four_factor": config["design"]["points"] * _position_count(config),
-        **{name: config[name]["points"] for name in ("four_factor_control", "sweep")},
-        **dict.fromkeys(VALIDATION_SAMPLES, config["validation"]["points"]),
-    }
+    return _within(ranges, np.random.default_rng(seed).random((points, 4)))
 
 
 def sweep_pieces(
@@ -150,7 +78,7 @@ def sweep_pieces(
     Scrambled by the seed. The sequence is one: sweeps from ``first`` 0 and 1000, of 1000 points
     each, are the sweep of 2000 points in two parts. Points are numbered by their place in it.
     """
-    sequence = _sobol(4, seed=seed)
+    sequence = sobol(4, seed=seed)
     if first:
         sequence.fast_forward(first)
     for begin in range(first, first + points, PIECE):
@@ -162,22 +90,109 @@ def sweep_pieces(
         yield table.assign(point_id=np.arange(begin + 1, end + 1).astype(str))
 
 
-def _sobol(factors: int, *, seed: int) -> qmc.Sobol:
-    from scipy.stats import qmc  # slow to import, and only needed here
-
-    return qmc.Sobol(factors, rng=seed)
-
-
-def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
-    """Points drawn uniformly from ranges of the factors, as control points.
-
-    Equal seeds give equal points.
-    """
-    return _within(ranges, np.random.default_rng(seed).random((points, 4)))
-
-
 def _within(ranges: dict[str, tuple[float, float]], unit: np.ndarray) -> pd.DataFrame:
     """The plan of points in [0, 1] over ranges, shape (points, 4)."""
     names = as_in(FACTOR_COLUMNS, ranges)
     lower, upper = np.transpose([ranges[name] for name in names])
-    return plan(**dict(zip(names, (lower + (upper - lower) * unit).T, strict=True)))
+    return plan(pd.DataFrame(lower + (upper - lower) * unit, columns=names))
+
+
+def write_scenes(
+    name: str, config: Config, *, sources: Sequence[Path | str] = (), output: Path | str
+) -> None:
+    """Write the table of a plan; a sweep is made and written in pieces.
+
+    Args:
+        sources: the design that a plan is made from, and of ``extrapolation`` the fits.
+    """
+    with table_writer(output) as write:
+        if name == "sweep":
+            points, first, seed = (config["sweep"][key] for key in ("points", "first", "seed"))
+            ranges = box_of(config).ranges
+            for piece in sweep_pieces(points=points, first=first, seed=seed, **ranges):
+                write(piece)
+        elif name == "extrapolation":
+            write(_extrapolation(config, {Path(path).stem: read_fit(path) for path in sources}))
+        else:
+            design = read_design(sources[0]) if sources else None
+            write(scenes_of(name, config, design=design))
+
+
+def scenes_of(name: str, config: Config, *, design: pd.DataFrame | None = None) -> pd.DataFrame:
+    """The scenes of a plan that the study or a design gives."""
+    position = surface_of(config).position
+    if name in GRIDS:
+        return four_factor_plan(level_grid(config[name]), position=position)
+    if name == "four_factor_control":
+        points, seed = config[name]["points"], config[name]["seed"]
+        return random_plan(points=points, seed=seed, **box_of(config).ranges)
+    if name in VALIDATION_SAMPLES:
+        points, seed = config["validation"]["points"], config["validation"]["seed"]
+        space = Space.of(config, centred=name == "validation_two_factor")
+        return space.table(space.independent_sample(points, seed=seed))
+    assert design is not None, f"the plan {name} is made from a design"
+    if name == "four_factor":
+        return four_factor_plan(design, positions=finger_positions(config), position=position)
+    return design[as_in(SCENE_COLUMNS, design)]
+
+
+def _extrapolation(config: Config, fits: Mapping[str, FittedModel]) -> pd.DataFrame:
+    """The operating point of the section ``extrapolation``, and one scene of each fit.
+
+    Each fit adds the scene at which it expects the wanted force at that gap, named as the fit is.
+    """
+    point = config["extrapolation"]
+    amplitudes = {"operating_point": point["hv_m"]}
+    for name, fit in fits.items():
+        with naming(name):
+            amplitudes[name] = amplitude_for_force(
+                fit.evaluate, force_n=point["force_n"], h0_m=point["h0_m"]
+            )
+    factors = pd.DataFrame({"h0_m": point["h0_m"], "hv_m": list(amplitudes.values())})
+    return plan(factors, position=fit.position).assign(point_id=list(amplitudes))
+
+
+def plan_sizes(config: Config) -> dict[str, int]:
+    """The number of points of each plan that is simulated in chunks."""
+    positions = config["positions"].get("points") or len(finger_positions(config))
+    return {
+        **{name: len(level_grid(config[name])) for name in GRIDS},
+        "four_factor": config["design"]["points"] * positions,
+        **{name: config[name]["points"] for name in ("four_factor_control", "sweep")},
+        **dict.fromkeys(VALIDATION_SAMPLES, config["validation"]["points"]),
+    }
+
+
+def chunk_counts(config: Config) -> dict[str, int]:
+    """The number of jobs for each plan, of about ``simulation.seconds_per_job`` each.
+
+    Raises InputError when a plan would need more jobs than a workflow can handle.
+    """
+    target = config["simulation"]["seconds_per_job"]
+    counts = {}
+    for name, points in plan_sizes(config).items():
+        seconds = points * expected_seconds(config, centred=name in GRIDS)
+        counts[name] = min(points, max(1, ceil(seconds / target)))
+        if counts[name] > MOST_CHUNKS:
+            raise InputError(
+                f"{config.path}: simulation.seconds_per_job: {target:g} s make {counts[name]} jobs "
+                f"of the plan {name}; at most {MOST_CHUNKS} are possible, so give at least "
+                f"{seconds / MOST_CHUNKS:.2g}"
+            )
+    return counts
+
+
+def expected_seconds(config: Config, *, centred: bool) -> float:
+    """Mean time of a scene on one thread, from a few random scenes of the study."""
+    sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
+    if centred:
+        sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
+    solver = config["solver"]
+    planned = previews(
+        scenes_in(sample, config, profile=planned_profile_of(config)),
+        tolerance=solver["tolerance"],
+        method=solver["method"],
+    )
+    mflop = sum(each.expected_mflop for each in planned) / SAMPLE
+    seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
+    return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config["outputs"] else seconds

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -18,11 +19,92 @@ from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates, grid
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Film
+from squeezefilm.film.symmetry import Symmetry
 from squeezefilm.film.validity import exist
-from squeezefilm.studies.plans import box_of, plan
-from squeezefilm.studies.study import film_in, surface_of
+from squeezefilm.studies.study import film_in, surface_of, symmetry_of
+from squeezefilm.tables import FACTOR_COLUMNS
+
+if TYPE_CHECKING:
+    from scipy.stats import qmc
 
 Array = NDArray[np.float64]
+CENTRED = FACTOR_COLUMNS[:2]
+"""The factors of a finger that stays at the centre."""
+POSITIONS_SEED, EXPONENT = 1, 10
+"""Of the sequence of positions, and of two, the most points that it may have."""
+
+
+def twelve(values: Array) -> Array:
+    """Numbers with twelve digits, so that a limit reads 7e-06 and not 7.000000000000001e-06."""
+    rounded = [float(f"{value:.12g}") for value in values.flat]
+    return np.array(rounded).reshape(values.shape)
+
+
+def plan(factors: pd.DataFrame, *, position: tuple[str, ...] = POLAR) -> pd.DataFrame:
+    """A plan with the columns of a scenes table; points are numbered from 1.
+
+    At the centre, in the form ``position``, where the factors have no position.
+    """
+    form = form_of(factors) if len(factors.columns) > 2 else position
+    table = factors.reindex(columns=[*CENTRED, *form], fill_value=0.0).astype(float)
+    table.insert(0, "point_id", np.arange(1, len(table) + 1).astype(str))
+    return table
+
+
+def finger_positions(config: Config) -> list[tuple[float, float]]:
+    """The centre, then those of the section ``positions``, in the surface's form.
+
+    With ``points`` they fill the reachable space. Without, they are those written (Fig. 15), with
+    their images, as far as the scene's own symmetry does not make them the same.
+    """
+    positions = config["positions"]
+    if "points" in positions:
+        return space_filling(symmetry_of(config), positions)
+    return symmetry_of(config).places(positions)
+
+
+def space_filling(symmetry: Symmetry, positions: dict[str, Any]) -> list[tuple[float, float]]:
+    """Positions that fill the reachable space, so that no wave of the profile can alias with them.
+
+    The centre, then a scrambled Sobol' sequence over the space's limits, whose first quarter is
+    moved to the edges: the far one of the first factor, and the nearer one of the second.
+    """
+    limits = symmetry.limits(positions)
+    sequence = sobol(len(limits), seed=POSITIONS_SEED).random_base2(EXPONENT)
+    unit = sequence[: positions["points"] - 1]
+    # Neighbours of the sequence, for those at a distance that is a power of two lie side by side.
+    edge = len(unit) // 4
+    unit[: edge // 2, 0] = 1.0
+    unit[edge // 2 : edge, 1] = np.round(unit[edge // 2 : edge, 1])
+    box = Box(tuple(limits), *zip(*limits.values(), strict=True))
+    return [(0.0, 0.0), *map(tuple, twelve(box.from_unit(unit)).tolist())]
+
+
+def sobol(factors: int, *, seed: int) -> qmc.Sobol:
+    """A scrambled Sobol' sequence."""
+    from scipy.stats import qmc  # slow to import, and only needed here
+
+    return qmc.Sobol(factors, rng=seed)
+
+
+def box_of(config: Config, *, centred: bool = False) -> Box:
+    """The box of a study's factors: the screen's gaps and amplitudes, the finger's positions.
+
+    From the section ``screen``; unless the finger is centred also from ``positions``, ``actuator``
+    and ``finger``. Positions are those that represent all by the scene's symmetry.
+    """
+    levels = {name: config["screen"][name] for name in CENTRED}
+    limits = {name: (each["start"], each["stop"]) for name, each in levels.items()}
+    if not centred:
+        limits |= symmetry_of(config).limits(config["positions"])
+    return Box(tuple(limits), *zip(*limits.values(), strict=True))
+
+
+def declared_ranges(config: Config, *, centred: bool) -> dict[str, tuple[float, float]]:
+    """The limits of the declared space by factor; those of a centred finger's position are zero."""
+    centre = dict.fromkeys(surface_of(config).position, (0.0, 0.0))
+    ranges = box_of(config, centred=centred).ranges
+    return ranges | {name: zero for name, zero in centre.items() if name not in ranges}
 
 
 @dataclass(frozen=True)
@@ -48,11 +130,11 @@ class Space:
 
     def allowed(self, points: Array) -> NDArray[np.bool_]:
         """Which points, shape (n, k), can be simulated, shape (n,)."""
-        columns = dict(zip(self.box.names, np.transpose(points), strict=True))
-        x_m, y_m = (columns.get(name, np.zeros(len(points))) for name in self.position)
+        h0_m, hv_m, *place = np.transpose(points)
+        x_m, y_m = place or np.zeros((2, len(points)))
         if self.position == POLAR:
             x_m, y_m = cartesian(x_m, y_m).values()
-        return exist(self.film.scenes(columns["h0_m"], columns["hv_m"], x_m, y_m))
+        return exist(self.film.scenes(h0_m, hv_m, x_m, y_m))
 
     def grid(self, most: int, *, distinct: bool) -> Array:
         """A grid of at most so many points, limits included, without those not allowed.
@@ -100,9 +182,7 @@ class Space:
 
     def table(self, points: Array) -> pd.DataFrame:
         """The points as a plan, numbered from 1; twelve digits, so that a limit reads 2e-06."""
-        rounded = np.array([[float(f"{value:.12g}") for value in row] for row in points])
-        columns = dict(zip(self.box.names, rounded.reshape(points.shape).T, strict=True))
-        return plan(**columns, position=self.position)
+        return plan(pd.DataFrame(twelve(points), columns=self.box.names), position=self.position)
 
     def points(self, table: pd.DataFrame) -> Array:
         """The rows of a table of scenes as points.

@@ -15,8 +15,8 @@ import pandas as pd
 from squeezefilm.columns import POLAR, as_in, cartesian
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, naming
-from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.outline import read_contour
+from squeezefilm.film.pad import Finger, GapShape
 from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene, Scenes
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
@@ -231,6 +231,7 @@ def _check_scan(config: Config) -> None:
             read_scan(path, frequency_hz=actuator["frequency_hz"]),
             surface_of(config),
             axisymmetric=actuator["profile"]["axisymmetric"],
+            sign=actuator["profile"]["sign"],
         )
 
 

@@ -15,7 +15,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.config.written import effective_text
 from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import check_models
-from squeezefilm.studies.chunks import chunk_counts
+from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
 
 

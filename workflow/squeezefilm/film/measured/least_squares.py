@@ -59,25 +59,24 @@ class Points:
     @cached_property
     def decomposed(self) -> tuple[np.ndarray, np.ndarray]:
         """The QR decomposition of the modes up to the largest degree, which serves all."""
-        orthogonal, triangle = np.linalg.qr(self.modes(self.orders(self.degrees[-1])))
-        return orthogonal, triangle
+        q, r = np.linalg.qr(self.modes(self.orders(self.degrees[-1])))
+        return q, r
 
 
 @dataclass(frozen=True)
 class Fit:
     """Least squares on the modes up to one degree.
 
-    ``held_out`` is the error at each point of the fit to the others, ``scores`` has its rms by
-    degree, and ``root`` (modes, modes) is the factor by which the points' noise enters the
-    coefficients: their covariance is noise² root rootᵀ.
+    ``score`` is the least rms error, over degrees, at points left out, and ``root`` (modes, modes)
+    the factor by which the points' noise enters the coefficients: their covariance is
+    noise² root rootᵀ.
     """
 
     degree: int
     orders: Orders
     coefficients: np.ndarray
-    held_out: np.ndarray
     root: np.ndarray
-    scores: dict[int, float]
+    score: float
 
 
 def best_fit(points: Points, measured: np.ndarray) -> Fit:
@@ -93,7 +92,6 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
     # More modes are never better determined: where the most are, one condition number will do.
     sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
     scores: dict[int, float] = {}
-    errors: dict[int, np.ndarray] = {}
     for degree in points.degrees:
         count = len(points.orders(degree))
         leverage = np.sum(orthogonal[:, :count] ** 2, axis=1)
@@ -101,28 +99,25 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
         if not determined or leverage.max() > 1 - 1e-6:
             break
         residual = measured - orthogonal[:, :count] @ along[:count]
-        errors[degree] = residual / (1 - leverage)
-        scores[degree] = float(np.sqrt(np.mean(np.abs(errors[degree]) ** 2)))
+        scores[degree] = float(np.sqrt(np.mean(np.abs(residual / (1 - leverage)) ** 2)))
     if not scores:
         raise InputError(f"{points.path}: the points do not determine a profile")
-    best = min(scores, key=lambda degree: scores[degree])
+    best = min(scores, key=scores.__getitem__)
     degree = max(each for each in scores if each <= best + DEGREES_MORE)
     orders = points.orders(degree)
     root = np.linalg.inv(triangle[: len(orders), : len(orders)])
-    return Fit(degree, orders, root @ along[: len(orders)], errors[degree], root, scores)
+    return Fit(degree, orders, root @ along[: len(orders)], root, scores[best])
 
 
-def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> str:
-    """What is to be said where a profile with angles leaves far less; empty where none does."""
+def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
+    """A note where a profile with angles leaves far less."""
     some = slice(None, None, -(-len(measured) // MOST_LOOKED_AT))
     try:
         free = best_fit(replace(points.some(some), axisymmetric=False), measured[some])
     except InputError:  # too few points for angles
-        return ""
-    share = min(free.scores.values()) / min(fit.scores.values())
-    if share > LESS_WITH_ANGLES:
-        return ""
-    return (
+        return []
+    share = free.score / fit.score
+    return [
         f"the scan is not axisymmetric: a profile with angles leaves {share:.2g} of what this one "
         "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
-    )
+    ] * (share <= LESS_WITH_ANGLES)

@@ -22,7 +22,7 @@ import io
 import math
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -30,31 +30,27 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from squeezefilm.errors import InputError, naming
+from squeezefilm.errors import InputError, naming, needing
 from squeezefilm.units import sizes
 
 LENGTHS_M = sizes("m")
 SPEEDS_M_PER_S = {f"{name}/s": size for name, size in LENGTHS_M.items()}
+MOTIONS = LENGTHS_M | SPEEDS_M_PER_S
 ANGLES_RAD = {name: math.radians(degrees) for name, degrees in sizes("deg").items()}
 QUANTITIES: Mapping[str, tuple[Mapping[str, float], tuple[str, ...]]] = {
     "x": (LENGTHS_M, ("x",)),
     "y": (LENGTHS_M, ("y",)),
     "r": (LENGTHS_M, ("r", "radius")),
     "phi": (ANGLES_RAD, ("phi", "theta", "angle")),
-    "amplitude": (
-        {**LENGTHS_M, **SPEEDS_M_PER_S},
-        ("amplitude", "magnitude", "amp", "mag", "displacement", "velocity"),
-    ),
-    "real": ({**LENGTHS_M, **SPEEDS_M_PER_S}, ("real", "re")),
-    "imaginary": ({**LENGTHS_M, **SPEEDS_M_PER_S}, ("imaginary", "imag", "im")),
+    "amplitude": (MOTIONS, ("amplitude", "magnitude", "amp", "mag", "displacement", "velocity")),
+    "real": (MOTIONS, ("real", "re")),
+    "imaginary": (MOTIONS, ("imaginary", "imag", "im")),
     "phase": (ANGLES_RAD, ("phase", "phase angle")),
     "sign": ({"": 1.0}, ("sign",)),
 }
 """Each with its units and their sizes, and its names."""
 NAMES = {name: quantity for quantity, (_, names) in QUANTITIES.items() for name in names}
-ALL_UNITS = {unit.lower() for units, _ in QUANTITIES.values() for unit in units if unit}
-KNOWN_UNIT = re.compile(f"({'|'.join(map(re.escape, ALL_UNITS))})$|db")
-"""Also decibels, to be named in a message: the file does not tell what 0 dB is."""
+KNOWN_UNITS = {unit.lower() for unit in (*MOTIONS, *ANGLES_RAD)}
 # Words beside the one that names the quantity.
 BESIDE = {"position", "pos", "coordinate", "coord", "displacement", "velocity", "part", "value"}
 IN_BRACKETS = re.compile(r"(?P<words>.*?)[\s_]*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]")
@@ -64,6 +60,7 @@ SEPARATORS = ("\t", ";", ",", None)
 """None: blanks, as many as there are."""
 FIRST_LINES, FEWEST_NAMED = 100, 2
 """Among which the one that names columns is sought, and by how many quantities it is known."""
+COMMENT = re.compile(r"\s*#[#\s]*")
 MISSING = ("", "nan", "na", "n/a", "-")
 LARGEST = 1e9
 """In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity."""
@@ -76,7 +73,7 @@ UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 # Data sets; types of abscissa and ordinate; types of functions; the direction z.
 NODES, UNITS, FUNCTION = (15, 2411), 164, 58
 FREQUENCY, DISPLACEMENT, VELOCITY = 18, 8, 11
-TIME_RESPONSE, POWER_SPECTRA = 1, (2, 3, 9)
+TIME_OR_POWER = (1, 2, 3, 9)
 NORMAL = 3
 FARTHEST_LINE, FARTHEST_SHARE = 0.6, 0.01
 """From the frequency, in distances between lines; of a file with one line as a share of it."""
@@ -139,14 +136,14 @@ def _refuse(where: str, problems: Mapping[str, object]) -> None:
             raise InputError(f"{where}: {problem}")
 
 
-def _excluded(places: np.ndarray, *, what: str) -> list[str]:
-    """Return a note that names points without an amplitude, if there are any."""
-    if not len(places):
+def _notes(lacking: np.ndarray, *, what: str) -> list[str]:
+    """A note that names the points without an amplitude, if there are any."""
+    if not len(lacking):
         return []
-    named = ", ".join(map(str, places[:PLACES_NAMED])) + ", …" * (len(places) > PLACES_NAMED)
-    many = "s" * (len(places) > 1)
+    named = ", ".join(map(str, lacking[:PLACES_NAMED])) + ", …" * (len(lacking) > PLACES_NAMED)
+    many = "s" * (len(lacking) > 1)
     return [
-        f"{len(places)} point{many} without an amplitude, excluded from profile and noise "
+        f"{len(lacking)} point{many} without an amplitude, excluded from profile and noise "
         f"({what}{many} {named})"
     ]
 
@@ -166,14 +163,9 @@ class Column(NamedTuple):
     name: str
 
     @property
-    def units(self) -> Mapping[str, float]:
-        """The quantity's units with their sizes, in SI units and radians."""
-        return QUANTITIES[self.quantity][0]
-
-    @property
-    def size(self) -> float:
-        """The size of its unit."""
-        return self.units[self.unit]
+    def size(self) -> float | None:
+        """The size of its unit in SI units and radians; None of one that the quantity has not."""
+        return QUANTITIES[self.quantity][0].get(self.unit)
 
     @property
     def is_velocity(self) -> bool:
@@ -183,70 +175,79 @@ class Column(NamedTuple):
 def column_of(name: str, place: int = 0) -> Column | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
     name = name.strip().strip("\"'").strip()
-    breaks = [match.start() for match in re.finditer(r"[\s_/,]", name)]
-    pairs = [(name[:at], name[at + 1 :].strip()) for at in breaks]
     if bracketed := IN_BRACKETS.fullmatch(name):
         pairs = [(bracketed["words"], bracketed["unit"])]
     else:  # the likeliest first
-        pairs = [
-            *(pair for pair in pairs if re.match(KNOWN_UNIT, pair[1].lower())),
-            (name, ""),
-            *(pairs if len(pairs) == 1 else []),
-        ]
+        breaks = [match.start() for match in re.finditer(r"[\s_/,]", name)]
+        ends = [(name[:at], name[at + 1 :].strip()) for at in breaks]
+        # Decibels are known, to be named in a message: the file does not tell what 0 dB is.
+        known = [each for each in ends if each[1].lower() in KNOWN_UNITS or "db" in each[1].lower()]
+        pairs = [*known, (name, ""), *(ends if len(ends) == 1 else [])]
     for words, unit in pairs:
         parts = [part for part in re.split(r"[\s_\-.:]+", words.lower()) if part]
         core = [part for part in parts if part not in BESIDE] or parts[:1]
         if quantity := NAMES.get(" ".join(core)):
             units = QUANTITIES[quantity][0]
-            alike = (each for each in units if each.lower() == unit.lower())
-            return Column(quantity, unit if unit in units else next(alike, unit), place, name)
+            alike = [each for each in units if each.lower() == unit.lower()]
+            return Column(quantity, unit if unit in units else (*alike, unit)[0], place, name)
     return None
+
+
+def columns_of(header: Iterable[str], wanted: Iterable[str], *, where: str) -> dict[str, Column]:
+    """The columns of some quantities, by these, each with its unit.
+
+    Raises InputError, naming the place, for a quantity without a unit, or that stands twice.
+    """
+    known = [column for at, name in enumerate(header) if (column := column_of(name, at))]
+    columns: dict[str, Column] = {}
+    for column in sorted(known, key=lambda each: each.size is None):
+        first = columns.get(column.quantity)
+        if column.quantity not in wanted or (first and column.size is None):
+            continue
+        if column.size is None:
+            units = ", ".join(
+                f"{column.quantity}_{unit}" for unit in QUANTITIES[column.quantity][0]
+            )
+            hint = "; decibels are not supported" * column.unit.lower().startswith("db")
+            raise InputError(f"{where}: column {column.name!r} needs a unit, one of {units}{hint}")
+        if first:
+            raise InputError(
+                f"{where}: the column {column.quantity!r} stands twice: {first.name!r} and "
+                f"{column.name!r}; leave one of them out"
+            )
+        columns[column.quantity] = column
+    return columns
 
 
 def _columns(header: Sequence[str], *, where: str) -> tuple[dict[str, Column], list[str]]:
     """The columns that make a scan, by their quantities, and a note on those ignored."""
-    known = [column for at, name in enumerate(header) if (column := column_of(name, at))]
-    usable = {column.quantity for column in known if column.unit in column.units}
-    dropped: set[str] = set()
-    if "amplitude" in usable and "phase" not in usable and "imaginary" in usable:
-        dropped = {"amplitude"}
+    named = [column_of(name) for name in header]
+    usable = {column.quantity for column in named if column and column.size is not None}
+    wanted = set(QUANTITIES)
+    if "imaginary" in usable and "phase" not in usable:
+        wanted -= {"amplitude"}
     elif "amplitude" in usable:
-        dropped = {"real", "imaginary"}
-    columns: dict[str, Column] = {}
-    for column in known:
-        if column.unit not in column.units and column.quantity not in usable:
-            units = ", ".join(f"{column.quantity}_{unit}" for unit in column.units)
-            hint = "; decibels are not supported" * column.unit.lower().startswith("db")
-            raise InputError(f"{where}: column {column.name!r} needs a unit, one of {units}{hint}")
-        if column.unit not in column.units or column.quantity in dropped:
-            continue
-        if column.quantity in columns:
-            raise InputError(
-                f"{where}: the column {column.quantity!r} stands twice: "
-                f"{columns[column.quantity].name!r} and {column.name!r}; leave one of them out"
-            )
-        columns[column.quantity] = column
-    motion = set(columns) & {"amplitude", "real", "imaginary"}
-    parts = [columns[name] for name in ("real", "imaginary") if name in motion]
-    taken = {column.place for column in columns.values()}
-    named = {column.place for column in known}
-    unknown = [name.strip() for at, name in enumerate(header) if at not in named]
+        wanted -= {"real", "imaginary"}
+    columns = columns_of(header, wanted, where=where)
+    parts = [columns[name] for name in ("real", "imaginary") if name in columns]
+    unknown = [name.strip() for name, column in zip(header, named, strict=True) if not column]
     other = f"; unknown columns: {', '.join(map(repr, unknown))}" if unknown else ""
-    place = set(columns) & {"x", "y", "r", "phi"}
     _refuse(
         where,
         {
             "the place of a point is x and y, or r, or r and phi; the columns are "
-            f"{', '.join(header)}": place not in ({"x", "y"}, {"r", "phi"}, {"r"}),
-            f"column 'amplitude_um' is missing; a scan has {FORM}{other}": not motion,
+            f"{', '.join(header)}": set(columns) & {"x", "y", "r", "phi"}
+            not in ({"x", "y"}, {"r", "phi"}, {"r"}),
+            f"column 'amplitude_um' is missing; a scan has {FORM}{other}": not parts
+            and "amplitude" not in columns,
             "real and imaginary part go together, both displacements or both velocities": parts
             and (len(parts) < 2 or parts[0].is_velocity != parts[1].is_velocity),
             "give sign or phase, not both": {"sign", "phase"} <= set(columns),
         },
     )
-    ignored = [each.name for each in known if each.place not in taken] + unknown
-    notes = [f"ignored columns: {', '.join(map(repr, ignored))}"] if ignored else []
-    return columns, notes
+    taken = {column.place for column in columns.values()}
+    ignored = [repr(name.strip()) for at, name in enumerate(header) if at not in taken]
+    return columns, [f"ignored columns: {', '.join(ignored)}"] if ignored else []
 
 
 def _table(path: Path, frequency_hz: float | None) -> Scan:
@@ -259,13 +260,12 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
     lines, lacking = cells.index[measured].to_numpy(), cells.index[~measured].to_numpy()
     table = {}
     for quantity, column in columns.items():
-        values = numbers(cells.loc[measured, column.place], path=path, name=quantity)
-        table[quantity] = values * column.size
+        table[quantity] = numbers(cells[measured], column, path=path)
         if column.is_velocity:
-            table[quantity] = table[quantity] / _angular_frequency(frequency_hz, path=path)
+            table[quantity] /= _angular_frequency(frequency_hz, path=path)
             notes.append(f"{column.name!r} divided by the angular frequency")
-    amplitudes, absent = table.get("amplitude", np.zeros(1)), np.zeros(1)
     directed = "phase" in table or "sign" in table
+    amplitudes, absent = table.get("amplitude", np.zeros(1)), np.zeros(1)
     for problem, wrong in {
         "r must not be negative": table.get("r", absent) < 0,
         "sign must be 1 or -1": np.abs(table.get("sign", absent + 1)) != 1,
@@ -279,9 +279,10 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
     else:
         amplitude = table["amplitude"] * np.exp(1j * table.get("phase", 0.0))
     amplitude = amplitude * table.get("sign", 1.0)
-    if radial := "r" in table and "phi" not in table:
-        table["phi"] = np.zeros(len(lines))
-    place = table["r"] * np.exp(1j * table["phi"]) if "r" in table else table["x"] + 1j * table["y"]
+    if "r" in table:
+        place = table["r"] * np.exp(1j * table.get("phi", 0.0))
+    else:
+        place = table["x"] + 1j * table["y"]
     signed = {"phase", "sign", "imaginary"} & set(table) or np.any(amplitude.real < 0)
     return Scan(
         path=path,
@@ -291,8 +292,8 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
         lines=lines,
         missing=len(lacking),
         signed=bool(signed),
-        notes=(*notes, *_excluded(lacking, what="line")),
-        radial=radial,
+        notes=(*notes, *_notes(lacking, what="line")),
+        radial="r" in table and "phi" not in table,
     )
 
 
@@ -305,38 +306,36 @@ def read_cells(
     """
     try:
         text, encoding = _decoded(path.read_bytes())
-        lines = io.StringIO(text, newline=None).read().split("\n")
-        with naming(path):
-            index, separator = _header(lines, what=what, form=form)
-        lines[index] = re.sub(r"^\s*#[#\s]*", "", lines[index])
-        numbered: list[tuple[int, list[str]]]
-        if separator is None:
-            numbered = [(at, line.split()) for at, line in enumerate(lines[index:], index + 1)]
-        else:
-            reader = csv.reader(
-                (f"{line}\n" for line in lines[index:]), delimiter=separator, strict=True
-            )
-            numbered = [(index + reader.line_num, cells) for cells in reader]
-    except (OSError, csv.Error) as error:
+    except OSError as error:
         raise InputError(f"{path}: the {what} cannot be read: {error}") from None
-    rows = [(line, [cell.strip() for cell in cells]) for line, cells in numbered]
-    (_, header), *rows = [(n, cells) for n, cells in rows if any(cells) and cells[0][:1] != "#"]
-    for line, cells in rows:
-        if len(cells) != len(header):
-            hint = ""
-            if separator == "," and len(cells) > len(header):
-                hint = "; decimal commas need another separator, such as semicolons"
+    lines = io.StringIO(text, newline=None).read().split("\n")
+    with naming(path):
+        index, separator = _header(lines, what=what, form=form)
+    above = [line for line in lines[:index] if line.strip() and not COMMENT.match(line)]
+    lines[index] = COMMENT.sub("", lines[index], count=1)
+    rows: dict[int, list[str]] = {}
+    for number, line in enumerate(lines[index:], index + 1):
+        if COMMENT.match(line):
+            continue
+        cells = line.split()
+        if separator:
+            try:
+                (cells,) = csv.reader([line or separator], delimiter=separator, strict=True)
+            except csv.Error as error:
+                raise InputError(f"{path}: line {number}: cannot be read: {error}") from None
+        if any(map(str.strip, cells)):
+            rows[number] = [cell.strip() for cell in cells]
+    header = rows.pop(index + 1)
+    for number, cells in rows.items():
+        if (count := len(cells)) != len(header):
+            hint = "; decimal commas need another separator, such as semicolons"
+            hint *= separator == "," and count > len(header)
             raise InputError(
-                f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}{hint}"
+                f"{path}: line {number}: {count} cells where the header has {len(header)}{hint}"
             )
     notes = [] if encoding == "utf-8" else [f"read as {encoding}"]
-    before = sum(bool(line.strip()) and not line.lstrip().startswith("#") for line in lines[:index])
-    if before:
-        notes.append(f"{before} lines before the header ignored")
-    numbered_by = [line for line, _ in rows]
-    table = pd.DataFrame(
-        [cells for _, cells in rows], numbered_by, range(len(header)), dtype=object
-    )
+    notes += [f"{len(above)} lines before the header ignored"] if above else []
+    table = pd.DataFrame(list(rows.values()), list(rows), range(len(header)), dtype=object)
     return header, index + 1, table, notes
 
 
@@ -356,12 +355,12 @@ def _decoded(content: bytes) -> tuple[str, str]:
 def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str | None]:
     """The place of the line that names columns, which may be a comment, and its separator."""
     filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
-    plain = [index for index in filled if not lines[index].lstrip().startswith("#")]
+    plain = [index for index in filled if not COMMENT.match(lines[index])]
     if not plain:
         raise InputError(f"the {what} is empty; it needs {form}")
     comments = [index for index in filled if index < plain[0]]
     for index in (*plain[:FIRST_LINES], *comments[:FIRST_LINES]):
-        line = re.sub(r"^\s*#[#\s]*", "", lines[index])
+        line = COMMENT.sub("", lines[index], count=1)
         named = {
             separator: len({column.quantity for cell in cells if (column := column_of(cell))})
             for separator, cells in ((each, line.split(each)) for each in SEPARATORS)
@@ -369,42 +368,30 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str | N
         separator = max(SEPARATORS, key=lambda each: named[each])
         if named[separator] >= FEWEST_NAMED:
             return index, separator
-    first, line_number = lines[plain[0]], plain[0] + 1
-    if re.fullmatch(r"[-+\d.,;eE\s]+", first):
-        raise InputError(f"line {line_number}: no header names the columns; give {form}")
-    # Words in the names of columns do not make blanks the separator where there is another one.
-    cells = first.split(next((each for each in SEPARATORS if each and each in first), None))
-    names = ", ".join(repr(cell.strip()) for cell in cells if not column_of(cell))
-    other = f"unknown column {names}" if names else f"{first.strip()!r} is no table"
-    raise InputError(f"line {line_number}: {other}; it needs {form}")
+    first = lines[plain[0]].strip()[:60]
+    raise InputError(f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}")
 
 
-def numbers(cells: pd.Series, *, path: Path, name: str) -> np.ndarray:
-    """The finite numbers in a column's cells; raises InputError naming the line of another one."""
+def numbers(table: pd.DataFrame, column: Column, *, path: Path) -> np.ndarray:
+    """A column's values in SI units; raises InputError naming the line of one that is none."""
+    cells, name = table[column.place], column.quantity
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():
         line, cell = next(cells[point].items())
         raise InputError(
-            f"{path}: line {line}: {name} has a point in {cell!r}, and "
-            "a comma in other rows; one of them must be the decimal sign, and nothing stands "
-            "between thousands"
+            f"{path}: line {line}: {name} has a point in {cell!r}, and a comma in other rows; one "
+            "of them must be the decimal sign, and nothing stands between thousands"
         )
     values = pd.to_numeric(cells.str.replace(",", "."), errors="coerce").to_numpy(dtype=float)
-    if np.any(wrong := ~(np.abs(values) <= LARGEST)):
-        line, cell = next(cells[wrong].items())
+    for line, cell in cells[~(np.abs(values) <= LARGEST)][:1].items():
         raise InputError(f"{path}: line {line}: {name} is {cell!r}, not a finite number")
-    return values
+    return values * (column.size or 1.0)
 
 
 def _universal(path: Path, frequency_hz: float | None) -> Scan:
     """The scan in a universal file; a point's line is its function's number."""
-    try:
+    with needing("scans", what="a universal file (or export the scan as text)"):
         import pyuff
-    except ImportError:
-        raise InputError(
-            "universal files are read by pyuff, which is not installed here: `pip install pyuff`, "
-            "or export the scan as text"
-        ) from None
     omega = _angular_frequency(frequency_hz, path=path)
     try:
         sets = pyuff.UFF(str(path)).read_sets()
@@ -451,7 +438,7 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
         signed=np.iscomplexobj(measured) or bool(np.any(amplitude[seen].real < 0)),
         notes=(
             f"read at {min(line for _, line in rows):.7g} Hz",
-            *_excluded(numbers[~seen], what="function"),
+            *_notes(numbers[~seen], what="function"),
         ),
     )
 
@@ -472,9 +459,9 @@ def _line_at(
     _refuse(
         f"{path}: node {int(function['rsp_node'])}",
         {
-            "a function of time; export spectra or frequency responses": kind == TIME_RESPONSE
+            "a function of time or a power spectrum; export amplitudes or frequency responses": kind
+            in TIME_OR_POWER
             or over != FREQUENCY,
-            "a power spectrum; export amplitudes or frequency responses": kind in POWER_SPECTRA,
             f"its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the actuator "
             f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)": off > farthest,
         },

@@ -15,15 +15,13 @@ The largest of a noisy profile is too large on average, by what profiles with mo
 size tell; that much is taken off the maximum to which the profile is scaled.
 """
 
-import hashlib
-import json
 import math
+import pickle
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -31,7 +29,6 @@ from squeezefilm.errors import InputError
 from squeezefilm.files import digest, whole_file
 from squeezefilm.film.measured.least_squares import Fit, Points, best_fit, wants_angles
 from squeezefilm.film.measured.read import Scan, read_scan
-from squeezefilm.film.measured.rectified import FOLDED, looks_folded
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
@@ -50,6 +47,10 @@ MOST_OUTLIERS = 0.05
 REFITS = 20
 # Draws of noise by which the bias of the maximum is estimated.
 PEAK_DRAWS, PEAK_SEED = 200, 1
+UNSIGNED = (
+    "the scan has no phase or sign: all amplitudes are taken to one side, and over a node line the "
+    "force is that of another surface, which no error here contains"
+)
 # More points are not fitted: enough for all modes to be known to a hundredth of the noise.
 MOST_FITTED, DRAW_SEED = 20_000, 1
 
@@ -70,7 +71,6 @@ class SmoothedScan:
             the profile is, else the part in this phase.
         outliers: which of them lie further from the rest than noise does; they are not fitted.
         root: (modes, modes) factor by which noise enters the coefficients.
-        folded: all amplitudes were taken to one side although they look folded at a node line.
     """
 
     scan: Scan
@@ -84,7 +84,6 @@ class SmoothedScan:
     measured_m: np.ndarray
     outliers: np.ndarray
     root: np.ndarray
-    folded: bool
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Standard error of the profile, of each part of a complex one, over its maximum."""
@@ -100,8 +99,8 @@ class SmoothedScan:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What is to be said beside its numbers, a line each."""
-        folded = [f"warning: {FOLDED}"] * self.folded
-        return (*folded, *(f"note: {note}" for note in self.scan.notes))
+        unsigned = [f"warning: {UNSIGNED}"] * (not self.scan.signed)
+        return (*unsigned, *(f"note: {note}" for note in self.scan.notes))
 
     def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
         """Profiles that scans with other noise would have given: residuals drawn anew.
@@ -130,23 +129,13 @@ class SmoothedScan:
 
 @lru_cache(maxsize=16)
 def smoothed_scan(
-    path: Path,
-    *,
-    surface: Surface,
-    axisymmetric: bool,
-    sign: str = "measured",
-    frequency_hz: float | None = None,
+    path: Path, *, frequency_hz: float | None = None, **settings: Any
 ) -> SmoothedScan:
-    """The smooth profile of a scan's file on a surface; read and fitted once a process.
+    """The smooth profile of a scan's file, as ``smoothed`` makes it; once a process.
 
     Raises InputError naming the file, and what is wrong where or what its points leave open.
     """
-    return smoothed(
-        read_scan(path, frequency_hz=frequency_hz),
-        surface=surface,
-        axisymmetric=axisymmetric,
-        sign=sign,
-    )
+    return smoothed(read_scan(path, frequency_hz=frequency_hz), **settings)
 
 
 def smoothed(
@@ -155,12 +144,12 @@ def smoothed(
     """The smooth profile of a scan on a surface.
 
     Args:
-        sign: ``unknown`` takes amplitudes without phase or sign as they are although they look
-            folded up at a node line; ``measured`` refuses them.
+        sign: ``unknown`` takes amplitudes without phase or sign to one side; ``measured`` refuses
+            them.
 
     Raises InputError naming the file, and what its points do not determine.
     """
-    check_places(scan, surface, axisymmetric=axisymmetric)
+    check_places(scan, surface, axisymmetric=axisymmetric, sign=sign)
     scan = thinned(scan)
     half_x_m, half_y_m = surface.half_m
     points = Points(scan.path, surface, axisymmetric, x=scan.x_m / half_x_m, y=scan.y_m / half_y_m)
@@ -168,20 +157,9 @@ def smoothed(
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
     quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
-    folded = not scan.signed and looks_folded(points, np.abs(measured.real))
-    if folded and sign != "unknown":
-        raise InputError(
-            f"{scan.path}: the amplitudes have no phase and no sign, and look like those of a mode "
-            "with a node line, folded up at it: forces would be those of another surface. Give a "
-            "column phase_deg or sign, or say actuator.profile.sign: unknown to take them as they "
-            "are"
-        )
     fit, kept, fitted = _without_outliers(points, scan.lines, measured.real)
     other = best_fit(fitted, measured.imag[kept])
-    in_phase, apart = (
-        _mean_square(each.coefficients, each.orders, surface) for each in (fit, other)
-    )
-    if apart > LARGEST_OUT_OF_PHASE * in_phase:
+    if _mean_square(other, surface) > LARGEST_OUT_OF_PHASE * _mean_square(fit, surface):
         fit, kept, _ = _without_outliers(points, scan.lines, measured)
     else:
         measured = measured.real
@@ -194,19 +172,16 @@ def smoothed(
     largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
     bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
-    round_by_choice = axisymmetric and not scan.radial
-    if round_by_choice and (note := wants_angles(points, measured.real, fit)):
-        scan = replace(scan, notes=(*scan.notes, note))
+    if axisymmetric and not scan.radial:
+        scan = replace(scan, notes=(*scan.notes, *wants_angles(points, measured.real, fit)))
+    profile, out_of_phase = (
+        Modes(each.orders, tuple((turn * each.coefficients / peak_m).tolist()), surface)
+        for each in (fit, other)
+    )
     result = SmoothedScan(
         scan=scan,
-        profile=replace(
-            raw,
-            coefficients=tuple((turn * fit.coefficients / peak_m).tolist()),
-            largest=largest_m / peak_m,
-        ),
-        out_of_phase=Modes(
-            other.orders, tuple((turn * other.coefficients / peak_m).tolist()), surface
-        ),
+        profile=replace(profile, largest=largest_m / peak_m),
+        out_of_phase=out_of_phase,
         peak_m=peak_m,
         peak_bias_m=bias_m,
         noise_m=noise_m,
@@ -215,14 +190,19 @@ def smoothed(
         measured_m=turn * measured,
         outliers=~kept,
         root=fit.root,
-        folded=folded,
     )
     _refuse_unknown(result, axisymmetric=axisymmetric)
     return result
 
 
-def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool) -> None:
-    """Refuse a scan with a point off the surface, naming its line, or with too few coordinates."""
+def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str) -> None:
+    """Refuse a scan with a point off the surface, or whose coordinates or signs are too few."""
+    if not scan.signed and sign != "unknown":
+        raise InputError(
+            f"{scan.path}: the amplitudes have no phase and no sign: across a node line they would "
+            "be those of another surface. Give a column phase_deg or sign, or say "
+            "actuator.profile.sign: unknown if the surface has no node line"
+        )
     if scan.radial and not axisymmetric:
         raise InputError(
             f"{scan.path}: points along a radius, without angles, can only give an axisymmetric "
@@ -242,15 +222,10 @@ def thinned(scan: Scan) -> Scan:
     if points <= MOST_FITTED:
         return scan
     drawn = np.random.default_rng(DRAW_SEED).choice(points, MOST_FITTED, replace=False)
-    drawn.sort()
-    return replace(
-        scan,
-        x_m=scan.x_m[drawn],
-        y_m=scan.y_m[drawn],
-        amplitude_m=scan.amplitude_m[drawn],
-        lines=scan.lines[drawn],
-        notes=(*scan.notes, f"{MOST_FITTED} of {points} points are fitted, drawn at random"),
-    )
+    columns = ("x_m", "y_m", "amplitude_m", "lines")
+    some = {name: getattr(scan, name)[np.sort(drawn)] for name in columns}
+    note = f"{MOST_FITTED} of {points} points are fitted, drawn at random"
+    return replace(scan, **some, notes=(*scan.notes, note))
 
 
 def _without_outliers(
@@ -295,12 +270,14 @@ def _modes_on_net(orders: Orders, surface: Surface) -> np.ndarray:
     return _modes_at(orders, surface, x_m.ravel(), y_m.ravel()).T
 
 
-def _mean_square(coefficients: np.ndarray, orders: Orders, surface: Surface) -> float:
+def _mean_square(fit: Fit, surface: Surface) -> float:
     """∫ s², times a constant: small forces go as the square, and those of both motions add.
 
     studies/tasks/scan_errors.py has the effect on one scene.
     """
-    return float(surface.net()[2].ravel() @ (coefficients @ _modes_on_net(orders, surface)) ** 2)
+    return float(
+        surface.net()[2].ravel() @ (fit.coefficients @ _modes_on_net(fit.orders, surface)) ** 2
+    )
 
 
 def _largest_on_net(coefficients: np.ndarray, orders: Orders, surface: Surface) -> np.ndarray:
@@ -357,70 +334,40 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
         )
 
 
-PARTS: dict[str, type] = {"scan": Scan, "profile": Modes, "out_of_phase": Modes}
-NOT_KEPT = {"path", "surface", *PARTS}
-TUPLES = ("orders", "coefficients", "notes")
-
-
 def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str, Any]) -> None:
-    """Write all of a smoothed scan, whole or not at all; equal ones make equal files.
-
-    Smoothing takes up to a minute, reading what came of it no time.
+    """Write a smoothed scan, whole or not at all: smoothing takes up to a minute, reading no time.
 
     Args:
         settings: with which it was smoothed (``smoothed_scan``).
 
     Raises InputError where the file cannot be written.
     """
-    parts = {"smoothed": smoothed} | {name: getattr(smoothed, name) for name in PARTS}
-    arrays: dict[str, Any] = {
-        f"{part}.{name}": np.asarray(value)
-        for part, thing in parts.items()
-        for name, value in vars(thing).items()
-        if name not in NOT_KEPT
-    }
-    made_from = np.array(_made_from(smoothed.scan.path, settings))
-    with whole_file(path) as part, part.open("wb") as handle:
-        np.savez(handle, made_from=made_from, **arrays)
+    with whole_file(path) as part:
+        part.write_bytes(pickle.dumps((_made_from(smoothed.scan.path, settings), smoothed)))
 
 
 @lru_cache(maxsize=4)
-def _read(path: Path, changed_ns: int) -> dict[str, np.ndarray]:
+def _read(path: Path, changed_ns: int) -> tuple[str, SmoothedScan]:
     try:
-        with np.load(path, allow_pickle=False) as file:
-            return {"made_from": file["made_from"], **file}
-    except (OSError, ValueError, KeyError, BadZipFile, EOFError) as error:
+        made_from, smoothed = pickle.loads(path.read_bytes())
+    except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"{path}: not a smoothed scan: {error}") from None
+    return made_from, smoothed
 
 
 def read_smoothed(path: Path, scan: Path, *, settings: Mapping[str, Any]) -> SmoothedScan:
-    """What write_smoothed wrote, for a scan's file.
+    """What write_smoothed wrote, for a scan's file; read from the run's own folder alone.
 
     Raises InputError for a file that is none, or was made from another scan or other settings.
     """
-    arrays = _read(path, path.stat().st_mtime_ns)
-    if str(arrays["made_from"]) != _made_from(scan, settings):
+    made_from, smoothed = _read(path, path.stat().st_mtime_ns)
+    if made_from != _made_from(scan, settings):
         raise InputError(
             f"{path}: was smoothed from another {scan.name}, or with other settings of "
             "actuator.profile; `snakemake profile` makes it anew"
         )
-
-    parts: dict[str, dict[str, Any]] = {name: {} for name in ("", "smoothed", *PARTS)}
-    for key, array in arrays.items():
-        part, _, name = key.rpartition(".")
-        value = array.tolist() if name in TUPLES or not array.ndim else array
-        if name in TUPLES:
-            value = tuple(tuple(row) if name == "orders" else row for row in value)
-        parts[part][name] = value
-    surface = settings["surface"]
-    return SmoothedScan(
-        scan=Scan(path=scan, **parts["scan"]),
-        profile=Modes(surface=surface, **parts["profile"]),
-        out_of_phase=Modes(surface=surface, **parts["out_of_phase"]),
-        **parts["smoothed"],
-    )
+    return replace(smoothed, scan=replace(smoothed.scan, path=scan))
 
 
 def _made_from(scan: Path, settings: Mapping[str, Any]) -> str:
-    text = json.dumps(dict(settings), sort_keys=True, default=repr)
-    return hashlib.sha256(f"{digest(scan)} {text}".encode()).hexdigest()
+    return f"{digest(scan)} {sorted(settings.items())}"

@@ -31,7 +31,7 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel, get_model
 from squeezefilm.parallel import parallel_map
-from squeezefilm.studies.plans import box_of, plan
+from squeezefilm.studies.space import box_of, plan
 
 DIGITS = 6
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
@@ -164,4 +164,4 @@ def _design_table(
     points: np.ndarray, origins: Sequence[str], box: Box, position: tuple[str, ...]
 ) -> pd.DataFrame:
     factors = pd.DataFrame([_named(point, box) for point in points])
-    return plan(**factors, position=position).assign(origin=origins)
+    return plan(factors, position=position).assign(origin=origins)

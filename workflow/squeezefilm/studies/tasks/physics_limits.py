@@ -14,7 +14,6 @@ import numpy as np
 import pandas as pd
 from numpy.polynomial import chebyshev
 
-from squeezefilm.columns import form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
@@ -36,7 +35,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
 )
 from squeezefilm.reynolds.asymptotics.scenes import expanded, not_derived_for
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.studies.plans import box_of, plan
+from squeezefilm.studies.space import box_of, plan
 from squeezefilm.studies.study import film_in, scenes_in
 
 TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
@@ -149,9 +148,8 @@ def _over_square(limits: pd.DataFrame, at: dict[str, np.ndarray], name: str) -> 
 
 
 def _limits(config: Config, at: dict[str, np.ndarray]) -> pd.DataFrame:
-    factors = {"h0_m": at["h0_m"], "hv_m": at["h0_m"] * np.sqrt(at["epsilon_square"])}
-    table = plan(position=form_of(at), **factors)
-    table = table.assign(**{name: at[name] for name in form_of(at)})
+    factors = pd.DataFrame(at).assign(hv_m=at["h0_m"] * np.sqrt(at["epsilon_square"]))
+    table = plan(factors.drop(columns="epsilon_square"))
     limits = with_limits(table, scenes_in(table, config))
     if missing := [status for status in limits["status"] if status != "ok"]:
         raise InputError(f"{config.path}: {missing[0]} (of the study's space)")

@@ -11,14 +11,14 @@ import pandas as pd
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
-from squeezefilm.film.measured.tables import described, profile_table, summary_of
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.space import plan
 from squeezefilm.studies.study import scenes_in, smoothed_scan_of, symmetry_of
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
@@ -67,21 +67,18 @@ def scan_errors(
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     share = smoothed.profile.largest - 1
     bias = np.array([2 * share / (1 - scene.epsilon) for scene in scenes])
-    effect = np.zeros(len(scenes))
-    if not smoothed.profile.is_complex:
-        effect[:] = [out_of_phase_effect(scene, smoothed) for scene in scenes]
-    force_n = np.abs(forces[0])
-    noise_n, out_of_phase_n = quantile * spread_n + bias * force_n, effect * force_n
-    return pd.DataFrame(
-        {
-            "force_n": forces[0],
-            "spread_n": spread_n,
-            "noise_n": noise_n,
-            "out_of_phase_n": out_of_phase_n,
-            "lowest_n": forces[1:].min(axis=0),
-            "highest_n": forces[1:].max(axis=0),
-            "scan_error_n": noise_n + out_of_phase_n,
-        }
+    neglected = not smoothed.profile.is_complex
+    effect = [out_of_phase_effect(scene, smoothed) if neglected else 0.0 for scene in scenes]
+    table = pd.DataFrame({"force_n": forces[0], "spread_n": spread_n})
+    size_n = table["force_n"].abs()
+    table["noise_n"] = quantile * spread_n + bias * size_n
+    table["out_of_phase_n"] = effect * size_n
+    return table.assign(
+        lowest_n=forces[1:].min(axis=0),
+        highest_n=forces[1:].max(axis=0),
+        noise_share=table["noise_n"] / size_n,
+        scan_error_n=table["noise_n"] + table["out_of_phase_n"],
+        scan_error_share=(table["noise_n"] + table["out_of_phase_n"]) / size_n,
     )
 
 
@@ -103,14 +100,8 @@ def errors_in_study(
     """Forces of some of a study's scenes, and what the scan leaves open in them."""
     points = _points(config)
     scenes = scenes_in(points, config)
-    errors = scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
-    force_n = errors["force_n"].abs()
     return points.join(
-        errors.drop(columns="scan_error_n").assign(
-            noise_share=errors["noise_n"] / force_n,
-            scan_error_n=errors["scan_error_n"],
-            scan_error_share=errors["scan_error_n"] / force_n,
-        )
+        scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
     )
 
 
@@ -137,14 +128,69 @@ def scan_report(config: Config, *, draws: int = DRAWS, seed: int = SEED) -> Scan
         kind = config["actuator"]["profile"]["kind"]
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
     forces = errors_in_study(config, smoothed, draws=draws, seed=seed)
-    summary = summary_of(
-        smoothed,
-        noise=float(forces["noise_share"].max()),
-        error=float(forces["scan_error_share"].max()),
-    )
-    text = described(summary)
-    note = "; ".join(" ".join(line.split()) for line in text.splitlines())
-    return ScanReport(forces, profile_table(smoothed).assign(note=note), summary, text)
+    noise, error = (float(forces[f"{each}_share"].max()) for each in ("noise", "scan_error"))
+    x_m, y_m, _ = smoothed.profile.surface.net()
+    unsure = float(smoothed.standard_error(x_m=x_m, y_m=y_m).max())
+    outliers = smoothed.scan.lines[smoothed.outliers].tolist()
+    summary = {
+        "points": len(smoothed.measured_m),
+        "missing": smoothed.scan.missing,
+        "outlier_lines": outliers,
+        "degree": smoothed.degree,
+        "peak_um": smoothed.peak_m * 1e6,
+        "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
+        "noise_share": smoothed.noise_m / smoothed.peak_m,
+        "quadrature_share": smoothed.quadrature,
+        "largest_standard_error_share": unsure,
+        "two_phases": smoothed.profile.is_complex,
+        "largest_force_noise_share": noise,
+        "largest_force_error_share": error,
+        "notes": smoothed.warnings,
+    }
+    lines = [
+        f"points {summary['points']}",
+        f"outliers, not fitted {len(outliers)} (lines {str(outliers[:6])[1:-1]})" * bool(outliers),
+        f"degree of the modes {smoothed.degree}",
+        f"largest amplitude {summary['peak_um']:.4g} µm",
+        f"noise {100 * summary['noise_share']:.2g} % of it",
+        f"standard error of the profile {100 * unsure:.2g} % of it, at most",
+        f"error of a force by the noise {100 * noise:.2g} % at most, at 95 %",
+        f"motion out of phase {100 * smoothed.quadrature:.2g} % in rms with its noise"
+        + ", neglected" * (not smoothed.profile.is_complex),
+        *smoothed.warnings,
+    ]
+    lines = [line for line in lines if line]
+    table = profile_table(smoothed).assign(note="; ".join(lines))
+    return ScanReport(forces, table, summary, "\n".join(lines))
+
+
+def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
+    """The points and what the profile leaves of them, and the profile with its standard error.
+
+    Layers ``points`` and ``outliers``; of a disc ``profile``, the least and largest value over all
+    angles and the largest error at each distance from the centre; of a rectangle ``map``.
+    """
+    scan, micrometres = smoothed.scan, smoothed.peak_m * 1e6
+    points = {
+        "layer": np.where(smoothed.outliers, "outliers", "points"),
+        "line": scan.lines,
+        "x_mm": scan.x_m * 1e3,
+        "y_mm": scan.y_m * 1e3,
+        "r_mm": np.hypot(scan.x_m, scan.y_m) * 1e3,
+        "amplitude_um": smoothed.measured_m.real * 1e6,
+        "residual_um": smoothed.residual_m.real * 1e6,
+    }
+    x_m, y_m, _ = smoothed.profile.surface.net()
+    drawn: dict[str, Any] = {"layer": "map", "x_mm": x_m.ravel() * 1e3, "y_mm": y_m.ravel() * 1e3}
+    profile = smoothed.profile.amplitude(x_m=x_m, y_m=y_m).real * micrometres
+    error = smoothed.standard_error(x_m=x_m, y_m=y_m) * micrometres
+    if isinstance(smoothed.profile.surface, Disc):
+        drawn = {"layer": "profile", "r_mm": x_m[:, 0] * 1e3, "error_um": error.max(axis=1)}
+        drawn |= {"lowest_um": profile.min(axis=1), "highest_um": profile.max(axis=1)}
+    else:
+        drawn |= {"profile_um": profile.ravel(), "error_um": error.ravel()}
+    table = pd.concat([pd.DataFrame(points), pd.DataFrame(drawn)], ignore_index=True).round(9)
+    return table.astype({"line": "Int64"}).assign(noise_um=round(smoothed.noise_m * 1e6, 9))
 
 
 def _points(config: Config) -> pd.DataFrame:
@@ -157,6 +203,4 @@ def _points(config: Config) -> pd.DataFrame:
         places = [place for place in places if place[0] == farthest]
     rows = [(gaps["start"], 0.0, 0.0), (gaps["stop"], 0.0, 0.0)]
     rows += [(gaps["start"], *place) for place in places]
-    gap, first, second = zip(*rows, strict=True)
-    place = dict(zip(found.position, (first, second), strict=True))
-    return plan(h0_m=gap, hv_m=[amplitude] * len(gap), **place)
+    return plan(pd.DataFrame(rows, columns=["h0_m", *found.position]).assign(hv_m=amplitude))

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import cos, pi, radians, sin, sqrt
+from math import cos, pi, radians, sin
 from typing import TypeVar
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from squeezefilm.config.film import GapShape as GapShape
 from squeezefilm.film.outline import DENSE, Outline, ellipse
 
-OUTLINE_POINTS = 144
+OUTLINE_POINTS = 256
 EVEN = GapShape()
 
 Number = TypeVar("Number", float, np.ndarray)
@@ -35,10 +35,9 @@ class Finger:
 
     @property
     def area_m2(self) -> float:
-        if self.contour:
-            return self.contour.area * self.length_x_m**2
-        share = pi / 4 if self.shape == "ellipse" else 1.0
-        return share * self.length_x_m * self.length_y_m
+        if outline := self.smooth_outline:
+            return outline.area * self.length_x_m**2
+        return self.length_x_m * self.length_y_m
 
     @property
     def reach_m(self) -> float:
@@ -48,34 +47,30 @@ class Finger:
     @property
     def rectangle_within(self) -> float:
         """Sides of the largest rectangle of its proportions about its centre, over its own."""
-        if self.contour:
-            rim = self.contour.points
-            across = np.maximum(2 * np.abs(rim.real), 2 * np.abs(rim.imag) / self.contour.aspect)
-            return float(across.min())
-        return sqrt(0.5) if self.shape == "ellipse" else 1.0
+        if not (outline := self.smooth_outline):
+            return 1.0
+        x, y = outline.points.real, outline.points.imag / outline.aspect
+        return float(2 * np.maximum(np.abs(x), np.abs(y)).min())
 
     @property
     def smooth_outline(self) -> Outline | None:
         """The outline in conformal coordinates, unless it is a rectangle."""
-        if self.contour:
-            return self.contour
-        return ellipse(self.length_y_m / self.length_x_m) if self.shape == "ellipse" else None
+        if self.shape == "ellipse":
+            return ellipse(self.length_y_m / self.length_x_m)
+        return self.contour
 
     def outline(self) -> np.ndarray:
         """Points on the rim from the finger's centre, along the actuator's axes: (points, 2) in m.
 
         A rectangle's four corners, or points all around another pad.
         """
-        half_m = np.array([self.length_x_m, self.length_y_m]) / 2
-        if self.contour:
-            rim = self.contour.points[:: DENSE // (2 * OUTLINE_POINTS)] * self.length_x_m
-            points_m = np.stack([rim.real, rim.imag], axis=1)
-        elif self.shape == "ellipse":
-            angles = 2 * pi * np.arange(OUTLINE_POINTS) / OUTLINE_POINTS
-            points_m = half_m * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        if outline := self.smooth_outline:
+            rim = outline.points[:: DENSE // OUTLINE_POINTS]
+            x_m, y_m = rim.real * self.length_x_m, rim.imag * self.length_x_m
         else:
-            points_m = half_m * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-        return np.stack(self.turned(*points_m.T), axis=1)
+            x_m, y_m = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2
+            x_m, y_m = x_m * self.length_x_m, y_m * self.length_y_m
+        return np.stack(self.turned(x_m, y_m), axis=1)
 
     def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Whether places in [0, 1] across the sides lie under the pad."""
@@ -101,12 +96,8 @@ class Finger:
 @lru_cache(maxsize=256)
 def net(finger: Finger) -> tuple[np.ndarray, np.ndarray]:
     """A net of points x, y over the pad, rim included, in [0, 1]."""
-    if finger.contour:
+    if outline := finger.smooth_outline:
         across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
-        return finger.contour.positions(across, nu)
-    if finger.shape == "ellipse":
-        r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
-        return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
-    side = np.linspace(0, 1, 25)
-    x, y = np.meshgrid(side, side, indexing="ij")
+        return outline.positions(across, nu)
+    x, y = np.meshgrid(*2 * [np.linspace(0, 1, 25)], indexing="ij")
     return x, y
