@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -26,7 +25,7 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.terms import TERMS
 from verification.numpy_periodic import periodic_state
-from verification.timing import measure
+from verification.work_precision import measure
 
 # A grid that is fine enough for every scene of the paper's space, and the one it is checked with.
 ONE_FOR_ALL = (
@@ -73,14 +72,14 @@ def ablation(
     rows = []
     for tolerance, (put_back, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        timed = measure(call, repeats=repeats, long_seconds=math.inf)
-        force, stated = map(np.array, timed.result)
+        forces, cpu_seconds, wall_seconds = measure(call, repeats=repeats, long_seconds=math.inf)
+        force, stated = map(np.array, forces)
         error = np.abs(force - exact)
         row = {
             "put_back": put_back,
             "tolerance": tolerance,
-            "cpu_seconds": timed.cpu_seconds,
-            "wall_seconds": timed.wall_seconds,
+            "cpu_seconds": cpu_seconds,
+            "wall_seconds": wall_seconds,
             "worst_error": np.max(error / np.abs(exact)),
             "covered": np.mean(error <= stated) if np.isfinite(stated).all() else math.nan,
         }
@@ -120,9 +119,9 @@ def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
 
 def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
     """Of the plain equation, on 24 × 24 × 16 points of the whole finger."""
-    forces = []
-    for scene in scenes:
-        numbers: dict[str, Any] = {"epsilon": scene.epsilon, "sigma": scene.sigma}
-        state = periodic_state(**numbers, amplitude=scene.amplitude, tolerance=1e-4 * tolerance)
-        forces.append(scene.force_scale_n * state.force)
+    forces = [
+        scene.force_scale_n
+        * periodic_state(gap=scene.gap, sigma=scene.sigma, tolerance=1e-4 * tolerance).force
+        for scene in scenes
+    ]
     return forces, [math.nan] * len(forces)
