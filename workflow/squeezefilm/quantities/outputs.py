@@ -534,7 +534,7 @@ def _slip(scene: Scene) -> float:
 STEP, AROUND = 0.01, (-2, -1, 1, 2)
 
 
-def quotient(forces: Sequence[float], errors: Sequence[float], unit: float) -> tuple[float, float]:
+def quotient(forces: Any, errors: Any, unit: Any) -> tuple[Any, Any]:
     """Fall of a force per rise of a number and its error, from forces at unit (1 + k STEP)."""
     a, b, c, d = forces
     narrow, wide = (b - c) / (2 * STEP * unit), (a - d) / (4 * STEP * unit)
