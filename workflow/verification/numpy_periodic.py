@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator
 
 from verification.marching import FloatArray, Gap, Operator, newton_krylov
 
@@ -44,28 +45,15 @@ class ChebyshevGrid:
 
 
 def chebyshev_grid(interior: int) -> ChebyshevGrid:
-    """Grid with `interior` points between the two ends.
-
-    Differences of points by the sine formula and diagonals by the negative sum keep the
-    round-off of the derivatives low (Baltensperger and Trummer, SIAM J. Sci. Comput. 24, 2003).
-    """
-    n = interior + 1
-    k = np.arange(n + 1)
-    angle = math.pi * k / n
-    sign = (-1.0) ** k
-    sign[[0, n]] /= 2
-    total, gap = angle[:, None] + angle, angle[:, None] - angle
-    difference = np.sin(total / 2) * np.sin(gap / 2) + np.eye(n + 1)  # x_i - x_j on [0, 1]
-    first = sign / sign[:, None] / difference
-    np.fill_diagonal(first, 0)
-    np.fill_diagonal(first, -first.sum(axis=1))
-    second = 2 * first * (np.diag(first)[:, None] - 1 / difference)
-    np.fill_diagonal(second, 0)
-    np.fill_diagonal(second, -second.sum(axis=1))
+    """Grid with `interior` points between the two ends."""
+    k = np.arange(interior + 2)
+    angle = math.pi * k / k[-1]
+    x = (1 - np.cos(angle)) / 2
+    _, first, second = BarycentricInterpolator(x, np.eye(len(x)), rng=0).derivatives(x, der=3)
     # The integral of every Chebyshev polynomial over [0, 1], of which the odd ones have none.
     integrals = np.where(k % 2 == 0, 1 / (1 - k**2 + k % 2), 0.0)
     weights = np.linalg.solve(np.cos(np.outer(k, angle)), integrals)
-    return ChebyshevGrid((1 - np.cos(angle)) / 2, first, second, weights)
+    return ChebyshevGrid(x, first, second, weights)
 
 
 class Collocation:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator
 from scipy.linalg import eigh
 from scipy.special import eval_legendre, roots_jacobi
 
@@ -94,13 +95,9 @@ def lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Gauss-Lobatto-Legendre nodes on [-1, 1], weights, and the derivative matrix."""
     # The inner nodes are the zeros of the derivative of Legendre's polynomial.
     nodes = np.concatenate([[-1.0], roots_jacobi(degree - 1, 1, 1)[0], [1.0]])
-    at_nodes = eval_legendre(degree, nodes)
-    weights = 2 / (degree * (degree + 1) * at_nodes**2)
-    gap = nodes[:, None] - nodes + np.eye(degree + 1)
-    derivative = at_nodes[:, None] / at_nodes / gap
-    np.fill_diagonal(derivative, 0)
-    np.fill_diagonal(derivative, -derivative.sum(axis=1))
-    return nodes, weights, derivative
+    weights = 2 / (degree * (degree + 1) * eval_legendre(degree, nodes) ** 2)
+    interpolation = BarycentricInterpolator(nodes, np.eye(degree + 1), rng=0)
+    return nodes, weights, interpolation.derivative(nodes)
 
 
 def _mean_force(*, sigma: float, gap: Gap, fold: Fold, degree: int, instants: int) -> float:

@@ -263,19 +263,12 @@ class AveragedFilm:
 
     def _together(self, values: np.ndarray) -> np.ndarray:
         """Values on the sides, (1, 2 (nx + ny + 4)), on all nodes, flattened; zero inside."""
-        films = self.films
-        nx, ny = films.s.shape[1:]
-        left, right, low, high = np.split(values[0], [ny, 2 * ny, 2 * ny + nx])
-        total, count = np.zeros((nx, ny)), np.zeros((nx, ny))
-        for place, side in (
-            ((0, slice(None)), left),
-            ((-1, slice(None)), right),
-            ((slice(None), 0), low),
-            ((slice(None), -1), high),
-        ):
-            total[place] += side
-            count[place] += 1
-        return (total / np.maximum(count, 1)).ravel()
+        places = np.arange(self.inner.size).reshape(self.films.s.shape[1:])
+        order = np.concatenate([places[0], places[-1], places[:, 0], places[:, -1]])
+        total, count = (
+            np.bincount(order, weights=each, minlength=places.size) for each in (values[0], None)
+        )
+        return np.asarray(total / np.maximum(count, 1))
 
 
 def refused(scene: Scene) -> str:
