@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from math import inf, isfinite, nan, sqrt
 from typing import Any
 
@@ -113,32 +113,9 @@ class Comparison:
         return OUTCOMES[1] if self.valid else OUTCOMES[2]
 
 
-@dataclass(frozen=True)
-class _Command:
-    """What one command states of one scene."""
-
-    name: str
-    valid: bool
-    note: str
-
-    def states(
-        self,
-        quantity: str,
-        value: float,
-        off: float,
-        direct: float,
-        direct_error: float = 0.0,
-        *,
-        valid: bool = True,
-    ) -> Comparison:
-        """The value and by how much it may be off, beside a direct one."""
-        valid = valid and self.valid
-        ends = value - off, value + off
-        return Comparison(self.name, quantity, *ends, direct, direct_error, valid, self.note)
-
-    def at_most(self, quantity: str, upper: float, direct: float) -> Comparison:
-        """An upper bound beside a direct value."""
-        return Comparison(self.name, quantity, -inf, upper, direct, 0.0, self.valid, self.note)
+def _around(value: float, off: float) -> tuple[float, float]:
+    """The interval of a value and by how much it may be off."""
+    return value - off, value + off
 
 
 def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
@@ -206,39 +183,40 @@ def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
     return np.array([values[2], errors[2], slope / (STEP * unit), off / (STEP * unit)])
 
 
-def _gas(scene: Scene, **changes: Any) -> Scene:
-    return replace(scene, gas=replace(scene.gas, **changes))
-
-
 def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
     """The force and its numerical error, then what the equation neglects."""
     scene, stated = force.scene, force.force_n
     numbers = {name: of(scene) for name, of in LARGEST.items()}
     worst = max(numbers, key=numbers.__getitem__)
-    limits = _Command("simulate", valid, f"{worst}; {_where(scene)}")
-    yield limits.at_most("numbers over limits of validity", 1.0, numbers[worst])
+    simulate = partial(Comparison, "simulate", note=_where(scene))
+    yield Comparison(
+        "simulate",
+        "numbers over limits of validity",
+        -inf,
+        1.0,
+        numbers[worst],
+        valid=valid,
+        note=f"{worst}; {_where(scene)}",
+    )
     if not isfinite(stated):
         return
-    simulate = _Command("simulate", valid, _where(scene))
     ((direct,), (error,)) = _direct([scene], study)
-    yield simulate.states("force / N", stated, force.error_n, direct, error)
+    yield simulate("force / N", *_around(stated, force.error_n), direct, error, valid)
     for name, with_them, change, off, usable in _neglected(scene, force.budget):
         if with_them.gas.rarefaction != "none" and with_them.gas.inertia == "included":
             # Inertia is derived for first-order slip: its relative part is taken from there.
             full, error = _change_with_slip(scene, with_them, stated, study)
         else:
             ((full,), (error,)) = _direct([with_them], study)
-        off = off * abs(stated) + 2 * force.error_n
-        yield simulate.states(
-            f"{name} / N", change * stated, off, full - stated, error, valid=usable
-        )
+        ends = _around(change * stated, off * abs(stated) + 2 * force.error_n)
+        yield simulate(f"{name} / N", *ends, full - stated, error, valid and usable)
 
 
 def _change_with_slip(
     scene: Scene, with_them: Scene, stated: float, study: Study
 ) -> tuple[float, float]:
     """A force times what terms do to it in a film of first-order slip, and the error."""
-    slipping = [_gas(each, rarefaction="slip") for each in (scene, with_them)]
+    slipping = [each.with_gas(rarefaction="slip") for each in (scene, with_them)]
     ((before,), (error,)), ((after,), (other,)) = (_direct([each], study) for each in slipping)
     part = after / before - 1
     kinetic = 0.0 if scene.gas.rarefaction == "slip" else KINETIC * scene.knudsen
@@ -248,16 +226,16 @@ def _change_with_slip(
 
 def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The viscous film without inertia and heat, against spectral elements of other equations."""
-    scene = _gas(scene, rarefaction="none", inertia="none", heat="none")
+    scene = scene.viscous().with_gas(rarefaction="none")
     low, high = REFERENCE_SIGMA
     square = scene.finger.shape == "rectangle" and scene.aspect == 1
     if not (square and scene.epsilon <= REFERENCE_EPSILON and low <= scene.sigma <= high):
         return
     ((stated,), (error,)) = forces_and_errors([scene], study)
     found = reference_force(epsilon=scene.epsilon, sigma=scene.sigma, gap=scene.gap, degree=14)
-    direct = scene.force_scale_n * np.array([found.force, found.uncertainty])
-    simulate = _Command("simulate", isfinite(stated), _where(scene))
-    yield simulate.states("force by elements / N", stated, error, *direct.tolist())
+    direct_n, off_n = scene.force_scale_n * found.force, scene.force_scale_n * found.uncertainty
+    simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_where(scene))
+    yield simulate("force by elements / N", *_around(stated, error), direct_n, off_n)
 
 
 def _neglected(
@@ -281,7 +259,7 @@ def _neglected(
         change, off = (
             sum(getattr(each, part) for each in first) / 100 for part in ("percent", "off_percent")
         )
-        yield name, _gas(scene, **choices), change, off, usable and budget.status == "ok"
+        yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"
 
 
 def _of_levitation(force: Force, study: Study) -> Iterator[Comparison]:
@@ -299,36 +277,31 @@ def _of_levitation(force: Force, study: Study) -> Iterator[Comparison]:
     except (InputError, RunError):
         return
     scene, h0_m, stiffness = found.scene, found.scene.h0_m, found.stiffness_n_per_m
-    levitate_ = _Command("levitate", True, f"load {load_n:.5g} N; {_where(scene)}")
+    stated = partial(Comparison, "levitate", note=f"load {load_n:.5g} N; {_where(scene)}")
     direct_n, error_n, slope, slope_error = _derivative(scene, "h0_m", study)
     gap_m = h0_m - (direct_n - load_n) / slope
-    yield levitate_.states("gap / m", h0_m, found.h0_error_m, gap_m, error_n / abs(slope))
-    yield levitate_.states(
-        "stiffness / (N/m)", stiffness, found.stiffness_error_n_per_m, -slope, slope_error
-    )
+    ends = _around(h0_m, found.h0_error_m)
+    yield stated("gap / m", *ends, gap_m, error_n / abs(slope))
+    ends = _around(stiffness, found.stiffness_error_n_per_m)
+    yield stated("stiffness / (N/m)", *ends, -slope, slope_error)
     wider = np.geomspace(1.02 * h0_m, min(WIDER * h0_m, 1e-3), WIDER_GAPS)
     there = [replace(scene, h0_m=float(gap)) for gap in wider]
     most = float(np.nanmax(forces_and_errors(there, study, tolerance=1e-3)[0], initial=-inf))
-    yield levitate_.at_most("force at wider gaps / N", load_n, most)
+    yield stated("force at wider gaps / N", -inf, load_n, most)
     for name, with_them, change, off, usable in _neglected(scene, found.budget):
         change_m, off_m = load_n / stiffness * change, load_n / abs(stiffness) * off
-        yield levitate_.states(
-            f"gap with {name} / m",
-            h0_m + change_m,
-            off_m + 2 * found.h0_error_m,
-            _gap_under(with_them, load_n, study),
-            2 * LESS_TIGHT * h0_m,
-            valid=usable,
-        )
+        ends = _around(h0_m + change_m, off_m + 2 * found.h0_error_m)
+        numbers = *ends, _gap_under(with_them, load_n, study), 2 * LESS_TIGHT * h0_m
+        yield stated(f"gap with {name} / m", *numbers, usable)
     mass_kg = load_n / GRAVITY_M_PER_S2
     moving = resonance(found, mass_kg=mass_kg)
     if isfinite(moving.frequency_hz):
         s = _free_motion(found, moving, mass_kg)
-        for quantity, stated, direct in (
+        for quantity, value, direct in (
             ("resonance / Hz", moving.frequency_hz, s.imag / (2 * np.pi)),
             ("damping ratio", moving.damping_ratio, -s.real / abs(s)),
         ):
-            yield levitate_.states(quantity, stated, ABOUT * stated, direct)
+            yield stated(quantity, *_around(value, ABOUT * value), direct)
 
 
 def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
@@ -356,7 +329,7 @@ def _free_motion(found: Levitation, moving: Resonance, mass_kg: float) -> comple
 
     K is the film's dynamic stiffness: that of slow motion, and what the averaged film adds at s.
     """
-    scene = _gas(found.scene, inertia="none", heat="none")
+    scene = found.scene.viscous()
     film, _ = averaged_film_of(scene)
     rate = scene.actuator.angular_frequency_rad_per_s
     unit = scene.force_scale_n / scene.h0_m
@@ -376,7 +349,7 @@ def _free_motion(found: Levitation, moving: Resonance, mass_kg: float) -> comple
 
 def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The gain of slow modulation against d ln F / d ln hv of direct forces."""
-    scene = _gas(scene, inertia="none", heat="none")
+    scene = scene.viscous()
     try:
         stated = response(scene)
     except (InputError, RunError):
@@ -386,9 +359,8 @@ def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
     force_n, error_n, slope, slope_error = _derivative(scene, "hv_m", study)
     gain = slope * scene.hv_m / force_n
     error = abs(gain) * (abs(slope_error / slope) + error_n / abs(force_n))
-    yield _Command("response", True, _where(scene)).states(
-        "static gain", stated.static_gain, stated.error * abs(stated.static_gain), gain, error
-    )
+    ends = _around(stated.static_gain, stated.error * abs(stated.static_gain))
+    yield Comparison("response", "static gain", *ends, gain, error, note=_where(scene))
 
 
 def coverage(

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.dynamics.averaged_film import averaged_film_of, refused
-from squeezefilm.dynamics.response import MOST_MODULATION, viscous
+from squeezefilm.dynamics.response import MOST_MODULATION
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
@@ -28,7 +28,6 @@ from squeezefilm.quantities.model_error import (
     error_budgets,
     excluded_terms,
     resolve_auto_terms,
-    with_term,
 )
 from squeezefilm.quantities.outputs import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device
@@ -163,7 +162,7 @@ def levitate(
                 reasons = "; ".join([str(error), *notes_of(chosen)])
                 raise RunError(reasons) from error
             not_included[name] = str(error).removeprefix("load: ")
-            chosen = with_term(chosen, name, "none")
+            chosen = chosen.with_gas(**{name: "none"})
     (budget,) = error_budgets([found.scene], device=device)
     notes = excluded_terms(near, method=method)
     for name, reason in not_included.items():
@@ -186,7 +185,7 @@ def trustworthy(
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = np.gradient(forces_n, gaps_m)
     # Outside the limits even of the equation that has the most of them there is no need to ask.
-    open_to_all = replace(scene, gas=replace(scene.gas, inertia="included", heat="none"))
+    open_to_all = scene.with_gas(inertia="included", heat="none")
     some = [
         k
         for k, there in enumerate(_at(open_to_all, *gaps_m))
@@ -267,7 +266,7 @@ def _looked_at(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarray]:
         excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
         least = max(least, float((excursion_m / CLOSEST - gap.rise_m(x, y)).max()))
     gaps_m = np.geomspace(least, max(least, most), LOOKED_AT)
-    found = solve(_at(viscous(scene), *gaps_m), tolerance=LOOK_TOLERANCE, device=device)
+    found = solve(_at(scene.viscous(), *gaps_m), tolerance=LOOK_TOLERANCE, device=device)
     return gaps_m, np.array([each.force_n for each in found])
 
 
@@ -319,7 +318,7 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
     scene = found.scene
     if not found.stable:
         return Resonance(nan, nan, "no resonance: not stable")
-    settled = viscous(scene)
+    settled = scene.viscous()
     if reason := refused(settled):
         return _unknown(reason)
     film, error = averaged_film_of(settled)

@@ -231,7 +231,7 @@ def neglected(
     grid: 0 where the scene has slip, NaN above the Knudsen numbers that it is meant for.
     """
     choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED)]
-    with_each = [_gas(viscous(scene), **choice) for scene in scenes for choice in choices]
+    with_each = [scene.viscous().with_gas(**choice) for scene in scenes for choice in choices]
     found = slow_gains(with_each, tolerance=tolerance, device=device)
     gain, error = found.reshape(len(scenes), len(choices), 2).T
     rows = []
@@ -245,7 +245,7 @@ def neglected(
 
 
 def _slip_changes(scene: Scene) -> dict[str, float]:
-    slipping = _gas(scene, rarefaction="slip")
+    slipping = scene.with_gas(rarefaction="slip")
     if exceeded(slipping, symbols=("Kn",)):
         return {f"slip_{what}_percent": nan for what in CHANGED}
     before, after = (_response(each, *film_on(each, POINTS[0])) for each in (scene, slipping))
@@ -253,15 +253,6 @@ def _slip_changes(scene: Scene) -> dict[str, float]:
         f"slip_{what}_percent": 100 * (getattr(after, name) / getattr(before, name) - 1)
         for what, name in CHANGED.items()
     }
-
-
-def _gas(scene: Scene, **choices: Any) -> Scene:
-    return replace(scene, gas=replace(scene.gas, **choices))
-
-
-def viscous(scene: Scene) -> Scene:
-    """The scene with the response's equation, which has neither inertia nor heat."""
-    return _gas(scene, inertia="none", heat="none")
 
 
 def responses(
@@ -317,7 +308,7 @@ def _beside(
                 found = find(scene).assign(status="ok")
             except (InputError, RunError) as error:
                 found = pd.DataFrame(unknown).assign(status=str(error))
-            row["validity"] = validity(viscous(scene))
+            row["validity"] = validity(scene.viscous())
             rows += [row | each for each in found.to_dict(orient="records")]
             bar.update(1)
     return pd.DataFrame(rows)

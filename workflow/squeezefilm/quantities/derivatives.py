@@ -198,7 +198,7 @@ def moved(scene: Scene, number: str, by: float) -> Scene:
         return replace(scene, x_m=scene.x_m + x_m, y_m=scene.y_m + y_m)
     if number in ("h0_m", "hv_m"):
         return replace(scene, **{number: getattr(scene, number) + by})
-    return replace(scene, gas=replace(scene.gas, **{number: getattr(scene.gas, number) + by}))
+    return scene.with_gas(**{number: getattr(scene.gas, number) + by})
 
 
 def _unit(scene: Scene, number: str) -> float:

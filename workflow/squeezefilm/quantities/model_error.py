@@ -192,7 +192,7 @@ def _plain(scene: Scene) -> Scene:
             length_y_m=finger.rectangle_within * finger.length_y_m,
             gap=GapShape(),
         )
-    return replace(scene, finger=finger, gas=replace(scene.gas, inertia="none", heat="none"))
+    return replace(scene.viscous(), finger=finger)
 
 
 def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
@@ -353,7 +353,7 @@ def resolve_auto_terms(
     for (k, names), budget in zip(asked.items(), budgets, strict=True):
         for name in names:
             if _matters(budget, name, model_tolerance):
-                found[k] = with_term(found[k], name, "included")
+                found[k] = found[k].with_gas(**{name: "included"})
     return found
 
 
@@ -366,26 +366,18 @@ def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
     ]
 
 
-def with_term(scene: Scene, name: str, choice: str) -> Scene:
-    """The scene with a term of OPEN ``included``, ``none`` or ``auto``."""
-    choices: dict[str, Any] = {name: choice}
-    return replace(scene, gas=replace(scene.gas, **choices))
-
-
 def _auto(scene: Any) -> list[str]:
     return [name for name in OPEN if getattr(scene.gas, name) == "auto"]
 
 
 def _closed(scene: Scene) -> Scene:
     """The scene without what is to be decided."""
-    for name in _auto(scene):
-        scene = with_term(scene, name, "none")
-    return scene
+    return scene.with_gas(**dict.fromkeys(_auto(scene), "none"))
 
 
 def _refused(scene: Scene, name: str, method: str) -> str:
     """Why a scene that had a term would not be solved by the method; empty where it would."""
-    scene = with_term(_closed(scene), name, "included")
+    scene = _closed(scene).with_gas(**{name: "included"})
     if method == "composite":
         derived = OPEN[name].expansion_numbers(scene) is not None
         return "" if derived else "the composite expansion is not derived with it"

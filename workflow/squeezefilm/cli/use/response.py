@@ -36,7 +36,6 @@ from squeezefilm.dynamics.response import (
     neglected,
     response,
     responses,
-    viscous,
 )
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
@@ -91,7 +90,7 @@ def run(options: argparse.Namespace) -> None:
         (changes,) = neglected([scene], tolerance=tolerance, device=device)
         what = "error: relative to the gain, without effects that the averaged film neglects:"
         print(what, *_neglected_lines(scene, changes), sep="\n  ")
-        print(f"validity  {validity(viscous(scene))}")
+        print(f"validity  {validity(scene.viscous())}")
         return
     if len(points.columns):
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
