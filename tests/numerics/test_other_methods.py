@@ -37,8 +37,11 @@ def piston(x: FloatArray, y: FloatArray) -> FloatArray:
 
 def periodic(epsilon: float, sigma: float, amplitude: Amplitude = sinc, **more: Any) -> float:
     """The force by the periodic state in NumPy."""
-    numbers = {"epsilon": epsilon, "sigma": sigma, "amplitude": amplitude}
-    return numpy_periodic.periodic_state(**numbers, **more).force
+
+    def gap(x: FloatArray, y: FloatArray, phase: FloatArray) -> FloatArray:
+        return 1 + epsilon * amplitude(x, y)[..., None] * np.sin(phase)
+
+    return numpy_periodic.periodic_state(gap=gap, sigma=sigma, **more).force
 
 
 def orders(values: list[float], exact: float) -> FloatArray:

@@ -7,8 +7,8 @@ import pytest
 
 from verification import comparisons
 from verification.comparisons import Comparison, compared
-from verification.random_campaign import coverages, statements, summary
-from verification.random_studies import KINDS, drawn, random_study
+from verification.random_studies import coverages, statements, summary
+from verification.study_generator import KINDS, drawn, random_study
 
 # Of those that take a second or two: plates, discs, pistons, small pads, every flow model.
 SEEDS = (2, 3, 11, 22, 24, 29, 36, 38, 43, 46, 57)

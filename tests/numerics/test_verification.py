@@ -14,8 +14,7 @@ from verification.cases import SAMPLE, beyond, cases
 from verification.films import PISTON, Film
 from verification.numpy_periodic import periodic_state
 from verification.reference import reference_force
-from verification.stability import stability
-from verification.state_checks import check_state
+from verification.stability import check_state, stability
 from verification.work_precision import (
     BATCH,
     FILMS,
@@ -57,12 +56,11 @@ def test_the_reference_has_the_solver_s_forces_of_any_gap(kind):
 
 def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not():
     film = Film("", 0.4, 20.0, profile=PISTON)
-    state = periodic_state(epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, nt=24)
-    overpressure = np.moveaxis(state.pressure - 1, 0, -1)
-    good = check_state(film, overpressure)
+    state = periodic_state(gap=film.scene.gap, sigma=film.sigma, nt=24)
+    good = check_state(film, state.overpressure)
     assert good.force == pytest.approx(state.force, rel=1e-12)
     assert good.defect < 1e-6
-    spoilt = check_state(film, overpressure * 1.01)
+    spoilt = check_state(film, state.overpressure * 1.01)
     assert min(spoilt.defect, spoilt.state_defect) > 2e-3
 
 

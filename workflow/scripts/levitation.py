@@ -5,7 +5,7 @@ import pandas as pd
 from scripts.job import begin_with_study
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import scan_error_of
-from squeezefilm.dynamics.tables import levitations, loads_like
+from squeezefilm.dynamics.levitation import levitations, loads_like
 from squeezefilm.film.validity import GAPS_M
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.tables import write_table

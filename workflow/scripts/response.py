@@ -3,7 +3,7 @@
 import numpy as np
 
 from scripts.job import begin_with_study
-from squeezefilm.dynamics.tables import all_gains, responses
+from squeezefilm.dynamics.response import all_gains, responses
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import read_scenes, write_table

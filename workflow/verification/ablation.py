@@ -6,7 +6,6 @@ back, as it says itself, so little that it changes nothing but has to be compute
 algorithm in NumPy.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -17,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.grid import Grid
@@ -25,8 +24,9 @@ from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.terms import TERMS
+from squeezefilm.solution import Solutions
 from verification.numpy_periodic import periodic_state
-from verification.timing import measure
+from verification.work_precision import measure
 
 # A grid that is fine enough for every scene of the paper's space, and the one it is checked with.
 ONE_FOR_ALL = (
@@ -35,9 +35,6 @@ ONE_FOR_ALL = (
 )
 AS_NEEDED = "nothing"
 REFERENCE_TOLERANCE = 1e-9
-
-Forces = tuple[Sequence[float], Sequence[float]]
-"""Mean forces in newtons, and the errors stated for them."""
 
 
 def ablation(
@@ -49,15 +46,14 @@ def ablation(
     scenes as they need, worst relative error, share of scenes within their error estimate; NumPy
     has none, nor the points that tight tolerances ask for.
     """
-    own = partial(_solved, device=device)
+    own = partial(solve, device=device)
     periodic = partial(own, method="periodic")
     one_grid = partial(_on_one_grid, device=device)
-    exact = np.array(periodic(scenes, tolerance=REFERENCE_TOLERANCE)[0])
     terms = [kind for kind in TERMS if kind.put_back(scenes[0]) != scenes[0]]
     with_all = scenes
     for kind in terms:
         with_all = [kind.put_back(scene) for scene in with_all]
-    ways: dict[str, tuple[Callable[..., Forces], Sequence[Scene]]] = {
+    ways: dict[str, tuple[Callable[..., Solutions], Sequence[Scene]]] = {
         AS_NEEDED: (own, scenes),
         "time (always periodic)": (periodic, scenes),
         "mirror halves": (partial(_on_whole_pads, device=device), scenes),
@@ -70,19 +66,19 @@ def ablation(
         "everything": (one_grid, with_all),
         "everything, in NumPy": (_in_numpy, scenes),
     }
+    exact = periodic(scenes, tolerance=REFERENCE_TOLERANCE).force_n
     rows = []
     for tolerance, (put_back, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        timed = measure(call, repeats=repeats, long_seconds=math.inf)
-        force, stated = map(np.array, timed.result)
-        error = np.abs(force - exact)
+        found, cpu_seconds, wall_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
+        error, stated = np.abs(found.force_n - exact), found.force_error_n
         row = {
             "put_back": put_back,
             "tolerance": tolerance,
-            "cpu_seconds": timed.cpu_seconds,
-            "wall_seconds": timed.wall_seconds,
+            "cpu_seconds": cpu_seconds,
+            "wall_seconds": wall_seconds,
             "worst_error": np.max(error / np.abs(exact)),
-            "covered": np.mean(error <= stated) if np.isfinite(stated).all() else math.nan,
+            "covered": np.mean(error <= stated) if np.isfinite(stated).all() else np.nan,
         }
         rows.append(row)
     table = pd.DataFrame(rows)
@@ -91,38 +87,31 @@ def ablation(
     return table.assign(cpu_ratio=ratio, scenes=len(scenes))
 
 
-def _forces(solutions: Sequence[Solution]) -> Forces:
-    return [each.force_n for each in solutions], [each.force_error_n for each in solutions]
-
-
-def _solved(
-    scenes: Sequence[Scene], *, tolerance: float, device: Device, method: str = "auto"
-) -> Forces:
-    return _forces(solve(scenes, tolerance=tolerance, method=method, device=device))
-
-
-def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
+def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
     whole = np.zeros(len(scenes), dtype=bool)
     needs = replace(needs_of(scenes), fold_x=whole, fold_y=whole)
-    return _forces(solve_periodic(needs, tolerance=tolerance, device=device))
+    return solve_periodic(needs, tolerance=tolerance, device=device)
 
 
-def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
+def _solutions(scenes: Sequence[Scene], mean: Any, error: Any) -> Solutions:
+    """Of mean overpressures in units of p0."""
+    found = Solutions.of_method("periodic", len(scenes))
+    scale = np.array([scene.force_scale_n for scene in scenes])
+    found.force_n[:], found.force_error_n[:] = scale * mean, scale * error
+    return found
+
+
+def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
     """Every scene on the same two grids over the whole finger, each solved from rest."""
     coarse, fine = (
         solve_batch(scenes, grid, tolerance=ITERATION_SHARE * tolerance, device=device)
         for grid in ONE_FOR_ALL
     )
-    scale = np.array([scene.force_scale_n for scene in scenes])
-    stated = 2 * np.abs(fine.mean - coarse.mean) + fine.residual
-    return list(scale * fine.mean), list(scale * stated)
+    return _solutions(scenes, fine.mean, 2 * np.abs(fine.mean - coarse.mean) + fine.residual)
 
 
-def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
+def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Solutions:
     """Of the plain equation, on 24 × 24 × 16 points of the whole finger."""
-    forces = []
-    for scene in scenes:
-        numbers: dict[str, Any] = {"epsilon": scene.epsilon, "sigma": scene.sigma}
-        state = periodic_state(**numbers, amplitude=scene.amplitude, tolerance=1e-4 * tolerance)
-        forces.append(scene.force_scale_n * state.force)
-    return forces, [math.nan] * len(forces)
+    within = 1e-4 * tolerance
+    states = [periodic_state(gap=each.gap, sigma=each.sigma, tolerance=within) for each in scenes]
+    return _solutions(scenes, [state.force for state in states], np.nan)

@@ -10,23 +10,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from math import inf, isfinite, nan, sqrt
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
+from scipy.optimize import brentq, newton
+from scipy.stats import betabinom
 
 from squeezefilm.api.forces import Force, forces_of, forces_table
 from squeezefilm.api.study import Study
 from squeezefilm.dynamics.averaged_film import averaged_film_of
-from squeezefilm.dynamics.levitation import levitate, resonance
+from squeezefilm.dynamics.levitation import Levitation, Resonance, levitate, resonance
 from squeezefilm.dynamics.response import response
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.model_error import ErrorBudget, error_budgets
+from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
+from squeezefilm.quantities.model_error import ErrorBudget
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space
 from verification.reference import reference_force
 
@@ -43,6 +46,10 @@ WIDER, WIDER_GAPS = 4.0, 12
 ABOUT = 0.05
 """Relative error of what commands print in two digits without an error."""
 GRAVITY_M_PER_S2 = 9.81
+BEYOND = 20
+"""Points outside the declared space, which no prediction interval may claim."""
+FRESH_SEED = 10_000
+"""Of the fresh points of the study of seed 0."""
 OUTCOMES = ("within", "sure and wrong", "outside, not stated as valid", "no direct solution")
 
 
@@ -106,6 +113,11 @@ class Comparison:
         return OUTCOMES[1] if self.valid else OUTCOMES[2]
 
 
+def _around(value: float, off: float) -> tuple[float, float]:
+    """The interval of a value and by how much it may be off."""
+    return value - off, value + off
+
+
 def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     """All comparisons of a study but those of its models.
 
@@ -126,7 +138,7 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     known = next((each for each in forces if each.status == "ok" and each.force_n > 0), None)
     if known is not None:
         yield from _of_elements(known.scene, study)
-        yield from _of_levitation(known, study, settings)
+        yield from _of_levitation(known, study)
         yield from _of_response(known.scene, study)
 
 
@@ -157,59 +169,54 @@ def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
 
 
-def _gas(scene: Scene, **changes: Any) -> Scene:
-    return replace(scene, gas=replace(scene.gas, **changes))
+def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
+    """The direct force, its error, its derivative to a number of the scene, and that one's error.
+
+    By five values, of fourth order.
+    """
+    unit = getattr(scene, name)
+    around: list[dict[str, Any]] = [{name: unit * (1 + STEP * k)} for k in range(-2, 3)]
+    values, errors = _direct([replace(scene, **each) for each in around], study)
+    narrow, wide = (values[3] - values[1]) / 2, (values[4] - values[0]) / 4
+    noise = (8 * (errors[1] + errors[3]) + errors[0] + errors[4]) / 12
+    slope, off = (4 * narrow - wide) / 3, noise + (4 * STEP) ** 2 * abs(wide - narrow)
+    return np.array([values[2], errors[2], slope / (STEP * unit), off / (STEP * unit)])
 
 
 def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
     """The force and its numerical error, then what the equation neglects."""
     scene, stated = force.scene, force.force_n
-    where = _where(scene)
     numbers = {name: of(scene) for name, of in LARGEST.items()}
     worst = max(numbers, key=numbers.__getitem__)
+    simulate = partial(Comparison, "simulate", note=_where(scene))
     yield Comparison(
         "simulate",
         "numbers over limits of validity",
         -inf,
         1.0,
         numbers[worst],
-        0.0,
-        valid,
-        f"{worst}; {where}",
+        valid=valid,
+        note=f"{worst}; {_where(scene)}",
     )
     if not isfinite(stated):
         return
     ((direct,), (error,)) = _direct([scene], study)
-    ends = stated - force.error_n, stated + force.error_n
-    yield Comparison("simulate", "force / N", *ends, direct, error, valid, where)
-    for name, (effects, with_them) in _neglected(scene, force.budget).items():
-        first = [force.budget.effects[each] for each in effects]
-        change = sum(each.percent for each in first) / 100 * stated
-        off = sum(each.off_percent for each in first) / 100 * abs(stated) + 2 * force.error_n
-        # Effects of another pad are a guide; their sum is stated as not known.
-        usable = not (force.budget.basis or set(effects) & set(force.budget.above_range))
+    yield simulate("force / N", *_around(stated, force.error_n), direct, error, valid)
+    for name, with_them, change, off, usable in _neglected(scene, force.budget):
         if with_them.gas.rarefaction != "none" and with_them.gas.inertia == "included":
             # Inertia is derived for first-order slip: its relative part is taken from there.
             full, error = _change_with_slip(scene, with_them, stated, study)
         else:
             ((full,), (error,)) = _direct([with_them], study)
-        yield Comparison(
-            "simulate",
-            f"{name} / N",
-            change - off,
-            change + off,
-            full - stated,
-            error,
-            valid and usable and force.budget.status == "ok",
-            where,
-        )
+        ends = _around(change * stated, off * abs(stated) + 2 * force.error_n)
+        yield simulate(f"{name} / N", *ends, full - stated, error, valid and usable)
 
 
 def _change_with_slip(
     scene: Scene, with_them: Scene, stated: float, study: Study
 ) -> tuple[float, float]:
     """A force times what terms do to it in a film of first-order slip, and the error."""
-    slipping = [_gas(each, rarefaction="slip") for each in (scene, with_them)]
+    slipping = [each.with_gas(rarefaction="slip") for each in (scene, with_them)]
     ((before,), (error,)), ((after,), (other,)) = (_direct([each], study) for each in slipping)
     part = after / before - 1
     kinetic = 0.0 if scene.gas.rarefaction == "slip" else KINETIC * scene.knudsen
@@ -219,48 +226,49 @@ def _change_with_slip(
 
 def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The viscous film without inertia and heat, against spectral elements of other equations."""
-    scene = _gas(scene, rarefaction="none", inertia="none", heat="none")
+    scene = scene.viscous().with_gas(rarefaction="none")
     low, high = REFERENCE_SIGMA
     square = scene.finger.shape == "rectangle" and scene.aspect == 1
     if not (square and scene.epsilon <= REFERENCE_EPSILON and low <= scene.sigma <= high):
         return
     ((stated,), (error,)) = forces_and_errors([scene], study)
     found = reference_force(epsilon=scene.epsilon, sigma=scene.sigma, gap=scene.gap, degree=14)
-    yield Comparison(
-        "simulate",
-        "force by elements / N",
-        stated - error,
-        stated + error,
-        scene.force_scale_n * found.force,
-        scene.force_scale_n * found.uncertainty,
-        isfinite(stated),
-        _where(scene),
-    )
+    direct_n, off_n = scene.force_scale_n * found.force, scene.force_scale_n * found.uncertainty
+    simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_where(scene))
+    yield simulate("force by elements / N", *_around(stated, error), direct_n, off_n)
 
 
-def _neglected(scene: Scene, budget: ErrorBudget) -> dict[str, tuple[tuple[str, ...], Scene]]:
-    """Effects that a force does not have and the solver knows, and the scene that has them.
+def _neglected(
+    scene: Scene, budget: ErrorBudget
+) -> Iterator[tuple[str, Scene, float, float, bool]]:
+    """Effects that a force does not have and the solver knows: the scene that has them, what they
+    change of the force by their first orders, by how much that may be off, and whether it is valid.
 
     The loss of pressure where gas flows in, of no equation here, is not among them.
     """
-    lacking = [name for name in ("inertia", "heat") if not budget.effects[name].included]
-    found: dict[str, tuple[tuple[str, ...], Scene]] = {}
-    if lacking:
-        included = {name: "included" for name in ("inertia", "heat")}
-        found["inertia, heat"] = (tuple(lacking), _gas(scene, **included))
+    found: dict[str, tuple[list[str], dict[str, str]]] = {}
+    if lacking := [name for name in ("inertia", "heat") if not budget.effects[name].included]:
+        found["inertia, heat"] = lacking, {"inertia": "included", "heat": "included"}
     if scene.gas.rarefaction != "fukui-kaneko" and scene.gas.inertia == scene.gas.heat == "none":
-        effects = ("kinetic",) if budget.effects["slip"].included else ("slip", "kinetic")
-        found["rarefaction"] = (effects, _gas(scene, rarefaction="fukui-kaneko"))
-    return found
+        effects = ["kinetic"] if budget.effects["slip"].included else ["slip", "kinetic"]
+        found["rarefaction"] = effects, {"rarefaction": "fukui-kaneko"}
+    for name, (effects, choices) in found.items():
+        first = [budget.effects[each] for each in effects]
+        # Effects of another pad are a guide; their sum is stated as not known.
+        usable = not (budget.basis or set(effects) & set(budget.above_range))
+        change, off = (
+            sum(getattr(each, part) for each in first) / 100 for part in ("percent", "off_percent")
+        )
+        yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"
 
 
-def _of_levitation(force: Force, study: Study, settings: SolverSettings) -> Iterator[Comparison]:
+def _of_levitation(force: Force, study: Study) -> Iterator[Comparison]:
     """Gap, stiffness, modelling error and resonance under the load that a force carries."""
-    load_n = force.force_n
-    scene = force.scene
+    settings, load_n = solver_settings(study.config), force.force_n
+    place = {name: getattr(force.scene, name) for name in ("h0_m", "hv_m", "x_m", "y_m")}
     try:
         found = levitate(
-            study.scenes(pd.DataFrame([_point(scene)]))[0],
+            study.scenes(pd.DataFrame([place]))[0],
             load_n=load_n,
             tolerance=settings.tolerance,
             model_tolerance=settings.model_tolerance,
@@ -268,56 +276,32 @@ def _of_levitation(force: Force, study: Study, settings: SolverSettings) -> Iter
         )
     except (InputError, RunError):
         return
-    h0_m, scene = found.scene.h0_m, found.scene
-    where = f"load {load_n:.5g} N; {_where(scene)}"
-    valid = getattr(found, "validity", "ok") == "ok"
-    around = h0_m * (1 + STEP * np.arange(-2, 3))
-    direct, errors = _direct([replace(scene, h0_m=float(gap)) for gap in around], study)
-    slope, slope_error = _slope(direct, errors, STEP * h0_m)
-    gap_m = h0_m - (direct[2] - load_n) / slope
-    ends = h0_m - found.h0_error_m, h0_m + found.h0_error_m
-    numbers = gap_m, errors[2] / abs(slope)
-    yield Comparison("levitate", "gap / m", *ends, *numbers, valid, where)
-    ends = (
-        found.stiffness_n_per_m - found.stiffness_error_n_per_m,
-        found.stiffness_n_per_m + found.stiffness_error_n_per_m,
-    )
-    yield Comparison("levitate", "stiffness / (N/m)", *ends, -slope, slope_error, valid, where)
+    scene, h0_m, stiffness = found.scene, found.scene.h0_m, found.stiffness_n_per_m
+    stated = partial(Comparison, "levitate", note=f"load {load_n:.5g} N; {_where(scene)}")
+    direct_n, error_n, slope, slope_error = _derivative(scene, "h0_m", study)
+    gap_m = h0_m - (direct_n - load_n) / slope
+    ends = _around(h0_m, found.h0_error_m)
+    yield stated("gap / m", *ends, gap_m, error_n / abs(slope))
+    ends = _around(stiffness, found.stiffness_error_n_per_m)
+    yield stated("stiffness / (N/m)", *ends, -slope, slope_error)
     wider = np.geomspace(1.02 * h0_m, min(WIDER * h0_m, 1e-3), WIDER_GAPS)
     there = [replace(scene, h0_m=float(gap)) for gap in wider]
     most = float(np.nanmax(forces_and_errors(there, study, tolerance=1e-3)[0], initial=-inf))
-    yield Comparison("levitate", "force at wider gaps / N", -inf, load_n, most, 0.0, valid, where)
-    budget = getattr(found, "budget", None) or error_budgets([scene], device=study.device)[0]
-    for name, (effects, with_them) in _neglected(scene, budget).items():
-        first = [budget.effects[each] for each in effects]
-        per_percent = load_n / found.stiffness_n_per_m / 100
-        change = sum(each.percent for each in first) * per_percent
-        off = sum(each.off_percent for each in first) * abs(per_percent) + 2 * found.h0_error_m
-        another = budget.status != "ok" or budget.basis
-        usable = not (another or set(effects) & set(budget.above_range))
-        gap = _gap_under(with_them, load_n, study)
-        yield Comparison(
-            "levitate",
-            f"gap with {name} / m",
-            h0_m + change - off,
-            h0_m + change + off,
-            gap,
-            2 * LESS_TIGHT * h0_m,
-            valid and usable,
-            where,
-        )
-    yield from _of_resonance(found, load_n / GRAVITY_M_PER_S2, valid=valid, where=where)
-
-
-def _point(scene: Scene) -> dict[str, float]:
-    return {name: getattr(scene, name) for name in ("h0_m", "hv_m", "x_m", "y_m")}
-
-
-def _slope(values: np.ndarray, errors: np.ndarray, step: float) -> tuple[float, float]:
-    """Derivative by five values, of fourth order, and its error."""
-    narrow, wide = (values[3] - values[1]) / 2, (values[4] - values[0]) / 4
-    noise = (8 * (errors[1] + errors[3]) + errors[0] + errors[4]) / 12
-    return (4 * narrow - wide) / 3 / step, (noise + (4 * STEP) ** 2 * abs(wide - narrow)) / step
+    yield stated("force at wider gaps / N", -inf, load_n, most)
+    for name, with_them, change, off, usable in _neglected(scene, found.budget):
+        change_m, off_m = load_n / stiffness * change, load_n / abs(stiffness) * off
+        ends = _around(h0_m + change_m, off_m + 2 * found.h0_error_m)
+        numbers = *ends, _gap_under(with_them, load_n, study), 2 * LESS_TIGHT * h0_m
+        yield stated(f"gap with {name} / m", *numbers, usable)
+    mass_kg = load_n / GRAVITY_M_PER_S2
+    moving = resonance(found, mass_kg=mass_kg)
+    if isfinite(moving.frequency_hz):
+        s = _free_motion(found, moving, mass_kg)
+        for quantity, value, direct in (
+            ("resonance / Hz", moving.frequency_hz, s.imag / (2 * np.pi)),
+            ("damping ratio", moving.damping_ratio, -s.real / abs(s)),
+        ):
+            yield stated(quantity, *_around(value, ABOUT * value), direct)
 
 
 def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
@@ -340,56 +324,89 @@ def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
     return nan
 
 
-def _of_resonance(found: Any, mass_kg: float, *, valid: bool, where: str) -> Iterator[Comparison]:
-    """Frequency and damping against the root of the equation of motion.
+def _free_motion(found: Levitation, moving: Resonance, mass_kg: float) -> complex:
+    """The root s near a resonance's of mass·s² + K(s) = 0, by the secant method.
 
-    mass·s² + K(s) = 0, s complex, K the film's dynamic stiffness: that of slow motion, and what the
-    averaged film adds at s.
+    K is the film's dynamic stiffness: that of slow motion, and what the averaged film adds at s.
     """
-    moving = resonance(found, mass_kg=mass_kg)
-    if not isfinite(moving.frequency_hz):
-        return
-    scene = _gas(found.scene, inertia="none", heat="none")
+    scene = found.scene.viscous()
     film, _ = averaged_film_of(scene)
     rate = scene.actuator.angular_frequency_rad_per_s
     unit = scene.force_scale_n / scene.h0_m
     at_rest = film.stiffness(np.array([0.0]))[0].real
     ratio = moving.damping_ratio
-    s = 2 * np.pi * moving.frequency_hz * complex(-ratio / sqrt(max(1 - ratio**2, 1e-12)), 1.0)
+    start = 2 * np.pi * moving.frequency_hz * complex(-ratio / sqrt(max(1 - ratio**2, 1e-12)), 1.0)
 
     def motion(s: complex) -> complex:
         added = film.stiffness(np.array([s / (1j * rate)]))[0] - at_rest
         return complex(mass_kg * s**2 + found.stiffness_n_per_m + unit * added)
 
-    for _ in range(30):  # the secant method
-        step = 1e-5 * abs(s)
-        s -= motion(s) * step / (motion(s + step) - motion(s))
-    if abs(motion(s)) > 1e-6 * mass_kg * abs(s) ** 2:
-        s = complex(nan, nan)
-    for quantity, stated, direct in (
-        ("resonance / Hz", moving.frequency_hz, s.imag / (2 * np.pi)),
-        ("damping ratio", moving.damping_ratio, -s.real / abs(s)),
-    ):
-        off = ABOUT * stated
-        yield Comparison(
-            "levitate", quantity, stated - off, stated + off, direct, 0.0, valid, where
-        )
+    try:
+        return complex(newton(motion, start, x1=(1 + 1e-5) * start, tol=1e-7 * abs(start)))
+    except RuntimeError:
+        return complex(nan, nan)
 
 
 def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The gain of slow modulation against d ln F / d ln hv of direct forces."""
-    scene = _gas(scene, inertia="none", heat="none")
+    scene = scene.viscous()
     try:
         stated = response(scene)
     except (InputError, RunError):
         return
     if not isfinite(stated.static_gain):
         return
-    around = scene.hv_m * (1 + STEP * np.arange(-2, 3))
-    direct, errors = _direct([replace(scene, hv_m=float(hv_m)) for hv_m in around], study)
-    slope, slope_error = _slope(direct, errors, STEP * scene.hv_m)
-    gain = slope * scene.hv_m / direct[2]
-    error = abs(gain) * (abs(slope_error / slope) + errors[2] / abs(direct[2]))
-    off = stated.error * abs(stated.static_gain)
-    ends = stated.static_gain - off, stated.static_gain + off
-    yield Comparison("response", "static gain", *ends, gain, error, True, _where(scene))
+    force_n, error_n, slope, slope_error = _derivative(scene, "hv_m", study)
+    gain = slope * scene.hv_m / force_n
+    error = abs(gain) * (abs(slope_error / slope) + error_n / abs(force_n))
+    ends = _around(stated.static_gain, stated.error * abs(stated.static_gain))
+    yield Comparison("response", "static gain", *ends, gain, error, note=_where(scene))
+
+
+def coverage(
+    study: Study, *, models: Sequence[str], fresh: int, seed: int, level_of_test: float
+) -> Iterator[Comparison]:
+    """How many fresh points lie inside the prediction intervals of a study's models.
+
+    Args:
+        fresh: independent points, uniform over the declared space, for each model.
+        seed: of the study; their draw has another.
+        level_of_test: probability that the number of points inside lies outside the stated
+            interval, if the prediction interval is what it says.
+    """
+
+    @cache
+    def solved(centred: bool) -> tuple[pd.DataFrame, np.ndarray]:
+        space = Space.of(study.config, centred=centred)
+        points = space.table(space.independent_sample(fresh, seed=FRESH_SEED + seed))
+        return points, forces_and_errors(study.scenes(points), study)
+
+    for name in models:
+        try:
+            fit = study.fit(name)
+            interval, centred = fit.model.interval, fit.model.force_model.is_centred
+            if interval is None or interval.error_95 is None:
+                continue
+            points, (force_n, error_n) = solved(centred)
+            stated = fit.predict_at(points)
+        except (InputError, RunError):
+            continue  # not a model of this study, or its physics does not hold all over the space
+        off = np.abs(stated["force_n"] - force_n) + error_n
+        beyond = points.head(BEYOND).assign(h0_m=1.5 * points["h0_m"].max())
+        claimed = float(fit.predict_at(beyond)["error_95_n"].notna().sum())
+        what = "points outside the space that have an error"
+        yield Comparison("predict", what, 0.0, 0.0, claimed, note=fit.name)
+        for level, quantile in NORMAL.items():
+            half = stated[f"error_{100 * level:.0f}_n"].to_numpy()
+            # A scan's part comes on top of what the sample measures.
+            scan = interval.profile_uncertainty * quantile / NORMAL[SCAN_LEVEL]
+            inside = int(np.sum(off <= half - scan * np.abs(stated["force_n"])))
+            count = interval.calibration_points
+            rank = int(np.ceil((count + 1) * level))
+            if rank > count or np.isnan(half).all():
+                continue  # such an interval is not stated
+            law = betabinom(fresh, rank, count + 1 - rank)
+            ends = float(law.ppf(level_of_test / 2)), float(law.isf(level_of_test / 2))
+            what = f"points of {fresh} within {100 * level:.0f} %"
+            note = f"{fit.name}, {'centred' if centred else 'all factors'}"
+            yield Comparison("predict", what, *ends, inside, note=note)

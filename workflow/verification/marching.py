@@ -1,4 +1,4 @@
-"""What the other methods share: their equation, a graded mesh, marching to the periodic state.
+"""What the other methods share: their equation, a graded mesh, ways to the periodic state.
 
 Each of them solves the isothermal Reynolds equation on the unit square X, Y in [0, 1],
 
@@ -15,12 +15,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from squeezefilm.errors import RunError
 
 FloatArray = NDArray[np.float64]
 Amplitude = Callable[[FloatArray, FloatArray], FloatArray]
 """The profile s at normalised positions X, Y, arrays of one shape in and out."""
+Gap = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
+"""H at X, Y, any common shape, and at phases, one more dimension."""
 Fold = tuple[bool, bool]
 """Whether s is even about X = 1/2 and about Y = 1/2, so that half of that side will do."""
+Operator = Callable[[FloatArray], FloatArray]
+
+NEWTON_STEPS, KRYLOV_ITERATIONS = 40, 400
 
 
 @dataclass(frozen=True)
@@ -84,3 +92,49 @@ def march_to_periodic(
             weights = np.linalg.lstsq(np.diff(residuals, axis=0).T, residual, rcond=None)[0]
             state = image - np.diff(images, axis=0).T @ weights
     return Marched(force, count, change)
+
+
+def newton_krylov(
+    start: FloatArray,
+    linearised: Callable[[FloatArray], tuple[FloatArray, Operator, FloatArray | float]],
+    *,
+    positive: Operator,
+    tolerance: float,
+    name: str,
+) -> FloatArray:
+    """Newton's method with GMRES for a field, until a preconditioned residual is small.
+
+    Args:
+        linearised: gives at a state the preconditioned residual, a mass perturbation whose root
+            mean square falls below the tolerance, its derivative to such a perturbation, and the
+            change of the state for a unit of it.
+        positive: what no step may make a tenth or less of what it was, linear in the state.
+        name: of the method and film, for the message.
+
+    Raises RunError when the method does not get there.
+    """
+    state = start
+    for _ in range(NEWTON_STEPS):
+        residual, derivative, per_mass = linearised(state)
+        size = float(np.linalg.norm(residual) / math.sqrt(residual.size))
+        if size < tolerance:
+            return state
+        if not math.isfinite(size):
+            break
+        flat = LinearOperator(
+            (residual.size, residual.size),
+            matvec=lambda w, apply=derivative: apply(w.reshape(start.shape)).ravel(),
+            dtype=float,
+        )
+        w, _ = gmres(
+            flat,
+            -residual.ravel(),
+            rtol=min(0.1, max(0.1 * size, 0.3 * tolerance / size)),
+            restart=KRYLOV_ITERATIONS,
+            maxiter=1,
+        )
+        change = per_mass * w.reshape(start.shape)
+        while np.any(positive(state + change) <= 0.1 * positive(state)):
+            change /= 2
+        state = state + change
+    raise RunError(f"{name}: no convergence in {NEWTON_STEPS} Newton steps (residual {size:.1e})")

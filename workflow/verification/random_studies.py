@@ -1,164 +1,140 @@
-"""Random studies: film, gas, vibration and ranges, each drawn from a seed as a configuration."""
+"""Random studies: every statement about them, compared with direct solutions.
+
+  python -m verification random-studies --output TABLE.csv [--studies 100] [--seed 1]
+  python -m verification random-studies --output TABLE.csv --coverage [--studies 12] [--fresh 2000]
+
+A study is drawn from a seed: pad, gas, vibration, frequency, ranges of gap and amplitude. The first
+simulates points of each, levitates a load on it and takes its response, and compares forces and
+their errors, modelling errors, gaps, stiffness, resonance, gains and validity with direct
+solutions. With `--coverage` the library's models are fitted to each study, and fresh points of its
+declared space that lie inside their prediction intervals are counted. The table has a row for each
+comparison and grows study by study. The exit status is 1 where a statement given as valid does not
+hold: it is sure and wrong.
+"""
 
 from __future__ import annotations
 
-import json
-from math import cos, hypot, log10, pi, radians, sin
+import argparse
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict
+from functools import partial
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
 
-import numpy as np
+import pandas as pd
 
-from squeezefilm.api.study import Study
-from squeezefilm.config.loading import parse_config
-from squeezefilm.studies.study import profile_of, surface_of
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.tables import write_table
+from verification.comparisons import OUTCOMES, Comparison, compared, coverage
+from verification.study_generator import random_study
 
-WAVELENGTH_M = (3e-3, 30e-3)
-"""Of the vibration."""
-PAD_M, SMALL_PAD_M = (4e-3, 15e-3), (20e-6, 4e-3)
-"""Length of the pad along x; of UNUSUAL studies."""
-GAP_M, UNUSUAL_GAP_M = (1.5e-6, 15e-6), (20e-9, 100e-6)
-"""Smallest gap of the study's range; of UNUSUAL studies."""
-FREQUENCY_HZ = (5e3, 1e5)
-TOLERANCES = (1e-3, 1e-3, 1e-4)
-UNUSUAL = 0.15
-"""Share of studies whose pad is small, and as many whose gap is unusual: limits of validity."""
-
-VIBRATIONS = ("bessel", "standing-wave", "travelling-wave", "piston")
-KINDS = {
-    "any": (0.4, 0.25, 0.2, 0.15),
-    "disc": (1.0, 0.0, 0.0, 0.0),
-    "plate": (0.0, 0.6, 0.4, 0.0),
-    "scan": (0.5, 0.5, 0.0, 0.0),
-}
-"""Probabilities of VIBRATIONS, by the kind of study."""
-SCAN_POINTS, SCAN_NOISE = 61, 0.01
-"""Points of a scan across the surface, and their noise over the largest amplitude."""
+STUDIES, STUDIES_FOR_COVERAGE = 100, 12
+CENTRED_MODELS = ("two_factor", "polynomial_3", "quadratic_6", "fast_limit", "limit", "limit_1")
+MODELS = (*CENTRED_MODELS, "four_factor", "polynomial_5", "limit_2")
+"""Models of the library that a study may offer."""
+CHANCE = 1e-3
+"""Probability that any coverage of a campaign lies outside its interval by chance."""
+POOLED = (0.945, 0.955)
+"""Coverage of all 95 % intervals together."""
+COVERAGE_KINDS = ("disc", "plate", "scan")
 
 
-def random_study(seed: int, *, folder: Path, kind: str = "any", **settings: Any) -> Study:
-    """The study of a seed.
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--output", required=True, metavar="TABLE.csv", help="table to write")
+    parser.add_argument(
+        "--studies",
+        type=int,
+        metavar="N",
+        help=f"{STUDIES} if left out, {STUDIES_FOR_COVERAGE} for the coverage",
+    )
+    parser.add_argument("--seed", type=int, default=1, help="of the first study; 1 if left out")
+    parser.add_argument("--points", type=int, default=2, help="simulated of each study")
+    parser.add_argument("--coverage", action="store_true", help="of prediction intervals")
+    parser.add_argument("--fresh", type=int, default=2000, help="points for each coverage")
+
+
+def run(options: argparse.Namespace) -> None:
+    count = options.studies or (STUDIES_FOR_COVERAGE if options.coverage else STUDIES)
+    seeds, output = range(options.seed, options.seed + count), Path(options.output)
+    if options.coverage:
+        table = coverages(seeds, fresh=options.fresh, output=output)
+    else:
+        table = statements(seeds, points=options.points, output=output)
+    print(summary(table).to_string(index=False))
+    failures = [
+        f"seed {row['seed']}: {row['command']}: {row['quantity']} ({row['note']})"
+        for _, row in table[table["outcome"] == "sure and wrong"].iterrows()
+    ]
+    if options.coverage:
+        of_95 = table[table["quantity"].str.endswith("within 95 %")]
+        fresh = of_95["quantity"].str.extract(r"points of (\d+)", expand=False).astype(float)
+        pooled = of_95["direct"].sum() / fresh.sum()
+        print(f"all 95 % intervals together hold {100 * pooled:.2f} % of the fresh points")
+        if not POOLED[0] <= pooled <= POOLED[1]:
+            failures.append(f"coverage of all 95 % intervals together: {100 * pooled:.2f} %")
+    if failures:
+        raise RunError("sure and wrong: " + "; ".join(failures))
+
+
+def statements(
+    seeds: Iterable[int], *, points: int = 2, output: Path | None = None
+) -> pd.DataFrame:
+    """Forces, errors, gaps, responses and validity of studies, a row for each comparison.
 
     Args:
-        folder: where the file of a measured vibration is written.
-        kind: one of KINDS; a scan is that of a disc or a plate.
-        settings: sections of its configuration that are not drawn.
+        seeds: of the studies.
+        points: scenes that are simulated of each.
+        output: a table that grows study by study.
     """
-    values = drawn(seed, kind=kind) | settings
-    if kind == "scan":
-        file = folder / f"{values['study']}.csv"
-        file.write_text(_scan(_study(values, folder), seed), encoding="utf-8")
-        values["actuator"]["profile"] = {"kind": "measured", "file": file.name}
-    return _study(values, folder)
+    return _campaign(seeds, ("any",), partial(compared, points=points), output=output)
 
 
-def _study(values: dict[str, Any], folder: Path) -> Study:
-    return Study(parse_config(json.dumps(values), path=folder / f"{values['study']}.yaml"))
+def coverages(
+    seeds: Sequence[int],
+    *,
+    models: Sequence[str] = MODELS,
+    fresh: int = 2000,
+    sample: int = 1000,
+    output: Path | None = None,
+) -> pd.DataFrame:
+    """Points inside the prediction intervals of discs, plates and scans in turn.
 
-
-def drawn(seed: int, *, kind: str = "any") -> dict[str, Any]:
-    """The configuration of a seed's study, as a file would have it; of a scan what is scanned."""
-    random = np.random.default_rng(seed)
-    finger = _finger(random)
-    gap_m = _between(random, UNUSUAL_GAP_M if random.uniform() < UNUSUAL else GAP_M)
-    amplitude_m = random.uniform(0.1, 0.85) * gap_m
-    return {
-        "study": f"random-{seed}",
-        "gas": _gas(random),
-        "actuator": _actuator(random, finger, KINDS[kind]),
-        "finger": finger,
-        "screen": {
-            "h0": {"start": gap_m, "stop": random.uniform(1.3, 2.5) * gap_m, "levels": 5},
-            "hv": {
-                "start": random.uniform(0.05, 0.5) * amplitude_m,
-                "stop": amplitude_m,
-                "levels": 5,
-            },
-        },
-        "extrapolation": {"force": 1.0},
-        "solver": {"tolerance": float(random.choice(TOLERANCES))},
-    }
-
-
-def _between(random: np.random.Generator, limits: tuple[float, float]) -> float:
-    """Uniform in its logarithm."""
-    low, high = limits
-    return float(10 ** random.uniform(log10(low), log10(high)))
-
-
-def _gas(random: np.random.Generator) -> dict[str, Any]:
-    """Air under some pressure, or another gas."""
-    gas: dict[str, Any] = {
-        "ambient_pressure": _between(random, (3e4, 5e5)),
-        "rarefaction": str(random.choice(["none", "none", "slip", "fukui-kaneko"])),
-        **{term: str(random.choice(["auto", "auto", "none"])) for term in ("inertia", "heat")},
-    }
-    if random.uniform() < 0.5:
-        return gas
-    return gas | {
-        "viscosity": _between(random, (8e-6, 3e-5)),
-        "density": _between(random, (0.1, 6.0)),
-        "mean_free_path": _between(random, (2e-8, 3e-7)),
-        "prandtl": random.uniform(0.6, 0.8),
-        "heat_capacity_ratio": random.uniform(1.1, 1.66),
-        "viscosity_exponent": random.uniform(0.6, 1.0),
-    }
-
-
-def _finger(random: np.random.Generator) -> dict[str, Any]:
-    """A square, a rectangle, a disc or an ellipse, turned by any angle."""
-    length_m = _between(random, SMALL_PAD_M if random.uniform() < UNUSUAL else PAD_M)
-    aspect = float(random.choice([1.0, _between(random, (0.5, 2.0))]))
-    return {
-        "shape": str(random.choice(["rectangle", "rectangle", "ellipse"])),
-        "length_x": length_m,
-        "length_y": aspect * length_m,
-        "rotation": float(random.choice([0.0, random.uniform(0, 90)])),
-    }
-
-
-def _actuator(
-    random: np.random.Generator, finger: dict[str, Any], shares: tuple[float, ...]
-) -> dict[str, Any]:
-    """A disc in a bending mode, a plate with a wave, or one of both that moves as a piston.
-
-    The surface has room for the pad and as much again.
+    Args:
+        seeds: of the studies.
+        models: that are fitted to each study, where it offers them.
+        fresh: points drawn for each study.
+        sample: points of each validation sample.
+        output: a table that grows study by study.
     """
-    wavelength_m = _between(random, WAVELENGTH_M)
-    reach_m = hypot(finger["length_x"], finger["length_y"]) / 2
-    direction_deg = float(random.choice([0.0, random.uniform(0, 180)]))
-    kind = str(random.choice(VIBRATIONS, p=shares))
-    profile: dict[str, Any] = {"kind": kind}
-    if kind == "bessel":
-        n = int(random.integers(0, 4))
-        profile |= {"nodal_diameters": n, "wave_number": 2 * pi / wavelength_m}
-    elif kind != "piston":
-        profile |= {"wavelength": wavelength_m}
-    if kind != "piston":
-        profile |= {"direction": direction_deg}
-    if kind == "standing-wave":
-        profile |= {"crest": random.uniform(0, 0.5) * wavelength_m}
-    room = random.uniform(1.2, 2.5)
-    surface: dict[str, Any] = {"surface_radius": room * reach_m}
-    if kind != "bessel":
-        angle = radians(finger["rotation"])
-        x, y = finger["length_x"] / 2, finger["length_y"] / 2
-        c, s = abs(cos(angle)), abs(sin(angle))
-        sides = {"length_x": 2 * room * (c * x + s * y), "length_y": 2 * room * (s * x + c * y)}
-        surface = {"surface": {"shape": "rectangle", **sides}}
-    return {"frequency": _between(random, FREQUENCY_HZ), **surface, "profile": profile}
+    level = CHANCE / (len(seeds) * len(models) * 2)
+    check = partial(coverage, models=models, fresh=fresh, level_of_test=level)
+    return _campaign(seeds, COVERAGE_KINDS, check, output=output, validation={"points": sample})
 
 
-def _scan(study: Study, seed: int) -> str:
-    """A vibrometer's table of a study's vibration: a raster over its surface, with noise."""
-    random = np.random.default_rng(seed)
-    surface = surface_of(study.config)
-    sides = (np.linspace(-half_m, half_m, SCAN_POINTS) for half_m in surface.half_m)
-    x, y = (values.ravel() for values in np.meshgrid(*sides))
-    on_it = surface.reach(x, y) <= 1
-    x, y = x[on_it], y[on_it]
-    shape = profile_of(study.config).amplitude(x_m=x, y_m=y)
-    measured = shape + SCAN_NOISE * random.standard_normal(len(x))
-    rows = zip(1e3 * x, 1e3 * y, np.abs(measured), np.where(measured < 0, 180.0, 0.0), strict=True)
-    lines = (f"{a:.4f},{b:.4f},{c:.5f},{d:.0f}\n" for a, b, c, d in rows)
-    return "x_mm,y_mm,amplitude_um,phase_deg\n" + "".join(lines)
+def _campaign(
+    seeds: Iterable[int],
+    kinds: Sequence[str],
+    check: Callable[..., Iterator[Comparison]],
+    *,
+    output: Path | None,
+    **settings: object,
+) -> pd.DataFrame:
+    tables = []
+    with TemporaryDirectory() as name:
+        for k, seed in enumerate(seeds):
+            kind = kinds[k % len(kinds)]
+            try:
+                study = random_study(seed, folder=Path(name), kind=kind, **settings)
+            except InputError:
+                continue  # drawn outside what a configuration may be
+            rows = [asdict(each) | {"outcome": each.outcome} for each in check(study, seed=seed)]
+            tables.append(pd.DataFrame(rows).assign(seed=seed, study=str(study)))
+            if output is not None:
+                write_table(pd.concat(tables, ignore_index=True), output)
+    return pd.concat(tables, ignore_index=True)
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """Number of comparisons by command, quantity and outcome."""
+    counts = pd.crosstab([table["command"], table["quantity"]], table["outcome"])
+    return counts.reindex(columns=list(OUTCOMES), fill_value=0).reset_index()

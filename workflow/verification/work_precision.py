@@ -5,10 +5,12 @@ parts of a method's error (space, time, settling) shall fall at the same rate fr
 rung that takes longer than a given time is the last of its path.
 """
 
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from math import ceil, log, sqrt
+from statistics import median
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +24,6 @@ from verification import chebyshev_march, finite_elements, numpy_periodic
 from verification.films import Film
 from verification.marching import periods_to_settle
 from verification.reference import reference_force
-from verification.timing import measure
 
 FILMS = (
     Film("ε = 0.1, σ = 20", 0.1, 20.0),
@@ -42,13 +43,28 @@ class Answer(NamedTuple):
     status: str = "ok"
 
 
-class Rung(NamedTuple):
-    """One setting of a method on its path, and the call that solves so many films with it."""
+Path = Iterator[tuple[Settings, Callable[[], Answer]]]
+"""The settings of a method from rung to rung, and the call that solves a film with them."""
 
-    method: str
-    settings: Settings
-    run: Callable[[], Answer]
-    batch: int = 1
+
+def measure(
+    call: Callable[[], Any], *, repeats: int, long_seconds: float = 0.2
+) -> tuple[Any, float, float]:
+    """What a call returns, and the medians in seconds of its processor time and its wall time.
+
+    It is warm: called once before, then so many times. A call that takes more than long_seconds is
+    not repeated: its first run is what it takes, and what is done once (imports, compilation) does
+    not show beside it.
+    """
+    times = []
+    for _ in range(repeats + 1):
+        wall, cpu = time.perf_counter(), time.process_time()
+        result = call()
+        times.append((time.process_time() - cpu, time.perf_counter() - wall))
+        if times[-1][1] > long_seconds:
+            break
+    cpu_seconds, wall_seconds = zip(*(times[1:] or times), strict=True)
+    return result, median(cpu_seconds), median(wall_seconds)
 
 
 def work_precision(
@@ -73,24 +89,28 @@ def work_precision(
         reference = reference_force(
             epsilon=film.epsilon, sigma=film.sigma, gap=film.scene.gap, fold=film.fold
         )
-        for path in _paths(film, batch=batch, rungs=rungs, device=device):
-            for rung in path:
-                timed = measure(rung.run, repeats=repeats)
-                force, claimed, status = timed.result
+        paths: dict[str, Path] = {
+            SOLVER: _by_tolerance(film, batch=1, device=device, rungs=rungs),
+            BATCH: _by_tolerance(film, batch=batch, device=device, rungs=rungs),
+            **{method: _other(film, method, rungs=rungs) for method in METHODS},
+        }
+        for method, path in paths.items():
+            for settings, run in path:
+                (force, claimed, status), cpu_seconds, _ = measure(run, repeats=repeats)
                 row = {
                     "film": film.name,
-                    "method": rung.method,
-                    "settings": " ".join(f"{key}={each:g}" for key, each in rung.settings.items()),
+                    "method": method,
+                    "settings": " ".join(f"{key}={each:g}" for key, each in settings.items()),
                     "status": status,
                     "force": force,
                     "reference": reference.force,
                     "reference_uncertainty": reference.uncertainty / reference.force,
                     "relative_error": abs(force / reference.force - 1),
                     "estimated_error": claimed / reference.force,
-                    "cpu_seconds": timed.cpu_seconds / rung.batch,
+                    "cpu_seconds": cpu_seconds / (batch if method == BATCH else 1),
                 }
                 rows.append(row)
-                if timed.cpu_seconds > longest_seconds:
+                if cpu_seconds > longest_seconds:
                     break
     return with_times_less(pd.DataFrame(rows))
 
@@ -116,16 +136,7 @@ def with_times_less(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(**times)
 
 
-def _paths(film: Film, *, batch: int, rungs: int, device: Device) -> Iterator[Iterator[Rung]]:
-    for method, count in ((SOLVER, 1), (BATCH, batch)):
-        yield _by_tolerance(film, method=method, batch=count, device=device, rungs=rungs)
-    for method in METHODS:
-        yield (_other(film, method, level) for level in range(rungs))
-
-
-def _by_tolerance(
-    film: Film, *, method: str, batch: int, rungs: int, device: Device
-) -> Iterator[Rung]:
+def _by_tolerance(film: Film, *, batch: int, rungs: int, device: Device) -> Path:
     """What a user does: a tolerance is asked for, and the error estimated.
 
     In a batch beside others within 1 % of its epsilon, which have nothing in common with it.
@@ -138,21 +149,26 @@ def _by_tolerance(
         return Answer(first.force_n / scale, first.force_error_n / scale, first.status)
 
     for tolerance in [10.0**-k for k in range(1, 11)][:: max(1, 10 // rungs)]:
-        yield Rung(method, {"tolerance": tolerance}, partial(answer, tolerance), batch)
+        yield {"tolerance": tolerance}, partial(answer, tolerance)
 
 
-def _other(film: Film, method: str, level: int) -> Rung:
+def _other(film: Film, method: str, *, rungs: int) -> Path:
     solved, path = METHODS[method]
-    settings = path(film, level)
+    numbers: Settings = {"sigma": film.sigma}
+    if solved is numpy_periodic.periodic_state:
+        numbers["gap"] = film.scene.gap
+    else:
+        numbers |= {"epsilon": film.epsilon, "amplitude": film.amplitude, "fold": film.fold}
 
-    def run() -> Answer:
-        numbers = {"epsilon": film.epsilon, "sigma": film.sigma, "amplitude": film.amplitude}
+    def answer(settings: Settings) -> Answer:
         try:
             return Answer(solved(**numbers, **settings).force)
         except RunError as error:
             return Answer(np.nan, status=str(error))
 
-    return Rung(method, {key: each for key, each in settings.items() if key != "fold"}, run)
+    for level in range(rungs):
+        settings = path(film, level)
+        yield settings, partial(answer, settings)
 
 
 def _grid(film: Film, level: int) -> Settings:
@@ -167,12 +183,12 @@ def _grid(film: Film, level: int) -> Settings:
 
 def _chebyshev(film: Film, level: int) -> Settings:
     """Spectral in space: two points and one decade of the integrator's tolerance a rung."""
-    return {"points": 4 + 2 * level, "rtol": 10.0 ** -(level + 2), "fold": film.fold}
+    return {"points": 4 + 2 * level, "rtol": 10.0 ** -(level + 2)}
 
 
 def _elements(film: Film, level: int) -> Settings:
     """Of fourth order in space and second in time: each rung divides both errors by four."""
-    return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level, "fold": film.fold}
+    return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level}
 
 
 def _from_rest(film: Film, level: int) -> Settings:

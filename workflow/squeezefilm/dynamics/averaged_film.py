@@ -16,8 +16,10 @@ settled ψ is that of ``asymptotics.composite``. Slopes of ψ at the rim do not 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -38,24 +40,18 @@ POINTS = (11, 15, 21, 31)
 GAIN = 0.9
 
 
-@dataclass(frozen=True)
+def _slope(value: Callable[[float], Any]) -> Any:
+    """Derivative at 1."""
+    return (value(1 + STEP) - value(1 - STEP)) / (2 * STEP)
+
+
 class AveragedFilm:
     """One film on one grid (B = 1 of ``films``), with or without the rim's boundary layer."""
 
-    films: Films
-    layer: bool = True
-
-    @property
-    def epsilon(self) -> float:
-        return float(self.films.epsilon[0])
-
-    @property
-    def sigma(self) -> float:
-        return float(self.films.sigma[0])
-
-    @property
-    def slip(self) -> float:
-        return float(self.films.slip[0])
+    def __init__(self, films: Films, layer: bool = True) -> None:
+        self.films, self.layer = films, layer
+        numbers = films.epsilon, films.sigma, films.slip
+        self.epsilon, self.sigma, self.slip = (float(each[0]) for each in numbers)
 
     @cached_property
     def laplacian(self) -> np.ndarray:
@@ -116,14 +112,9 @@ class AveragedFilm:
     def response(self, modulation: np.ndarray) -> np.ndarray:
         """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
         epsilon, psi = self.epsilon, self.density(self.settled(self.epsilon))
-        up, down = epsilon * (1 + STEP), epsilon * (1 - STEP)
-        change = self._change(
-            modulation,
-            psi,
-            on_rim=(self.rim(up) - self.rim(down)) / (2 * STEP),
-            at_once=(self.mean(psi, up) - self.mean(psi, down)) / (2 * STEP),
-        )
-        return change / self.mean(psi, epsilon)
+        on_rim = _slope(lambda ratio: self.rim(epsilon * ratio))
+        at_once = _slope(lambda ratio: self.mean(psi, epsilon * ratio))
+        return self._change(modulation, psi, on_rim, at_once) / self.mean(psi, epsilon)
 
     def stiffness(self, modulation: np.ndarray) -> np.ndarray:
         """Fall of the mean force per small rise of ln h0, hv kept, in units of p0 and the area.
@@ -133,16 +124,8 @@ class AveragedFilm:
         ε/(1 + δ), σ/(1 + δ)² and Kn/(1 + δ), in whose units ψ is less by 1 + δ and w by its square.
         """
         psi = self.density(self.settled(self.epsilon))
-        thick, thin = (
-            self.thicker(ratio).mean(psi / ratio, self.epsilon / ratio)
-            for ratio in (1 + STEP, 1 - STEP)
-        )
-        return -self._change(
-            modulation,
-            psi,
-            on_rim=self._rim_of_a_thicker(),
-            at_once=(thick - thin) / (2 * STEP),
-        )
+        at_once = _slope(lambda ratio: self.thicker(ratio).mean(psi / ratio, self.epsilon / ratio))
+        return -self._change(modulation, psi, self._rim_of_a_thicker(), at_once)
 
     def free_motion(self, *, slow: float, scale: float) -> np.ndarray:
         """All exponents λ of free motion exp(λT) of a mass on the film, in units of ω, complex.
@@ -175,27 +158,18 @@ class AveragedFilm:
 
     def _rim_of_a_thicker(self) -> np.ndarray:
         """Change of w on the rim per small rise of ln h0."""
-        thick, thin = (
-            ratio**2 * self.thicker(ratio).rim(self.epsilon / ratio)
-            for ratio in (1 + STEP, 1 - STEP)
+        return np.asarray(
+            _slope(lambda ratio: ratio**2 * self.thicker(ratio).rim(self.epsilon / ratio))
         )
-        return np.asarray((thick - thin) / (2 * STEP))
 
     def thicker(self, ratio: float) -> AveragedFilm:
         """The same amplitude over a gap that many times as wide."""
-        films = self.films
-        return replace(
-            self,
-            films=replace(
-                films,
-                epsilon=films.epsilon / ratio,
-                sigma=films.sigma / ratio**2,
-                slip=films.slip / ratio,
-            ),
-        )
+        films, slip = self.films, self.films.slip / ratio
+        numbers = {"epsilon": films.epsilon / ratio, "sigma": films.sigma / ratio**2, "slip": slip}
+        return AveragedFilm(replace(films, **numbers), self.layer)
 
     def _change(
-        self, modulation: np.ndarray, psi: np.ndarray, *, on_rim: np.ndarray, at_once: float
+        self, modulation: np.ndarray, psi: np.ndarray, on_rim: np.ndarray, at_once: float
     ) -> np.ndarray:
         """Mean overpressure per small change of what drives the film, complex, (n,).
 
@@ -207,12 +181,12 @@ class AveragedFilm:
         weight = 1 / (mobility * self._root(self.epsilon))
         found = []
         for omega in np.atleast_1d(modulation):
-            if np.isinf(omega):  # the gas does not move
-                found.append(complex(at_once))
-                continue
-            shift = np.diag(1j * omega * self.sigma / mobility.ravel()[self.inner])
-            change = self.field(np.linalg.solve(inside - shift, driven), on_rim)
-            found.append(at_once + complex(self.films.mean((change * weight)[None])[0]))
+            by_flow = np.zeros(1)
+            if np.isfinite(omega):  # else the gas does not move
+                shift = np.diag(1j * omega * self.sigma / mobility.ravel()[self.inner])
+                change = self.field(np.linalg.solve(inside - shift, driven), on_rim)
+                by_flow = self.films.mean((change * weight)[None])
+            found.append(at_once + complex(by_flow[0]))
         return np.array(found)
 
     def after_step(self, psi: np.ndarray, epsilon: float, times: np.ndarray) -> np.ndarray:
@@ -263,19 +237,12 @@ class AveragedFilm:
 
     def _together(self, values: np.ndarray) -> np.ndarray:
         """Values on the sides, (1, 2 (nx + ny + 4)), on all nodes, flattened; zero inside."""
-        films = self.films
-        nx, ny = films.s.shape[1:]
-        left, right, low, high = np.split(values[0], [ny, 2 * ny, 2 * ny + nx])
-        total, count = np.zeros((nx, ny)), np.zeros((nx, ny))
-        for place, side in (
-            ((0, slice(None)), left),
-            ((-1, slice(None)), right),
-            ((slice(None), 0), low),
-            ((slice(None), -1), high),
-        ):
-            total[place] += side
-            count[place] += 1
-        return (total / np.maximum(count, 1)).ravel()
+        places = np.arange(self.inner.size).reshape(self.films.s.shape[1:])
+        order = np.concatenate([places[0], places[-1], places[:, 0], places[:, -1]])
+        total, count = (
+            np.bincount(order, weights=each, minlength=places.size) for each in (values[0], None)
+        )
+        return np.asarray(total / np.maximum(count, 1))
 
 
 def refused(scene: Scene) -> str:
@@ -286,11 +253,12 @@ def refused(scene: Scene) -> str:
         return "the response was derived for a gap that is even at rest, not tilted or bulging"
     if scene.epsilon == 0:
         return "the surface is at rest"
-    unknown = [term.label for term in terms_of(scene) if term.expansion_numbers(scene) is None]
-    unknown += [term.label for term in terms_of(scene) if isinstance(term, Inertia)]
-    if unknown:
-        return f"the response is not derived with {', '.join(unknown)}"
-    return ""
+    terms = terms_of(scene)
+    unknown = [
+        *(term.label for term in terms if term.expansion_numbers(scene) is None),
+        *(term.label for term in terms if isinstance(term, Inertia)),
+    ]
+    return f"the response is not derived with {', '.join(unknown)}" if unknown else ""
 
 
 def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:

@@ -11,26 +11,29 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from math import isfinite, nan, sqrt
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from squeezefilm.dynamics.averaged_film import averaged_film_of, refused
 from squeezefilm.dynamics.response import MOST_MODULATION
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
+from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import (
     OPEN,
     ErrorBudget,
     error_budgets,
     excluded_terms,
     resolve_auto_terms,
-    with_term,
 )
 from squeezefilm.quantities.outputs import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import notes_of
+from squeezefilm.tables import read_forces
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
 # ratios.
@@ -44,6 +47,8 @@ MOST_MODELLING_ERROR = 0.1
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2
+# Loads and amplitudes over the range of a table of forces.
+LOADS, AMPLITUDES = 8, 3
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
 LEAST_OSCILLATION = 1e-3
 DAMPED = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
@@ -122,17 +127,18 @@ def levitate(
     """
     if not (isfinite(load_n) and load_n > 0):
         raise InputError(f"load: {load_n:g} N must be a positive force")
-    how = _How(tolerance=tolerance, method=method, device=device)
-    gaps_m = _gaps(scene)
-    forces_n = _forces(_at(scene, gaps_m), tolerance=LOOK_TOLERANCE, method="auto", device=device)
-    brackets = _brackets(gaps_m, forces_n, load_n)
+    how = {"tolerance": tolerance, "method": method, "device": device}
+    gaps_m, forces_n = _looked_at(scene, device)
+    known = np.isfinite(forces_n)
+    gaps, above = gaps_m[known], forces_n[known] >= load_n
+    # Neighbouring gaps between which the force falls to the load, rising.
+    crossed = np.flatnonzero(above[:-1] & ~above[1:])
+    brackets = [(float(gaps[k]), float(gaps[k + 1])) for k in crossed]
     if not brackets:
-        known = forces_n[np.isfinite(forces_n)]
-        carried = (
-            f"{known.min():.2g} to {known.max():.2g} N, roughly, without inertia and heat"
-            if known.size
-            else "none"
-        )
+        carried = "none"
+        if known.any():
+            lowest, highest = forces_n[known].min(), forces_n[known].max()
+            carried = f"{lowest:.2g} to {highest:.2g} N, roughly, without inertia and heat"
         raise InputError(
             f"load: no gap from {gaps_m[0]:.3g} to {gaps_m[-1]:.3g} m carries {load_n:g} N at "
             f"hv = {scene.hv_m:g} m; forces there: {carried}"
@@ -143,17 +149,30 @@ def levitate(
     (chosen,) = resolve_auto_terms(
         [near], model_tolerance=model_tolerance, method=method, device=device
     )
-    found, not_included = _with_what_converges(near, chosen, brackets[-1], load_n=load_n, how=how)
+    # A term that is ``auto`` and keeps the force from being found is given up: heat, then inertia.
+    open_ = [name for name in reversed(OPEN) if getattr(near.gas, name) == "auto"]
+    not_included: dict[str, str] = {}
+    found = None
+    while found is None:
+        try:
+            found = _at_the_load(chosen, *brackets[-1], load_n=load_n, how=how)
+        except RunError as error:
+            name = next((n for n in open_ if getattr(chosen.gas, n) == "included"), None)
+            if name is None:
+                reasons = "; ".join([str(error), *notes_of(chosen)])
+                raise RunError(reasons) from error
+            not_included[name] = str(error).removeprefix("load: ")
+            chosen = chosen.with_gas(**{name: "none"})
     (budget,) = error_budgets([found.scene], device=device)
     notes = excluded_terms(near, method=method)
     for name, reason in not_included.items():
-        known = budget.effects[name].usable
-        effect = "its first order is in the modelling error" if known else "its effect is unknown"
+        usable = budget.effects[name].usable
+        effect = "its first order is in the modelling error" if usable else "its effect is unknown"
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
     stretched = notes_of(found.scene)
     found = replace(found, others_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched))
-    if reasons := found.untrustworthy:
-        text = "; ".join([*reasons, *notes])
+    if doubts := found.untrustworthy:
+        text = "; ".join([*doubts, *notes])
         raise RunError(f"load: no gap is given for {load_n:g} N: {text}")
     return found
 
@@ -162,19 +181,18 @@ def trustworthy(
     scene: Scene, *, tolerance: float, model_tolerance: float, device: Device, method: str = "auto"
 ) -> str:
     """The gaps, and loads, that are given at a scene's amplitude, roughly and in words."""
-    gaps_m = _gaps(scene)
-    forces_n = _forces(_at(scene, gaps_m), tolerance=LOOK_TOLERANCE, method="auto", device=device)
+    gaps_m, forces_n = _looked_at(scene, device)
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = np.gradient(forces_n, gaps_m)
     # Outside the limits even of the equation that has the most of them there is no need to ask.
-    open_to_all = replace(scene, gas=replace(scene.gas, inertia="included", heat="none"))
+    open_to_all = scene.with_gas(inertia="included", heat="none")
     some = [
         k
-        for k, gap in enumerate(gaps_m)
-        if slopes[k] < 0 < forces_n[k] and not exceeded(replace(open_to_all, h0_m=float(gap)))
+        for k, there in enumerate(_at(open_to_all, *gaps_m))
+        if slopes[k] < 0 < forces_n[k] and not exceeded(there)
     ]
     scenes = resolve_auto_terms(
-        [replace(scene, h0_m=float(gaps_m[k])) for k in some],
+        _at(scene, *gaps_m[some]),
         model_tolerance=model_tolerance,
         method=method,
         device=device,
@@ -193,60 +211,32 @@ def trustworthy(
     return f"at this amplitude gaps are given of about {gaps} µm, for about {loads} N"
 
 
-@dataclass(frozen=True)
-class _How:
-    """How forces are solved for while a gap is sought."""
-
-    tolerance: float
-    method: str
-    device: Device
-
-    def forces(self, scene: Scene, *gaps_m: float) -> np.ndarray:
-        """Mean forces and their errors at some gaps of a scene, shape (2, n)."""
-        there = [replace(scene, h0_m=gap) for gap in gaps_m]
-        found = solve(there, tolerance=self.tolerance, method=self.method, device=self.device)
-        if bad := next((each for each in found if each.status != "ok"), None):
-            raise RunError(f"load: no force near h0 = {gaps_m[0]:.4g} m: {bad.status}")
-        return np.array([(each.force_n, each.force_error_n) for each in found]).T
-
-
-def _with_what_converges(
-    near: Scene, chosen: Scene, bracket: tuple[float, float], *, load_n: float, how: _How
-) -> tuple[Levitation, dict[str, str]]:
-    """The gap, without terms that are ``auto`` and keep its force from being found, and why.
-
-    Heat goes first, then inertia.
-    """
-    not_included: dict[str, str] = {}
-    open_ = [name for name in reversed(OPEN) if getattr(near.gas, name) == "auto"]
-    while True:
-        try:
-            return _at_the_load(chosen, bracket, load_n=load_n, how=how), not_included
-        except RunError as error:
-            name = next((n for n in open_ if getattr(chosen.gas, n) == "included"), None)
-            if name is None:
-                reasons = "; ".join([str(error), *notes_of(chosen)])
-                raise RunError(reasons) from error
-            not_included[name] = str(error).removeprefix("load: ")
-            chosen = with_term(chosen, name, "none")
+def _forces(scene: Scene, *gaps_m: float, how: dict[str, Any]) -> np.ndarray:
+    """Mean forces and their errors at some gaps of a scene, shape (2, n)."""
+    found = solve(_at(scene, *gaps_m), **how)
+    if bad := next((each for each in found if each.status != "ok"), None):
+        raise RunError(f"load: no force near h0 = {gaps_m[0]:.4g} m: {bad.status}")
+    return np.array([(each.force_n, each.force_error_n) for each in found]).T
 
 
 def _at_the_load(
-    scene: Scene, bracket: tuple[float, float], *, load_n: float, how: _How
+    scene: Scene, low: float, high: float, *, load_n: float, how: dict[str, Any]
 ) -> Levitation:
     """The gap of one equation, without its budget: sought with rough forces, then refined."""
-    rough = replace(how, tolerance=max(how.tolerance, ROUGH_TOLERANCE))
-    h0_m = _root(lambda gap: float(rough.forces(scene, gap)[0, 0]) - load_n, *bracket)
-    forces, errors = rough.forces(scene, *_around(h0_m))
+    tolerance = how["tolerance"]
+    rough = how | {"tolerance": max(tolerance, ROUGH_TOLERANCE)}
+    h0_m = _root(lambda gap: float(_forces(scene, gap, how=rough)[0, 0]) - load_n, low, high)
+    around = 1 + STEP * np.array(AROUND)
+    forces, errors = _forces(scene, *(h0_m * around), how=rough)
     slope, _ = quotient(forces, errors, h0_m)
     for _ in range(MOST_STEPS):
-        step_m = float(how.forces(scene, h0_m)[0, 0] - load_n) / slope
+        step_m = float(_forces(scene, h0_m, how=how)[0, 0] - load_n) / slope
         h0_m += step_m
-        if abs(step_m) <= how.tolerance * h0_m:
+        if abs(step_m) <= tolerance * h0_m:
             break
         if not abs(step_m) <= STEP * h0_m:
             raise RunError(f"load: the gap near {h0_m:.4g} m was not found to the tolerance")
-    forces, errors = how.forces(scene, h0_m, *_around(h0_m))
+    forces, errors = _forces(scene, h0_m, *(h0_m * around), how=how)
     stiffness, stiffness_error = quotient(forces[1:], errors[1:], h0_m)
     return Levitation(
         scene=replace(scene, h0_m=h0_m),
@@ -260,42 +250,24 @@ def _at_the_load(
     )
 
 
-def _around(h0_m: float) -> list[float]:
-    """Gaps about one for a difference quotient."""
-    return [h0_m * (1 + step * STEP) for step in AROUND]
+def _at(scene: Scene, *gaps_m: float) -> list[Scene]:
+    return [replace(scene, h0_m=float(gap)) for gap in gaps_m]
 
 
-def _gaps(scene: Scene) -> np.ndarray:
-    """Gaps to look at, rising, from where the surface comes near to the finger somewhere."""
+def _looked_at(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarray]:
+    """Gaps, rising, from where the surface comes near to the finger somewhere, and their forces.
+
+    Rough forces, without the terms that such a look can do without; NaN where there is none.
+    """
     least, most = max(scene.hv_m / CLOSEST, GAPS_M[0]), min(scene.hv_m / FARTHEST, GAPS_M[1])
     gap = scene.finger.gap
     if not gap.flat:
         x, y = scene.inside()
         excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
         least = max(least, float((excursion_m / CLOSEST - gap.rise_m(x, y)).max()))
-    return np.geomspace(least, max(least, most), LOOKED_AT)
-
-
-def _at(scene: Scene, gaps_m: np.ndarray) -> list[Scene]:
-    """The scene at some gaps, without the terms that the rough look can do without."""
-    gas = replace(scene.gas, inertia="none", heat="none")
-    return [replace(scene, h0_m=float(gap), gas=gas) for gap in gaps_m]
-
-
-def _forces(
-    scenes: Sequence[Scene], *, tolerance: float, method: str, device: Device
-) -> np.ndarray:
-    """Mean forces, NaN where there is none."""
-    found = solve(scenes, tolerance=tolerance, method=method, device=device)
-    return np.array([each.force_n for each in found])
-
-
-def _brackets(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float) -> list[tuple[float, float]]:
-    """Neighbouring gaps between which the force falls to the load, rising."""
-    known = np.isfinite(forces_n)
-    gaps, above = gaps_m[known], forces_n[known] >= load_n
-    crossed = np.flatnonzero(above[:-1] & ~above[1:])
-    return [(float(gaps[k]), float(gaps[k + 1])) for k in crossed]
+    gaps_m = np.geomspace(least, max(least, most), LOOKED_AT)
+    found = solve(_at(scene.viscous(), *gaps_m), tolerance=LOOK_TOLERANCE, device=device)
+    return gaps_m, np.array([each.force_n for each in found])
 
 
 def _root(excess: Callable[[float], float], low: float, high: float) -> float:
@@ -304,17 +276,11 @@ def _root(excess: Callable[[float], float], low: float, high: float) -> float:
 
     excess = cache(excess)
     for _ in range(8):
-        if excess(low) >= 0:
-            break
-        low /= 1.1
-    for _ in range(8):
-        if excess(high) <= 0:
-            break
-        high *= 1.1
+        low = low if excess(low) >= 0 else low / 1.1
+        high = high if excess(high) <= 0 else high * 1.1
     try:
-        return float(
-            brentq(excess, low, high, rtol=ROUGH_TOLERANCE / 10, xtol=1e-15, maxiter=MOST_STEPS)
-        )
+        rough = ROUGH_TOLERANCE / 10
+        return float(brentq(excess, low, high, rtol=rough, xtol=1e-15, maxiter=MOST_STEPS))
     except (ValueError, RuntimeError) as error:
         raise RunError(f"load: the gap was not found between {low:.4g} and {high:.4g} m") from error
 
@@ -352,7 +318,7 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
     scene = found.scene
     if not found.stable:
         return Resonance(nan, nan, "no resonance: not stable")
-    settled = replace(scene, gas=replace(scene.gas, inertia="none", heat="none"))
+    settled = scene.viscous()
     if reason := refused(settled):
         return _unknown(reason)
     film, error = averaged_film_of(settled)
@@ -374,3 +340,82 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
 
 def _unknown(reason: str) -> Resonance:
     return Resonance(nan, nan, f"resonance not known: {reason}")
+
+
+COLUMNS: dict[str, Callable[[Levitation], object]] = {
+    "h0_m": lambda found: found.scene.h0_m,
+    "h0_error_m": lambda found: found.h0_error_m,
+    "h0_modelling_error_lower_m": lambda found: found.modelling_error_m[0],
+    "h0_modelling_error_upper_m": lambda found: found.modelling_error_m[1],
+    "others_m": lambda found: "; ".join(f"{each:.3g}" for each in found.others_m),
+    "stiffness_n_per_m": lambda found: found.stiffness_n_per_m,
+    "stiffness_error_n_per_m": lambda found: found.stiffness_error_n_per_m,
+    "stable": lambda found: found.stable,
+    "epsilon": lambda found: found.scene.epsilon,
+    "modified_reynolds": lambda found: found.scene.modified_reynolds,
+    "inertia": lambda found: found.scene.gas.inertia,
+    "left_out_least_percent": lambda found: found.budget.modelling_error_percent[0],
+    "left_out_most_percent": lambda found: found.budget.modelling_error_percent[1],
+    "above_range": lambda found: "; ".join(found.budget.above_range),
+}
+"""Of a table of levitations, between the load and its status."""
+
+
+def loads_like(path: str) -> tuple[list[float], list[float]]:
+    """Loads and amplitudes over the range of a table of forces.
+
+    Raises InputError where no force is positive.
+    """
+    table = read_forces(path)
+    known = table.loc[table["force_n"] > 0, "force_n"]
+    if known.empty:
+        raise InputError(f"{path}: has no force above 0")
+    loads_n = np.geomspace(known.min(), known.max(), LOADS)
+    levels = np.sort(table["hv_m"].unique())
+    places = np.linspace(0, len(levels) - 1, AMPLITUDES).round().astype(int)
+    return loads_n.tolist(), list(dict.fromkeys(levels[places].tolist()))
+
+
+def levitations(
+    scenes: Sequence[Scene],
+    loads_n: Sequence[float],
+    *,
+    how: dict[str, Any],
+    scan_error_n: Callable[[Scene], float],
+    mass_kg: float | None = None,
+) -> tuple[pd.DataFrame, Levitation | None, Resonance | None]:
+    """A table with a row for each scene and load, whose gap is sought, and the last gap in full.
+
+    Args:
+        how: the settings of ``levitate``.
+        scan_error_n: what the scan of a measured profile leaves open in a scene's force.
+        mass_kg: that floats, for its resonance.
+    """
+    rows = []
+    found = moving = None
+    with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
+        for scene in scenes:
+            for load_n in loads_n:
+                row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
+                try:
+                    found = levitate(scene, load_n=load_n, **how)
+                    more_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
+                    found = replace(found, h0_error_m=found.h0_error_m + more_m)
+                    moving = None if mass_kg is None else resonance(found, mass_kg=mass_kg)
+                    row |= {name: of(found) for name, of in COLUMNS.items()}
+                    row |= {"status": "ok", "note": "; ".join(_notes(found, moving))}
+                    if moving is not None:
+                        row["resonance_hz"] = moving.frequency_hz
+                        row["damping_ratio"] = moving.damping_ratio
+                except (InputError, RunError) as error:
+                    row["status"] = str(error).removeprefix("load: ")
+                rows.append(row)
+                bar.update(1)
+    columns = ["load_n", "hv_m", *COLUMNS, "status", "note"]
+    columns += ["resonance_hz", "damping_ratio"] if mass_kg is not None else []
+    return pd.DataFrame(rows).reindex(columns=columns), found, moving
+
+
+def _notes(found: Levitation, moving: Resonance | None) -> list[str]:
+    basis, reason = found.budget.basis, moving.reason if moving else ""
+    return [*found.notes, *[f"left out: of {basis}"] * bool(basis), *[reason] * bool(reason)]

@@ -6,12 +6,14 @@ follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, throug
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from functools import partial
 from math import inf, nan, pi
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import brentq
 
 from squeezefilm.dynamics.averaged_film import (
@@ -23,11 +25,11 @@ from squeezefilm.dynamics.averaged_film import (
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import exceeded
+from squeezefilm.film.validity import exceeded, validity
+from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.outputs import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.solution import Solution
 
 # Relative error of the settled force up to which the slow film's numbers are given.
 SLOW_ERROR = 0.03
@@ -50,23 +52,6 @@ CHANGED = {
     "rise": "rise_s",
     "release": "release_s",
 }
-
-
-@dataclass(frozen=True)
-class Gains:
-    """Relative change of the force per small relative change of the amplitude.
-
-    Attributes:
-        frequency_hz: of the modulation, shape (n,).
-        gain: its size, 2 or a little more for a modulation that is slow enough.
-        phase_deg: of the force behind the amplitude where it is negative.
-        error: of ``gain``, relative, and of the phase in radians.
-    """
-
-    frequency_hz: np.ndarray
-    gain: np.ndarray
-    phase_deg: np.ndarray
-    error: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -95,41 +80,49 @@ class Response:
     error: float
 
 
-@dataclass(frozen=True)
-class Steps:
-    """Mean force after the surface starts from rest, and after it stops; shapes (n,).
+def gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
+    """Relative change of a scene's force per small relative change of the amplitude.
 
-    By the slow film: what lies within two periods of the vibration is no more than a direction.
-    """
-
-    time_s: np.ndarray
-    rising_n: np.ndarray
-    falling_n: np.ndarray
-
-
-def gains(scene: Scene, frequency_hz: np.ndarray) -> Gains:
-    """Gain and phase of a scene's force at some modulation frequencies.
+    Returns:
+        A row for each ``frequency_hz`` of the modulation: the size ``gain``, 2 or a little more
+        where it is slow enough, ``phase_deg`` of the force behind the amplitude where negative, and
+        ``error``, of the gain, relative, and of the phase in radians.
 
     Raises:
         InputError: for a frequency that is not slow against the vibration.
         RunError: saying why the scene is not supported.
     """
-    frequency_hz = np.asarray(frequency_hz, dtype=float)
-    vibration_hz = scene.actuator.frequency_hz
-    most = MOST_MODULATION * vibration_hz
-    if not np.all((frequency_hz > 0) & (frequency_hz <= most)):
+    modulations = np.asarray(frequency_hz, dtype=float) / scene.actuator.frequency_hz
+    if not np.all((modulations > 0) & (modulations <= MOST_MODULATION)):
         raise InputError(
-            f"a modulation's frequency must lie above 0 and up to {most:g} Hz, a tenth of the "
-            "vibration's"
+            f"a modulation's frequency must lie above 0 and up to "
+            f"{MOST_MODULATION * scene.actuator.frequency_hz:g} Hz, a tenth of the vibration's"
         )
     film, error = _slow(scene)
-    modulations = frequency_hz / vibration_hz
     found = film.response(modulations)
-    return Gains(
-        frequency_hz=frequency_hz,
-        gain=np.abs(found),
-        phase_deg=np.degrees(np.angle(found)),
-        error=error + AVERAGING_ERROR * modulations**2,
+    return pd.DataFrame(
+        {
+            "frequency_hz": frequency_hz,
+            "gain": np.abs(found),
+            "phase_deg": np.degrees(np.angle(found)),
+            "error": error + AVERAGING_ERROR * modulations**2,
+        }
+    )
+
+
+def steps_of(scene: Scene) -> pd.DataFrame:
+    """The mean force at times after start from rest and after stop of a scene's vibration.
+
+    By the slow film: what lies within two periods of the vibration is no more than a direction.
+    Raises RunError saying why the scene is not supported.
+    """
+    time, rising, falling = _steps(_slow(scene)[0])
+    return pd.DataFrame(
+        {
+            "time_s": time / scene.actuator.angular_frequency_rad_per_s,
+            "rising_n": rising * scene.force_scale_n,
+            "falling_n": falling * scene.force_scale_n,
+        }
     )
 
 
@@ -139,35 +132,6 @@ def response(scene: Scene) -> Response:
     Raises RunError saying why the scene is not supported.
     """
     return _response(scene, *_slow(scene))
-
-
-def slip_changes(scene: Scene) -> dict[str, float]:
-    """Changes in % of a supported scene's response with first-order slip, by their columns.
-
-    From the slow equation with and without slip on the coarsest grid: 0 where the scene has slip,
-    NaN above the Knudsen numbers that slip of first order is meant for.
-    """
-    pairs = [(nan, nan)] * len(CHANGED)
-    slipping = replace(scene, gas=replace(scene.gas, rarefaction="slip"))
-    if not exceeded(slipping, symbols=("Kn",)):
-        both = [_response(each, *film_on(each, POINTS[0])) for each in (scene, slipping)]
-        pairs = [(getattr(both[0], name), getattr(both[1], name)) for name in CHANGED.values()]
-    return {
-        f"slip_{what}_percent": 100 * (after / before - 1)
-        for what, (before, after) in zip(CHANGED, pairs, strict=True)
-    }
-
-
-def steps_of(scene: Scene) -> Steps:
-    """The mean force after start and stop of a scene's vibration, by the slow film.
-
-    Raises RunError saying why the scene is not supported.
-    """
-    film, _ = _slow(scene)
-    time, rising, falling = _steps(film)
-    scale = scene.force_scale_n
-    time_s = time / scene.actuator.angular_frequency_rad_per_s
-    return Steps(time_s, rising * scale, falling * scale)
 
 
 def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
@@ -236,53 +200,115 @@ def _crossing(time: np.ndarray, left: np.ndarray) -> float:
     return float(time[last] + share * (time[last + 1] - time[last]))
 
 
-def slow_gains(
-    scenes: Sequence[Scene], *, tolerance: float, device: Device
-) -> list[tuple[float, float]]:
-    """Relative change of the force per relative change of the amplitude, and its error.
+def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> np.ndarray:
+    """Relative change of the force per relative change of the amplitude, and its error: (n, 2).
 
     By difference quotients of forces; the scenes' terms must be decided. NaN where an amplitude
     within 2 % has no force.
     """
     factors = 1 + STEP * np.array([0, *AROUND])
-    forces = solve(
+    found = solve(
         [replace(scene, hv_m=float(scene.hv_m * each)) for scene in scenes for each in factors],
         tolerance=min(tolerance, GAIN_TOLERANCE),
         device=device,
     )
-    count = len(factors)
-    return [_gain(forces[k * count : (k + 1) * count], each.hv_m) for k, each in enumerate(scenes)]
-
-
-def _gain(solutions: Sequence[Solution], hv_m: float) -> tuple[float, float]:
-    if any(each.status != "ok" for each in solutions):
-        return nan, nan
-    forces, errors = np.array([(each.force_n, each.force_error_n) for each in solutions]).T
+    values = np.array([(each.force_n, each.force_error_n) for each in found])
+    forces, errors = values.reshape(len(scenes), len(factors), 2).T
+    hv_m = np.array([scene.hv_m for scene in scenes])
     slope, error = quotient(forces[1:], errors[1:], hv_m)
     gain = -slope * hv_m / forces[0]
-    return gain, abs(gain) * errors[0] / abs(forces[0]) + error * hv_m / forces[0]
+    relative = errors[0] / np.abs(forces[0])
+    return np.stack([gain, np.abs(gain) * relative + error * hv_m / forces[0]], axis=-1)
 
 
-def gain_changes(
+def neglected(
     scenes: Sequence[Scene], *, tolerance: float, device: Device
 ) -> list[dict[str, float]]:
-    """Changes in % of the gain of slow modulation with each of NEGLECTED, by their columns.
+    """Changes in % of the scenes' responses by what the averaged film neglects, by columns.
 
-    NaN where a force is not found with it.
+    Of the gain of slow modulation with each of NEGLECTED, NaN where a force is not found with it.
+    Of CHANGED with first-order slip, from the slow equation with and without it on the coarsest
+    grid: 0 where the scene has slip, NaN above the Knudsen numbers that it is meant for.
     """
     choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED)]
-    without = [replace(each, gas=replace(each.gas, inertia="none", heat="none")) for each in scenes]
-    found = slow_gains(
-        [replace(one, gas=replace(one.gas, **choice)) for one in without for choice in choices],
-        tolerance=tolerance,
-        device=device,
+    with_each = [scene.viscous().with_gas(**choice) for scene in scenes for choice in choices]
+    found = slow_gains(with_each, tolerance=tolerance, device=device)
+    gain, error = found.reshape(len(scenes), len(choices), 2).T
+    rows = []
+    for k, scene in enumerate(scenes):
+        row = _slip_changes(scene)
+        for name, with_it, off in zip(NEGLECTED, gain[1:, k], error[1:, k], strict=True):
+            row[f"{name}_gain_percent"] = 100 * (with_it / gain[0, k] - 1)
+            row[f"{name}_gain_error_percent"] = 100 * (off + error[0, k]) / gain[0, k]
+        rows.append(row)
+    return rows
+
+
+def _slip_changes(scene: Scene) -> dict[str, float]:
+    slipping = scene.with_gas(rarefaction="slip")
+    if exceeded(slipping, symbols=("Kn",)):
+        return {f"slip_{what}_percent": nan for what in CHANGED}
+    before, after = (_response(each, *film_on(each, POINTS[0])) for each in (scene, slipping))
+    return {
+        f"slip_{what}_percent": 100 * (getattr(after, name) / getattr(before, name) - 1)
+        for what, name in CHANGED.items()
+    }
+
+
+def responses(
+    table: pd.DataFrame, scenes: Sequence[Scene], *, tolerance: float, device: Device
+) -> pd.DataFrame:
+    """The table with the response of each scene."""
+    found = _beside(
+        table,
+        scenes,
+        lambda scene: pd.DataFrame([asdict(response(scene))]),
+        {each.name: [nan] for each in fields(Response)},
     )
-    changes = []
-    for first in range(0, len(found), len(choices)):
-        (base, doubt), *others = found[first : first + len(choices)]
-        row = {}
-        for name, (gain, error) in zip(NEGLECTED, others, strict=True):
-            row[f"{name}_gain_percent"] = 100 * (gain / base - 1)
-            row[f"{name}_gain_error_percent"] = 100 * (error + doubt) / base
-        changes.append(row)
-    return changes
+    known = np.flatnonzero(found["status"] == "ok").tolist()
+    changes = neglected([scenes[k] for k in known], tolerance=tolerance, device=device)
+    return pd.concat([found, pd.DataFrame(changes, index=known)], axis=1)
+
+
+def all_gains(
+    table: pd.DataFrame, scenes: Sequence[Scene], frequency_hz: np.ndarray
+) -> pd.DataFrame:
+    """The table with a row for each scene and frequency: gain and phase."""
+    unknown = dict.fromkeys(("gain", "phase_deg", "error"), nan)
+    tables = []
+    for k, scene in enumerate(scenes):
+        slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz
+        for some in filter(len, (frequency_hz[slow], frequency_hz[~slow])):
+            of_some = partial(gains, frequency_hz=some)
+            known_none = {"frequency_hz": some, **unknown}
+            tables.append(_beside(table.iloc[[k]], [scene], of_some, known_none))
+    return pd.concat(tables, ignore_index=True)
+
+
+def all_steps(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
+    """The table with a row for each scene and time: the mean force after start and stop."""
+    unknown = {name: [nan] for name in ("time_s", "rising_n", "falling_n")}
+    return _beside(table, scenes, steps_of, unknown)
+
+
+def _beside(
+    table: pd.DataFrame,
+    scenes: Sequence[Scene],
+    find: Callable[[Scene], pd.DataFrame],
+    unknown: dict[str, Any],
+) -> pd.DataFrame:
+    """Each row of a table, with its validity, beside each row that is found for its scene.
+
+    The ``status`` is ``ok``, or the reason why a scene keeps what is unknown.
+    """
+    rows = []
+    with progress_bar(len(scenes), unit="scene", name="response") as bar:
+        for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
+            try:
+                found = find(scene).assign(status="ok")
+            except (InputError, RunError) as error:
+                found = pd.DataFrame(unknown).assign(status=str(error))
+            row["validity"] = validity(scene.viscous())
+            rows += [row | each for each in found.to_dict(orient="records")]
+            bar.update(1)
+    return pd.DataFrame(rows)

@@ -114,6 +114,14 @@ class Scene(OperatingPoints):
         """What stays the same between operating points."""
         return Film(self.gas, self.actuator, self.finger)
 
+    def with_gas(self, **numbers: Any) -> Scene:
+        """The scene with other numbers or terms of its gas."""
+        return replace(self, gas=replace(self.gas, **numbers))
+
+    def viscous(self) -> Scene:
+        """The scene of a gas without inertia and heat."""
+        return self.with_gas(inertia="none", heat="none")
+
     def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's s at positions x, y in [0, 1] across the finger, any common shape."""
         return self.film.pad_profile.amplitude(x, y, x_m=self.x_m, y_m=self.y_m)

@@ -14,7 +14,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.conformal_axis import Around
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.problems import Problems
 from squeezefilm.reynolds.spectral import Axis
@@ -222,79 +221,68 @@ def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
     Args:
         tolerance: preconditioned residual over its size at the start, one or one for each scene.
     """
-    precondition, adjoint = _preconditioner(films, adjoint=True), _adjoint_jacobian(films)
-    right = 1 / (films.gap * films.density_slope)[films.inner]
+    precondition, jacobian = _preconditioner(films, adjoint=True), _jacobian(films, adjoint=True)
+    # The transpose is adjoint in plain sums; by the quadrature's weights in its integrals.
+    weights = films.weights.reshape(films.gap.shape[1:])[films.inner[1:]]
+    right = precondition(weights / (films.gap * films.density_slope)[films.inner]) / weights
     return gmres(
-        lambda values: precondition(adjoint(values)), precondition(right), tolerance=tolerance
+        lambda values: precondition(jacobian(weights * values)) / weights,
+        right,
+        tolerance=tolerance,
     )
 
 
 def response(films: Fields, source: np.ndarray, *, tolerance: float) -> np.ndarray:
     """w of J w = ``source``, all at the unknowns, shape (scenes, nx, ny, nt)."""
-    precondition, jacobian = _preconditioner(films, adjoint=False), _jacobian(films)
+    precondition, jacobian = _preconditioner(films), _jacobian(films)
     return gmres(
         lambda values: precondition(jacobian(values)), precondition(source), tolerance=tolerance
     )
 
 
-def _jacobian(films: Fields) -> Operator:
-    """J w = ∇·Σ c_k H^(3−k) ∇(ρ^(1−k) w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X."""
-    speed = films.numbers("bearing", absent=0.0)
-
-    def apply(values: np.ndarray) -> np.ndarray:
-        mass = films.on_all_nodes(values)
-        rise = mass / (films.gap * films.density_slope)
-        flux = sum(
-            films.gradient(films.density ** (1 - k) * rise) * factor
-            for k, factor in enumerate(films.flux_coefficients)
-        )
-        moved = films.sigma * films.t_derivative(mass) + speed * films.x_derivative(mass)
-        return np.asarray((films.divergence(np.asarray(flux)) - moved)[films.inner])
-
-    return apply
-
-
-def _adjoint_jacobian(films: Fields) -> Operator:
-    """J* of ``_jacobian``."""
-    grid, x, y = films.grid, films.along_x, films.along_y
-    rows_x, rows_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
-    # Adjoints of gradient and divergence, each between unknowns and all nodes.
-    to_x = _adjoint(x.of_odd[rows_x], x.weights[rows_x], x.weights)
-    to_y = _adjoint(y.of_odd[rows_y], y.weights[rows_y], y.weights) / films.aspect
-    from_x = _adjoint(x.of_even[:, rows_x], x.weights, x.weights[rows_x])
-    from_y = _adjoint(y.of_even[:, rows_y], y.weights, y.weights[rows_y]) / films.aspect
-    slide = _adjoint(x.of_even[rows_x, rows_x], x.weights[rows_x], x.weights[rows_x])
-    speed = films.numbers("bearing", absent=0.0)
+def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
+    """J w = ∇·Σ c_k H^(3−k) ∇(ρ^(1−k) w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose."""
+    x, y, (_, rows_x, rows_y) = films.along_x, films.along_y, films.inner
+    # Between unknowns and all nodes: gradient and divergence along each axis.
+    slopes = [
+        (along_x, x.of_even[:, rows_x], x.of_odd[rows_x]),
+        (along_y, y.of_even[:, rows_y] / films.aspect, y.of_odd[rows_y] / films.aspect),
+    ]
+    speed, slide = films.numbers("bearing", absent=0.0), x.of_even[rows_x, rows_x]
+    in_time = films.grid.t.derivative
+    if adjoint:
+        slopes = [(along, last.T, first.T) for along, first, last in slopes]
+        slide, in_time = slide.T, in_time.T
     terms = [
         (
-            factor[:, :, rows_y],
-            factor[:, rows_x],
             (films.density ** (1 - k) / (films.gap * films.density_slope))[films.inner],
+            (factor[:, :, rows_y], factor[:, rows_x]),
         )
         for k, factor in enumerate(films.flux_coefficients)
     ]
 
     def apply(values: np.ndarray) -> np.ndarray:
-        slope_x, slope_y = along_x(to_x, values), along_y(to_y, values)
-        result = films.sigma * films.t_derivative(values)
-        for factor_x, factor_y, response in terms:
-            result += response * (
-                along_x(from_x, factor_x * slope_x) + along_y(from_y, factor_y * slope_y)
-            )
+        result = -films.sigma * along_t(in_time, values)
         if np.any(speed):
             result -= speed * along_x(slide, values)
+        for rise, factors in terms:
+            start = values if adjoint else rise * values
+            for (along, first, last), factor in zip(slopes, factors, strict=True):
+                flow = along(last, factor * along(first, start))
+                result += rise * flow if adjoint else flow
         return result
 
     return apply
 
 
-def _preconditioner(films: Fields, *, adjoint: bool) -> Operator:
-    """Inverse of D Δ − σ ∂/∂T by diagonalisation, or its adjoint; D is the mean diffusivity."""
+def _preconditioner(films: Fields, *, adjoint: bool = False) -> Operator:
+    """Inverse of D Δ − σ ∂/∂T by diagonalisation, or its transpose; D is the mean diffusivity."""
     grid = films.grid
     diffusivity = films.mobility * films.density / films.density_slope
     strength = diffusivity[films.inner].mean(axis=(1, 2, 3), keepdims=True)
-    values_x, to_x, from_x = _eigenvectors(grid.x, adjoint=adjoint)
-    values_y, to_y, from_y = _eigenvectors(grid.y, adjoint=adjoint)
+    (values_x, from_x, to_x), (values_y, from_y, to_y) = grid.x.modes, grid.y.modes
+    if adjoint:
+        from_x, to_x, from_y, to_y = to_x.T, from_x.T, to_y.T, from_y.T
     symbol = strength * np.add.outer(values_x, values_y / films.aspect**2)[..., None]
     rate = films.sigma * np.arange(grid.nt // 2 + 1)
     rate[..., -1] = 0  # as the sawtooth has no derivative on the nodes
@@ -305,26 +293,6 @@ def _preconditioner(films: Fields, *, adjoint: bool) -> Operator:
         return along_x(from_x, along_y(from_y, np.fft.irfft(modal, n=grid.nt)))
 
     return apply
-
-
-@lru_cache(maxsize=64)
-def _eigenvectors(
-    axis: Axis | Around, *, adjoint: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Eigenvalues, analysis and synthesis of the second derivative, or of its adjoint."""
-    values, vectors, inverse = axis.modes
-    if adjoint:
-        ones = np.ones_like(values)
-        vectors, inverse = (
-            _adjoint(inverse, ones, axis.weights),
-            _adjoint(vectors, axis.weights, ones),
-        )
-    return values, inverse, vectors
-
-
-def _adjoint(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Adjoint of a matrix between spaces with such quadrature weights."""
-    return np.asarray(matrix.T * rows / columns[:, None])
 
 
 def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.adjoint import Fields, sensitivity
-from squeezefilm.quantities.states import alike, fields_of, remainder, with_states
+from squeezefilm.quantities.states import Solved, alike, fields_of, remainder, with_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.problems import numbers_table, problems_of
 from squeezefilm.reynolds.terms import terms_of
@@ -58,25 +58,23 @@ def with_derivatives(
     They are those of the periodic state, by whichever method its force was found.
     """
     tolerance = max(tolerance, LEAST_TOLERANCE)
-    found = {
-        k: Derivatives(status=_refused(*each))
-        for k, each in enumerate(zip(scenes, solutions, strict=True))
-    }
-    known = [k for k, each in found.items() if each.status == "ok"]
-    films = [scenes[k] for k in known]
-    solved = with_states(films, [solutions[k] for k in known], tolerance=tolerance, device=device)
-    for k, solution in zip(known, solved, strict=True):
+    found = [Derivatives(status=_refused(*each)) for each in zip(scenes, solutions, strict=True)]
+    known = [k for k, each in enumerate(found) if each.status == "ok"]
+    films, forces = [scenes[k] for k in known], [solutions[k] for k in known]
+    solved: Solved = {}
+    for k, solution in zip(
+        known, with_states(films, forces, tolerance=tolerance, device=device), strict=True
+    ):
         if not solution.states:
             found[k] = Derivatives(status=solution.status)
         elif solution.states[-1].grid.count > MOST_UNKNOWNS:
             reason = f"derivatives to {tolerance:g} want more than {MOST_UNKNOWNS} unknowns"
             found[k] = Derivatives(status=reason)
-    some = [n for n, k in enumerate(known) if found[k].status == "ok"]
-    films, solved = [films[n] for n in some], [solved[n] for n in some]
-    for group in alike(films, solved, numbers=MOST_TOGETHER):
-        theirs = [films[n] for n in group], [solved[n] for n in group]
-        for n, each in zip(group, _derivatives(*theirs, tolerance=tolerance), strict=True):
-            found[known[some[n]]] = each
+        else:
+            solved[k] = scenes[k], solution
+    for group in alike(solved, numbers=MOST_TOGETHER):
+        for k, each in zip(group, _derivatives(group, tolerance=tolerance), strict=True):
+            found[k] = each
     return [replace(solution, derivatives=found[k]) for k, solution in enumerate(solutions)]
 
 
@@ -104,10 +102,9 @@ def _refused(scene: Scene, solution: Solution) -> str:
     return "ok"
 
 
-def _derivatives(
-    scenes: list[Scene], solutions: list[Solution], *, tolerance: float
-) -> list[Derivatives]:
+def _derivatives(group: Solved, *, tolerance: float) -> list[Derivatives]:
     """Derivatives of scenes of like terms, by two grids."""
+    scenes, solutions = zip(*group.values(), strict=True)
     with np.errstate(all="ignore"):
         (before, _), (growth, missed) = (
             _growths(scenes, fields_of(scenes, solutions, grid=grid), tolerance=tolerance)
@@ -173,10 +170,10 @@ def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
     """A scene's derivatives, those to its place turned into the actuator's axes."""
     if not np.isfinite(error).all():
         return Derivatives(status=NOT_FOUND)
-    units = [_unit(scene, number) for number in DERIVATIVES]
-    values = dict(zip(DERIVATIVES, (growth / units).tolist(), strict=True))
-    errors = dict(zip(DERIVATIVES, (error / units).tolist(), strict=True))
-    finger = scene.finger
+    units, finger = [_unit(scene, number) for number in DERIVATIVES], scene.finger
+    values, errors = (
+        dict(zip(DERIVATIVES, (each / units).tolist(), strict=True)) for each in (growth, error)
+    )
     values["x_m"], values["y_m"] = finger.turned(values["x_m"], values["y_m"])
     from_x, from_y = finger.turned(errors["x_m"], 0.0), finger.turned(0.0, errors["y_m"])
     errors["x_m"], errors["y_m"] = (abs(a) + abs(b) for a, b in zip(from_x, from_y, strict=True))
@@ -201,7 +198,7 @@ def moved(scene: Scene, number: str, by: float) -> Scene:
         return replace(scene, x_m=scene.x_m + x_m, y_m=scene.y_m + y_m)
     if number in ("h0_m", "hv_m"):
         return replace(scene, **{number: getattr(scene, number) + by})
-    return replace(scene, gas=replace(scene.gas, **{number: getattr(scene.gas, number) + by}))
+    return scene.with_gas(**{number: getattr(scene.gas, number) + by})
 
 
 def _unit(scene: Scene, number: str) -> float:

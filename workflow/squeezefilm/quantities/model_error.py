@@ -23,9 +23,8 @@ from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities.adjoint import sensitivity
 from squeezefilm.quantities.first_order import ENTRANCE_LEAST, ENTRANCE_MOST, Answers
-from squeezefilm.quantities.states import alike, fields_of
+from squeezefilm.quantities.states import Solved, alike, fields_of, with_states
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import first_reason, terms_of
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
@@ -165,26 +164,20 @@ def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> l
 
 
 def _budgets(scenes: list[Scene], device: Device | None) -> list[ErrorBudget]:
-    found = {k: ErrorBudget(status="no vibration, no force") for k in range(len(scenes))}
+    found = [ErrorBudget(status="no vibration, no force")] * len(scenes)
     moving = [k for k, scene in enumerate(scenes) if scene.epsilon]
-    solutions = solve(
-        [scenes[k] for k in moving],
-        tolerance=GRID_TOLERANCE,
-        method="periodic",
-        device=device,
-        keep_states=True,
-    )
-    found |= {k: ErrorBudget(status=each.status) for k, each in zip(moving, solutions, strict=True)}
-    solved = {k: each for k, each in zip(moving, solutions, strict=True) if each.states}
-    places, states = list(solved), list(solved.values())
-    films = [scenes[k] for k in places]
-    for group in alike(films, states, numbers=MOST_NUMBERS):
-        some = [films[k] for k in group]
-        shares = _shares(some, [states[k] for k in group], device)
+    solved = with_states([scenes[k] for k in moving], tolerance=GRID_TOLERANCE, device=device)
+    for k, solution in zip(moving, solved, strict=True):
+        found[k] = ErrorBudget(status=solution.status)
+    with_state = {
+        k: (scenes[k], each) for k, each in zip(moving, solved, strict=True) if each.states
+    }
+    for group in alike(with_state, numbers=MOST_NUMBERS):
+        shares = _shares(group, device)
         for n, k in enumerate(group):
             percent = {name: 100 * float(share[n]) for name, share in shares.items()}
-            found[places[k]] = _budget(some[n], percent)
-    return list(found.values())
+            found[k] = _budget(scenes[k], percent)
+    return found
 
 
 def _plain(scene: Scene) -> Scene:
@@ -199,7 +192,7 @@ def _plain(scene: Scene) -> Scene:
             length_y_m=finger.rectangle_within * finger.length_y_m,
             gap=GapShape(),
         )
-    return replace(scene, finger=finger, gas=replace(scene.gas, inertia="none", heat="none"))
+    return replace(scene.viscous(), finger=finger)
 
 
 def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
@@ -214,10 +207,9 @@ def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
     return replace(budget, effects={**budget.effects, **own}, basis=basis)
 
 
-def _shares(
-    scenes: list[Scene], solutions: list[Any], device: Device | None
-) -> dict[str, np.ndarray]:
+def _shares(group: Solved, device: Device | None) -> dict[str, np.ndarray]:
     """Change of the mean force by each effect, relative to it, of scenes of like terms."""
+    scenes, solutions = map(list, zip(*group.values(), strict=True))
     films = fields_of(scenes, solutions, grid=0)
     with np.errstate(all="ignore"):
         answers = Answers(films, sensitivity(films, tolerance=ADJOINT_TOLERANCE))
@@ -361,7 +353,7 @@ def resolve_auto_terms(
     for (k, names), budget in zip(asked.items(), budgets, strict=True):
         for name in names:
             if _matters(budget, name, model_tolerance):
-                found[k] = with_term(found[k], name, "included")
+                found[k] = found[k].with_gas(**{name: "included"})
     return found
 
 
@@ -374,26 +366,18 @@ def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
     ]
 
 
-def with_term(scene: Scene, name: str, choice: str) -> Scene:
-    """The scene with a term of OPEN ``included``, ``none`` or ``auto``."""
-    choices: dict[str, Any] = {name: choice}
-    return replace(scene, gas=replace(scene.gas, **choices))
-
-
 def _auto(scene: Any) -> list[str]:
     return [name for name in OPEN if getattr(scene.gas, name) == "auto"]
 
 
 def _closed(scene: Scene) -> Scene:
     """The scene without what is to be decided."""
-    for name in _auto(scene):
-        scene = with_term(scene, name, "none")
-    return scene
+    return scene.with_gas(**dict.fromkeys(_auto(scene), "none"))
 
 
 def _refused(scene: Scene, name: str, method: str) -> str:
     """Why a scene that had a term would not be solved by the method; empty where it would."""
-    scene = with_term(_closed(scene), name, "included")
+    scene = _closed(scene).with_gas(**{name: "included"})
     if method == "composite":
         derived = OPEN[name].expansion_numbers(scene) is not None
         return "" if derived else "the composite expansion is not derived with it"

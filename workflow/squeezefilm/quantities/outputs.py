@@ -40,8 +40,6 @@ from squeezefilm.units import to_its_error
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
 # A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
 TIGHTER, MOST_REPEATED = 1 / 30, 3
-# Scenes whose states are held at a time.
-TOGETHER = 128
 # No output changes less than this share of the largest change among those alike, each over its
 # size: it may agree by chance, or be small because its parts cancel.
 SHARE_OF_OTHERS = 0.3
@@ -78,23 +76,18 @@ def with_outputs(
     asked = checked_outputs(outputs)
     if not asked:
         return list(solutions)
-    found = [
-        Outputs(refused={} if isfinite(each.force_n) else dict.fromkeys(OUTPUTS, "no force"))
-        for each in solutions
-    ]
+    found = [Outputs(refused=dict.fromkeys(OUTPUTS, "no force")) for _ in solutions]
     known = [k for k, each in enumerate(solutions) if isfinite(each.force_n)]
-    for first in range(0, len(known), TOGETHER):
-        some = known[first : first + TOGETHER]
-        films, forces = [scenes[k] for k in some], [solutions[k] for k in some]
-        parts = [Outputs()] * len(some)
-        if FROM_STATE & set(asked):
-            within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
-            parts = _from_states(films, forces, tolerance=within, device=device)
-        if "static_stiffness" in asked:
-            more = static_stiffness(films, forces, tolerance=tolerance, device=device)
-            parts = [one.beside(other) for one, other in zip(parts, more, strict=True)]
-        for k, part in zip(some, parts, strict=True):
-            found[k] = part
+    films, forces = [scenes[k] for k in known], [solutions[k] for k in known]
+    parts = [Outputs()] * len(known)
+    if FROM_STATE & set(asked):
+        within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
+        parts = _from_states(films, forces, tolerance=within, device=device)
+    if "static_stiffness" in asked:
+        more = static_stiffness(films, forces, tolerance=tolerance, device=device)
+        parts = [one.beside(other) for one, other in zip(parts, more, strict=True)]
+    for k, part in zip(known, parts, strict=True):
+        found[k] = part
     return [
         replace(solution, outputs=each.only(asked))
         for solution, each in zip(solutions, found, strict=True)
@@ -159,7 +152,7 @@ def _from_states(
                 found[k], holds = _refused(unexpected(error)), True
             if not holds:
                 further.append(k)
-        waiting, solved = further, [Solution(status="", method="periodic") for _ in further]
+        waiting, solved = further, []
         if not waiting:
             break
     return [found[k] for k in range(len(scenes))]
@@ -176,99 +169,62 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
     largest = max(film.largest, -film.least)
     left += ROUND_OFF * largest
     # What rounding and the iteration leave is no reason for a finer grid.
-    rounded = ROUNDED * ROUND_OFF * largest / (1 - scene.closure())
+    allowed = ROUNDED * ROUND_OFF * largest / (1 - scene.closure()) + left
     coarse, fine = weights_of(before), weights_of(film)
-    value = {name: film.mean(weight) for name, weight in fine.items()}
     size = {name: film.size(weight) for name, weight in fine.items()}
-    error, holds, least = dict.fromkeys(value, 0.0), True, 0.0
+    # The value of each number and its error.
+    found = {name: (film.mean(weight), 0.0) for name, weight in fine.items()}
+    holds, least = True, 0.0
     for first_harmonics in (False, True):
         # Those that ask for harmonics are of first order in the amplitude, the others of second.
         alike = [n for n, w in fine.items() if bool(np.any(w[1:])) == first_harmonics and size[n]]
-        change = {n: abs(value[n] - before.mean(coarse[n])) / size[n] for n in alike}
-        scale = max((abs(value[n]) / size[n] for n in alike), default=0.0)
+        change = {n: abs(found[n][0] - before.mean(coarse[n])) / size[n] for n in alike}
+        scale = max((abs(found[n][0]) / size[n] for n in alike), default=0.0)
         most = max(change.values(), default=0.0)
         least = max(least, SHARE_OF_OTHERS * most)
-        holds &= factor * most <= tolerance * scale + rounded + left
+        holds &= factor * most <= tolerance * scale + allowed
         for n in alike:
-            error[n] = size[n] * (factor * max(change[n], SHARE_OF_OTHERS * most) + left)
-    refused = _without_formula(scene)
-    _add_extremes(before, film, value, error, left=left, factor=factor, least=least)
-    _add_centre(value, error)
+            error = factor * max(change[n], SHARE_OF_OTHERS * most) + left
+            found[n] = found[n][0], size[n] * error
+    ambient, refused = scene.gas.ambient_pressure_pa, _without_formula(scene)
+    ends = [(film.largest, before.largest), (film.least, before.least)]
+    change_of_ends = max([least * largest, *(abs(a - b) for a, b in ends)])
+    for name, (peak, _) in zip(OUTPUTS["extremes"], ends, strict=True):
+        found[name] = ambient * peak, ambient * EXTREMES * (factor * change_of_ends + left)
+    (force, doubt), speed = found[FORCE], scene.actuator.angular_frequency_rad_per_s
+    for name, moment, sign in (("centre_x", "moment_y", -1), ("centre_y", "moment_x", 1)):
+        if abs(force) > 2 * doubt:  # without a force it acts nowhere
+            place, error = sign * found[moment][0] / force, found[moment][1]
+            found[name] = place, (error + abs(place) * doubt) / (abs(force) - doubt)
     if "harmonics" not in refused:
-        speed = scene.hv_m * scene.actuator.angular_frequency_rad_per_s
         for name, part, per in (
             ("film_stiffness", "force_sin", scene.hv_m),
-            ("film_damping", "force_cos", speed),
+            ("film_damping", "force_cos", scene.hv_m * speed),
         ):
-            value[name], error[name] = -value[part] / per, error[part] / per
-    _add_shear(before, film, value, error, factor=factor, least=least)
-    names = {name for output in OUTPUTS if output not in refused for name in OUTPUTS[output]}
-    names |= {"force_sin", "force_cos"}
-    known = [name for name in value if name in names]
-    return Outputs(
-        value={n: value[n] for n in known}, error={n: error[n] for n in known}, refused=refused
-    ), holds
-
-
-def _add_extremes(
-    before: Sample,
-    film: Sample,
-    value: dict[str, float],
-    error: dict[str, float],
-    *,
-    left: float,
-    factor: float,
-    least: float,
-) -> None:
-    ambient = film.scene.gas.ambient_pressure_pa
-    change = max(
-        abs(film.largest - before.largest),
-        abs(film.least - before.least),
-        least * max(film.largest, -film.least),
-    )
-    for name in ("largest", "least"):
-        value[f"{name}_overpressure"] = ambient * getattr(film, name)
-        error[f"{name}_overpressure"] = ambient * EXTREMES * (factor * change + left)
-
-
-def _add_centre(value: dict[str, float], error: dict[str, float]) -> None:
-    """Where the mean force acts; nowhere to be told without a force."""
-    force, doubt = value[FORCE], error[FORCE]
-    for name, moment, sign in (("centre_x", "moment_y", -1), ("centre_y", "moment_x", 1)):
-        if abs(force) > 2 * doubt:
-            value[name] = sign * value[moment] / force
-            error[name] = (error[moment] + abs(value[name]) * doubt) / (abs(force) - doubt)
-
-
-def _add_shear(
-    before: Sample,
-    film: Sample,
-    value: dict[str, float],
-    error: dict[str, float],
-    *,
-    factor: float,
-    least: float,
-) -> None:
-    """To the thrust what a sliding surface drags, and what gas with inertia takes over the rim."""
-    scene = film.scene
+            found[name] = -found[part][0] / per, found[part][1] / per
     drag = _couette(film)
-    slip = 2 * scene.slip_knudsen
-    change = max(abs(drag - _couette(before)), least * slip * abs(drag))  # slip goes by the density
-    doubt = factor * change + ROUND_OFF * abs(drag)
-    value["sliding_friction"], error["sliding_friction"] = drag, doubt
-    parts = [(drag, doubt), (0.0, 0.0)]
+    # Slip goes by the density.
+    change_of_drag = max(abs(drag - _couette(before)), least * 2 * scene.slip_knudsen * abs(drag))
+    found["sliding_friction"] = drag, factor * change_of_drag + ROUND_OFF * abs(drag)
+    parts = [found["sliding_friction"], (0.0, 0.0)]
     if scene.gas.inertia == "included":  # half of what leaves is taken from the finger
         # Share of it that warm gas would change: twice its warming where it streams.
         heats = scene.gas.heat == "included"
         warm = 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20 if heats else 0
-        for k, (coarse, fine) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
-            doubt = factor * abs(fine - coarse) + warm * abs(fine)
-            parts[k] = parts[k][0] - fine / 2, parts[k][1] + doubt / 2
+        for k, (one, other) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
+            off = factor * abs(other - one) + warm * abs(other)
+            parts[k] = parts[k][0] - other / 2, parts[k][1] + off / 2
     x, y = scene.finger.turned(1.0, 0.0)
-    for (part, doubt), shares in zip(parts, ((x, y), (-y, x)), strict=True):
-        for name, share in zip(("thrust_x", "thrust_y"), shares, strict=True):
-            value[name] += share * part
-            error[name] += abs(share) * doubt
+    for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
+        for (drawn, off), share in zip(parts, turned, strict=True):
+            found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
+    names = {name for output in OUTPUTS if output not in refused for name in OUTPUTS[output]}
+    known = {n: each for n, each in found.items() if n in names | {"force_sin", "force_cos"}}
+    return Outputs(
+        value={name: value for name, (value, _) in known.items()},
+        error={name: off for name, (_, off) in known.items()},
+        refused=refused,
+    ), holds
 
 
 def _couette(film: Sample) -> float:
@@ -534,7 +490,7 @@ def _slip(scene: Scene) -> float:
 STEP, AROUND = 0.01, (-2, -1, 1, 2)
 
 
-def quotient(forces: Sequence[float], errors: Sequence[float], unit: float) -> tuple[float, float]:
+def quotient(forces: Any, errors: Any, unit: Any) -> tuple[Any, Any]:
     """Fall of a force per rise of a number and its error, from forces at unit (1 + k STEP)."""
     a, b, c, d = forces
     narrow, wide = (b - c) / (2 * STEP * unit), (a - d) / (4 * STEP * unit)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -23,16 +24,19 @@ from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import stiffness_of, terms_of
 from squeezefilm.solution import Solution
 
+UNSOLVED = Solution(status="", method="periodic")
+
 
 def with_states(
     scenes: Sequence[Scene],
-    solutions: Sequence[Solution],
+    solutions: Sequence[Solution] | None = None,
     *,
     tolerance: float,
     device: Device | None,
 ) -> list[Solution]:
     """Solutions with their states; those without are solved for, by the periodic method."""
-    missing = [k for k, solution in enumerate(solutions) if not solution.states]
+    found = list(solutions or [UNSOLVED] * len(scenes))
+    missing = [k for k, solution in enumerate(found) if not solution.states]
     more = solve(
         [scenes[k] for k in missing],
         tolerance=tolerance,
@@ -40,25 +44,29 @@ def with_states(
         device=device,
         keep_states=True,
     )
-    found = dict(zip(missing, more, strict=True))
-    return [found.get(k, solution) for k, solution in enumerate(solutions)]
+    for k, solution in zip(missing, more, strict=True):
+        found[k] = solution
+    return found
 
 
-def alike(
-    scenes: Sequence[Scene], solutions: Sequence[Solution], *, numbers: int
-) -> Iterator[list[int]]:
-    """Scenes whose states are on the same grids, of like terms and pads, by their places.
+Solved = dict[int, tuple[Scene, Solution]]
+"""Scenes with their solutions and states, by the scenes' places."""
+
+
+def alike(solved: Solved, *, numbers: int) -> Iterator[Solved]:
+    """Scenes whose states are on the same grids, of like terms and pads.
 
     Args:
         numbers: of the finer states of a group; more would fall out of the caches.
     """
-    groups: dict[object, list[int]] = defaultdict(list)
-    for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True)):
+    groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
+    for k, (scene, solution) in solved.items():
         grids = tuple(state.grid for state in solution.states)
         groups[grids, terms_of(scene), scene.aspect].append(k)
-    for group in groups.values():
-        step = max(1, numbers // solutions[group[0]].states[-1].grid.count)
-        yield from (group[first : first + step] for first in range(0, len(group), step))
+    for (grids, *_), group in groups.items():
+        step = max(1, numbers // grids[-1].count)
+        for first in range(0, len(group), step):
+            yield {k: solved[k] for k in group[first : first + step]}
 
 
 def fields_of(scenes: Sequence[Scene], solutions: Sequence[Solution], *, grid: int = -1) -> Fields:

@@ -30,8 +30,13 @@ from math import isfinite
 
 from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import add_options, add_point_options, film_at, points_in
-from squeezefilm.dynamics.levitation import Levitation, Resonance, trustworthy
-from squeezefilm.dynamics.tables import levitations, loads_like
+from squeezefilm.dynamics.levitation import (
+    Levitation,
+    Resonance,
+    levitations,
+    loads_like,
+    trustworthy,
+)
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import GAPS_M
 from squeezefilm.quantities.model_error import budget_text

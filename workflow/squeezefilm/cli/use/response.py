@@ -24,20 +24,22 @@ import argparse
 from math import isnan
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.api.simulation import scenes_of_table
 from squeezefilm.cli.options import add_options, add_point_options, film_at, points_in
-from squeezefilm.dynamics.response import CHANGED, NEGLECTED, gains, response
-from squeezefilm.dynamics.tables import (
+from squeezefilm.dynamics.response import (
+    CHANGED,
+    NEGLECTED,
     all_gains,
     all_steps,
+    gains,
     neglected,
-    response_validity,
+    response,
     responses,
 )
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import validity
 from squeezefilm.reynolds import node_cache
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
@@ -88,7 +90,7 @@ def run(options: argparse.Namespace) -> None:
         (changes,) = neglected([scene], tolerance=tolerance, device=device)
         what = "error: relative to the gain, without effects that the averaged film neglects:"
         print(what, *_neglected_lines(scene, changes), sep="\n  ")
-        print(f"validity  {response_validity(scene)}")
+        print(f"validity  {validity(scene.viscous())}")
         return
     if len(points.columns):
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
@@ -123,7 +125,7 @@ def _show(scene: Scene, frequency_hz: np.ndarray) -> None:
             f"{what}: {share:.0%} of the force {'at once' if what == 'start' else 'is left'}, "
             f"settled to 5 % after {1e3 * seconds:.2g} ms ± {1e3 * start_s:.1g} ms"
         )
-    print(pd.DataFrame(vars(found)).to_string(index=False, float_format="{:.4g}".format))
+    print(found.to_string(index=False, float_format="{:.4g}".format))
 
 
 def _neglected_lines(scene: Scene, changes: dict[str, float]) -> list[str]:

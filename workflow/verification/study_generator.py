@@ -1,0 +1,164 @@
+"""Random studies: film, gas, vibration and ranges, each drawn from a seed as a configuration."""
+
+from __future__ import annotations
+
+import json
+from math import cos, hypot, log10, pi, radians, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from squeezefilm.api.study import Study
+from squeezefilm.config.loading import parse_config
+from squeezefilm.studies.study import profile_of, surface_of
+
+WAVELENGTH_M = (3e-3, 30e-3)
+"""Of the vibration."""
+PAD_M, SMALL_PAD_M = (4e-3, 15e-3), (20e-6, 4e-3)
+"""Length of the pad along x; of UNUSUAL studies."""
+GAP_M, UNUSUAL_GAP_M = (1.5e-6, 15e-6), (20e-9, 100e-6)
+"""Smallest gap of the study's range; of UNUSUAL studies."""
+FREQUENCY_HZ = (5e3, 1e5)
+TOLERANCES = (1e-3, 1e-3, 1e-4)
+UNUSUAL = 0.15
+"""Share of studies whose pad is small, and as many whose gap is unusual: limits of validity."""
+
+VIBRATIONS = ("bessel", "standing-wave", "travelling-wave", "piston")
+KINDS = {
+    "any": (0.4, 0.25, 0.2, 0.15),
+    "disc": (1.0, 0.0, 0.0, 0.0),
+    "plate": (0.0, 0.6, 0.4, 0.0),
+    "scan": (0.5, 0.5, 0.0, 0.0),
+}
+"""Probabilities of VIBRATIONS, by the kind of study."""
+SCAN_POINTS, SCAN_NOISE = 61, 0.01
+"""Points of a scan across the surface, and their noise over the largest amplitude."""
+
+
+def random_study(seed: int, *, folder: Path, kind: str = "any", **settings: Any) -> Study:
+    """The study of a seed.
+
+    Args:
+        folder: where the file of a measured vibration is written.
+        kind: one of KINDS; a scan is that of a disc or a plate.
+        settings: sections of its configuration that are not drawn.
+    """
+    values = drawn(seed, kind=kind) | settings
+    if kind == "scan":
+        file = folder / f"{values['study']}.csv"
+        file.write_text(_scan(_study(values, folder), seed), encoding="utf-8")
+        values["actuator"]["profile"] = {"kind": "measured", "file": file.name}
+    return _study(values, folder)
+
+
+def _study(values: dict[str, Any], folder: Path) -> Study:
+    return Study(parse_config(json.dumps(values), path=folder / f"{values['study']}.yaml"))
+
+
+def drawn(seed: int, *, kind: str = "any") -> dict[str, Any]:
+    """The configuration of a seed's study, as a file would have it; of a scan what is scanned."""
+    random = np.random.default_rng(seed)
+    finger = _finger(random)
+    gap_m = _between(random, UNUSUAL_GAP_M if random.uniform() < UNUSUAL else GAP_M)
+    amplitude_m = random.uniform(0.1, 0.85) * gap_m
+    return {
+        "study": f"random-{seed}",
+        "gas": _gas(random),
+        "actuator": _actuator(random, finger, KINDS[kind]),
+        "finger": finger,
+        "screen": {
+            "h0": {"start": gap_m, "stop": random.uniform(1.3, 2.5) * gap_m, "levels": 5},
+            "hv": {
+                "start": random.uniform(0.05, 0.5) * amplitude_m,
+                "stop": amplitude_m,
+                "levels": 5,
+            },
+        },
+        "extrapolation": {"force": 1.0},
+        "solver": {"tolerance": float(random.choice(TOLERANCES))},
+    }
+
+
+def _between(random: np.random.Generator, limits: tuple[float, float]) -> float:
+    """Uniform in its logarithm."""
+    low, high = limits
+    return float(10 ** random.uniform(log10(low), log10(high)))
+
+
+def _gas(random: np.random.Generator) -> dict[str, Any]:
+    """Air under some pressure, or another gas."""
+    gas: dict[str, Any] = {
+        "ambient_pressure": _between(random, (3e4, 5e5)),
+        "rarefaction": str(random.choice(["none", "none", "slip", "fukui-kaneko"])),
+        **{term: str(random.choice(["auto", "auto", "none"])) for term in ("inertia", "heat")},
+    }
+    if random.uniform() < 0.5:
+        return gas
+    return gas | {
+        "viscosity": _between(random, (8e-6, 3e-5)),
+        "density": _between(random, (0.1, 6.0)),
+        "mean_free_path": _between(random, (2e-8, 3e-7)),
+        "prandtl": random.uniform(0.6, 0.8),
+        "heat_capacity_ratio": random.uniform(1.1, 1.66),
+        "viscosity_exponent": random.uniform(0.6, 1.0),
+    }
+
+
+def _finger(random: np.random.Generator) -> dict[str, Any]:
+    """A square, a rectangle, a disc or an ellipse, turned by any angle."""
+    length_m = _between(random, SMALL_PAD_M if random.uniform() < UNUSUAL else PAD_M)
+    aspect = float(random.choice([1.0, _between(random, (0.5, 2.0))]))
+    return {
+        "shape": str(random.choice(["rectangle", "rectangle", "ellipse"])),
+        "length_x": length_m,
+        "length_y": aspect * length_m,
+        "rotation": float(random.choice([0.0, random.uniform(0, 90)])),
+    }
+
+
+def _actuator(
+    random: np.random.Generator, finger: dict[str, Any], shares: tuple[float, ...]
+) -> dict[str, Any]:
+    """A disc in a bending mode, a plate with a wave, or one of both that moves as a piston.
+
+    The surface has room for the pad and as much again.
+    """
+    wavelength_m = _between(random, WAVELENGTH_M)
+    reach_m = hypot(finger["length_x"], finger["length_y"]) / 2
+    direction_deg = float(random.choice([0.0, random.uniform(0, 180)]))
+    kind = str(random.choice(VIBRATIONS, p=shares))
+    profile: dict[str, Any] = {"kind": kind}
+    if kind == "bessel":
+        n = int(random.integers(0, 4))
+        profile |= {"nodal_diameters": n, "wave_number": 2 * pi / wavelength_m}
+    elif kind != "piston":
+        profile |= {"wavelength": wavelength_m}
+    if kind != "piston":
+        profile |= {"direction": direction_deg}
+    if kind == "standing-wave":
+        profile |= {"crest": random.uniform(0, 0.5) * wavelength_m}
+    room = random.uniform(1.2, 2.5)
+    surface: dict[str, Any] = {"surface_radius": room * reach_m}
+    if kind != "bessel":
+        angle = radians(finger["rotation"])
+        x, y = finger["length_x"] / 2, finger["length_y"] / 2
+        c, s = abs(cos(angle)), abs(sin(angle))
+        sides = {"length_x": 2 * room * (c * x + s * y), "length_y": 2 * room * (s * x + c * y)}
+        surface = {"surface": {"shape": "rectangle", **sides}}
+    return {"frequency": _between(random, FREQUENCY_HZ), **surface, "profile": profile}
+
+
+def _scan(study: Study, seed: int) -> str:
+    """A vibrometer's table of a study's vibration: a raster over its surface, with noise."""
+    random = np.random.default_rng(seed)
+    surface = surface_of(study.config)
+    sides = (np.linspace(-half_m, half_m, SCAN_POINTS) for half_m in surface.half_m)
+    x, y = (values.ravel() for values in np.meshgrid(*sides))
+    on_it = surface.reach(x, y) <= 1
+    x, y = x[on_it], y[on_it]
+    shape = profile_of(study.config).amplitude(x_m=x, y_m=y)
+    measured = shape + SCAN_NOISE * random.standard_normal(len(x))
+    rows = zip(1e3 * x, 1e3 * y, np.abs(measured), np.where(measured < 0, 180.0, 0.0), strict=True)
+    lines = (f"{a:.4f},{b:.4f},{c:.5f},{d:.0f}\n" for a, b, c, d in rows)
+    return "x_mm,y_mm,amplitude_um,phase_deg\n" + "".join(lines)
