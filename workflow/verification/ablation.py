@@ -114,7 +114,7 @@ def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
         for grid in ONE_FOR_ALL
     )
     scale = np.array([scene.force_scale_n for scene in scenes])
-    stated = 2 * np.abs(fine.mean - coarse.mean) + fine.residual
+    stated = 2 * np.abs(fine.mean - coarse.mean) + fine.said["residual"]
     return list(scale * fine.mean), list(scale * stated)
 
 

@@ -18,8 +18,7 @@ from squeezefilm.parallel import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.states import States
+from squeezefilm.reynolds.periodic.launch import States, solve_batch
 from verification import analytic
 from verification.cases import Case, beyond
 from verification.films import Film

@@ -24,10 +24,9 @@ from scipy.integrate import solve_ivp
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion
+from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion, expansion_numbers
 from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
-from squeezefilm.reynolds.asymptotics.scenes import expansion_numbers
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
 

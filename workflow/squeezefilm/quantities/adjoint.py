@@ -14,10 +14,9 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.conformal_axis import Around
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.problems import Problems
-from squeezefilm.reynolds.spectral import Axis
+from squeezefilm.reynolds.spectral import Around, Axis
 
 Operator = Callable[[np.ndarray], np.ndarray]
 MOST_ITERATIONS = 200

@@ -10,11 +10,10 @@ import numpy as np
 
 from squeezefilm.errors import each_on_its_own, unexpected
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.asymptotics.scenes import Expanded, composite, not_derived_for
-from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.asymptotics.composite import Expanded, composite, not_derived_for
+from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.resolution import first_grids, unseen_profiles
-from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.terms import Terms, first_reason, left_out_of
 
 METHODS = ("auto", "composite", "periodic")

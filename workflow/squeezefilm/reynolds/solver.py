@@ -11,7 +11,7 @@ import numpy as np
 from squeezefilm.errors import each_on_its_own, unexpected
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validities
-from squeezefilm.reynolds.asymptotics.scenes import Expanded
+from squeezefilm.reynolds.asymptotics.composite import Expanded
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic

@@ -26,8 +26,6 @@ from squeezefilm.reynolds.layout import (
     packed,
     rows_of,
 )
-from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
-from squeezefilm.reynolds.periodic.states import ENDINGS, SAID, States
 from squeezefilm.reynolds.periodic.time_modes import modes_of
 from squeezefilm.reynolds.problems import (
     aspect_of,
@@ -39,6 +37,97 @@ from squeezefilm.reynolds.problems import (
 from squeezefilm.reynolds.terms import Arrays, Terms, own_fields, parts_of, unknown_fields
 
 MOST_NEWTON = 40
+LEAST_KRYLOV, MOST_KRYLOV = 20, 80
+LARGEST_WORKSPACE_BYTES = 256 * 2**20
+
+# How an iteration ends: the kernel's names, and what is said of it.
+ENDINGS = {
+    "CONVERGED": "ok",
+    "STALLED": "Newton's method did not converge",
+    "NOT_FINITE": "the pressure became infinite",
+}
+STATUS = tuple(ENDINGS.values())
+
+# What the device says of a scene on a grid beside its overpressure: a row of its results.
+SAID = np.dtype(
+    [
+        *((name, np.float64) for name in ("mean", "residual", "largest", "lowest", "thinnest")),
+        *((name, np.float64) for name in ("moment", "size")),
+        *((name, np.int64) for name in ("status", "newton_steps", "krylov_iterations")),
+    ]
+)
+
+
+@dataclass(frozen=True)
+class State:
+    """The periodic state of one scene on one grid, on the host.
+
+    Attributes:
+        unknowns: p = P − 1 in units of the ambient pressure and the terms' own unknowns, shape
+            (fields, nx, ny, nt).
+    """
+
+    grid: Grid
+    unknowns: np.ndarray
+
+
+@dataclass(frozen=True)
+class States:
+    """What the device returns, one entry per scene.
+
+    Attributes:
+        kept: the unknowns, or none where the batch does not ask for them.
+        mean_in_time: overpressure averaged over the period, shape (scenes, nx, ny).
+        said: rows of what is said of the scenes, the properties' values.
+    """
+
+    kept: np.ndarray | None
+    mean_in_time: np.ndarray
+    said: np.ndarray
+
+    @property
+    def unknowns(self) -> np.ndarray:
+        """p = P − 1 on the grid and the terms' own unknowns, shape (scenes, fields, nx, ny, nt)."""
+        if self.kept is None:
+            raise ValueError("the batch did not ask for the states on this grid")
+        return self.kept
+
+    @property
+    def overpressure(self) -> np.ndarray:
+        """p, shape (scenes, nx, ny, nt)."""
+        return self.unknowns[:, 0]
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean of p over film and period, the force in units of p0 × area."""
+        return self.said["mean"]
+
+    @property
+    def status(self) -> np.ndarray:
+        """Index into STATUS."""
+        return self.said["status"]
+
+
+@lru_cache(maxsize=256)
+def _most_krylov(grid: Grid, terms: Terms) -> int:
+    """Krylov iterations that a Newton step may take: as many as there is room for."""
+    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
+    return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
+
+
+def _sizes(grid: Grid, terms: Terms) -> Columns:
+    """What a kernel must know of a grid before it can find anything."""
+    whole_x, whole_y = grid.x.in_halves, grid.y.in_halves
+    sizes = {
+        "nx": grid.nx,
+        "ny": grid.ny,
+        "nt": grid.nt,
+        "most_krylov": _most_krylov(grid, terms),
+        "whole_x": whole_x,
+        "whole_y": whole_y,
+        "whole_modes_x": whole_x and not any("x" in term.BREAKS for term in terms),
+    }
+    return tuple(sizes), np.array(list(sizes.values()), dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -87,7 +176,7 @@ class Batch:
 @lru_cache(maxsize=256)
 def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
-    most, fields = most_krylov(grid, terms), unknown_fields(terms)
+    most, fields = _most_krylov(grid, terms), unknown_fields(terms)
     own = 2 * flow_terms + 3 + own_fields(terms)
     linear = 3 * flow_terms + 10 + (most + 1) * fields
     matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
@@ -319,7 +408,7 @@ def _columns(buffer: Buffer, batch: Batch) -> list[Columns]:
 @lru_cache(maxsize=64)
 def _of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> tuple[Columns, Packed]:
     """The sizes of some grids, and their matrices with those that carry a state to the next."""
-    sizes = [sizes_of(grid, terms) for grid in grids]
+    sizes = [_sizes(grid, terms) for grid in grids]
     carried: list[Arrays] = [
         {},
         *(carrying_matrices(*pair, terms=terms) for pair in pairwise(grids)),

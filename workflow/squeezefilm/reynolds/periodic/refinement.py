@@ -20,9 +20,9 @@ from squeezefilm.reynolds.error_estimate import (
     margin_of,
     step_between,
 )
-from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
+from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, State, States, launch
 from squeezefilm.reynolds.periodic.resolution import (
     MOST_UNKNOWNS,
     finer_grid,
@@ -30,8 +30,6 @@ from squeezefilm.reynolds.periodic.resolution import (
     least_fall,
     profile_fall,
 )
-from squeezefilm.reynolds.periodic.sizes import iteration_flops
-from squeezefilm.reynolds.periodic.states import STATUS, State, States
 from squeezefilm.reynolds.terms import Terms, size_share_of, states_refused, stiffness_of
 from squeezefilm.solution import Solutions
 
