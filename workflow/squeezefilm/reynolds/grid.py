@@ -123,7 +123,7 @@ class Grid:
         halved = self.x.in_halves, self.y.in_halves
         return self.nx // (1 + halved[0]), self.ny // (1 + halved[1])
 
-    def sees(self, nodes_x: int, nodes_y: int) -> bool:
+    def sees(self, nodes_x: float, nodes_y: float) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
 

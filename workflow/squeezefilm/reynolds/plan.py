@@ -130,7 +130,7 @@ def _preview(scene: Scene, need: Needs, plan: Plan, *, tolerance: float) -> Prev
             expected_error=expanded.relative_error,
             expected_mflop=expanded.flops / 1e6,
         )
-    (grids,), _ = first_grids(need, tolerance=tolerance)
+    grids = next(first_grids(need, tolerance=tolerance)).grids
     flops = _expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance)
     return Preview(
         plan.method,
