@@ -15,7 +15,7 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.plan import METHODS, previews
+from squeezefilm.reynolds.solver import METHODS, previews
 from squeezefilm.studies.study import scenes_in
 
 

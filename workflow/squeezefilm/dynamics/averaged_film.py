@@ -24,7 +24,7 @@ from scipy.integrate import solve_ivp
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion, expansion_numbers
+from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion
 from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm.reynolds.terms import terms_of
@@ -285,7 +285,7 @@ def refused(scene: Scene) -> str:
         return "the response was derived for a gap that is even at rest, not tilted or bulging"
     if scene.epsilon == 0:
         return "the surface is at rest"
-    unknown = [term.label for term in terms_of(scene) if term.expansion_numbers(scene) is None]
+    unknown = [term.label for term in terms_of(scene) if not term.in_expansions]
     unknown += [term.label for term in terms_of(scene) if isinstance(term, Inertia)]
     if unknown:
         return f"the response is not derived with {', '.join(unknown)}"
@@ -317,7 +317,7 @@ def film_on(scene: Scene, points: int) -> tuple[AveragedFilm, float]:
         np.array([scene.sigma]),
         scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))[None],
         aspect=scene.aspect,
-        slip=expansion_numbers(scene).get("slip", 0.0),
+        slip=6 * scene.slip_knudsen,
     )
     limit = edge_layer_expansion(films)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -132,8 +132,9 @@ class Inertia(Term):
         layered = (scene.sigma > LAYERED_SIGMA) & (steepness(scene) > STEEPENING)
         return np.where(layered, SIZE_SHARE, 0.0)
 
-    def expansion_numbers(self, scene: OperatingPoints) -> Numbers:
-        return {"reynolds": scene.modified_reynolds}
+    @property
+    def in_expansions(self) -> bool:
+        return True
 
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.rarefaction == "fukui-kaneko":
