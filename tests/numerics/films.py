@@ -11,14 +11,12 @@ from squeezefilm.film.pad import Finger
 from squeezefilm.film.profiles import Piston, Profile, Sinc
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.reynolds.asymptotics.composite import AsymptoticForces
+from squeezefilm.reynolds.asymptotics.composite import AsymptoticForces, expanded
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
-from squeezefilm.reynolds.asymptotics.scenes import expanded
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.states import States
+from squeezefilm.reynolds.periodic.launch import States, solve_batch
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()

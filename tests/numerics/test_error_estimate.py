@@ -43,7 +43,7 @@ def test_a_state_with_negative_pressure_is_no_solution(monkeypatch):
 
     def negative(self):
         return [
-            [saying(states, lowest=states.lowest - 2) for states in stages]
+            [saying(states, lowest=states.said["lowest"] - 2) for states in stages]
             for stages in original(self)
         ]
 

@@ -13,7 +13,7 @@ from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Profile, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.plan import METHODS, previews
+from squeezefilm.reynolds.solver import METHODS, previews
 from squeezefilm.studies.space import plan
 from squeezefilm.tables import write_table
 

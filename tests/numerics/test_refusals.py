@@ -9,7 +9,7 @@ from films import film
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Quadrature, StandingWave
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.plan import previews
+from squeezefilm.reynolds.solver import previews
 
 INERTIA, HEAT, SLIDING = {"inertia": "included"}, {"heat": "included"}, {"bearing": 0.1}
 FACTOR, SLIP = {"rarefaction": "fukui-kaneko"}, {"rarefaction": "slip"}

@@ -15,7 +15,7 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.plan import METHODS, previews
+from squeezefilm.reynolds.solver import METHODS, previews
 from squeezefilm.studies.study import scenes_in
 
 
@@ -192,8 +192,8 @@ def test_no_more_is_left_of_an_iteration_than_it_says(tolerance):
         for each in (1e-12, tolerance)
     )
     narrowest = 1 - np.array([each.epsilon for each in FEW_FILMS])
-    floor = 1e-14 * exact.largest
-    assert (np.abs(found.mean - exact.mean) <= found.residual / narrowest + floor).all()
+    floor = 1e-14 * exact.said["largest"]
+    assert (np.abs(found.mean - exact.mean) <= found.said["residual"] / narrowest + floor).all()
     assert (np.abs(found.mean / exact.mean - 1) <= tolerance).all()
 
 

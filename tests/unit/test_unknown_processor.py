@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from squeezefilm.reynolds.unknown_processor import LEVELS, level, rename
+from squeezefilm.reynolds.device import LEVELS, level, rename
 
 ALL = frozenset().union(*LEVELS.values())
 

@@ -33,7 +33,7 @@ class Solution:
         residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
         work: floating-point operations of the iterations, for sharing out run time; no column.
         states: the periodic state on the last two grids, the finer one last, where it was asked for
-            (reynolds/periodic/states.State); no column.
+            (reynolds/periodic/launch.State); no column.
         derivatives: of the force, where they were asked for (quantities/derivatives.py).
         outputs: answers beside the force, where they were asked for (quantities/outputs.py).
     """

@@ -10,7 +10,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK, validity
 from squeezefilm.quantities.outputs import refusals
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.plan import Preview, previews
+from squeezefilm.reynolds.solver import Preview, previews
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.solver_settings import SolverSettings
 

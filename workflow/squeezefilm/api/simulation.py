@@ -18,8 +18,8 @@ from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import excluded_terms
-from squeezefilm.reynolds import Solution, node_cache
-from squeezefilm.reynolds.device import Device, describe
+from squeezefilm.reynolds import Solution
+from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.solution import Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
@@ -41,7 +41,7 @@ NAMED = 100
 
 def device_ready(config: Config, *, option: str | None, scene: Scene) -> Device:
     """The device of a study with its kernels compiled for scenes like one; on a node once."""
-    with node_cache.one_build_at_a_time():
+    with one_build_at_a_time():
         device = device_of(config, option=option)
         warm(device, scene)
     return device

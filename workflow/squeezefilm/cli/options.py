@@ -11,7 +11,7 @@ from squeezefilm.api.film import Film
 from squeezefilm.api.points import Values, points_of
 from squeezefilm.config.loading import load_film
 from squeezefilm.errors import InputError
-from squeezefilm.reynolds.plan import METHODS
+from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import write_table
 from squeezefilm.units import to_its_error
 

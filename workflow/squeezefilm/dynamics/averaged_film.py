@@ -29,7 +29,6 @@ from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion
 from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
-from squeezefilm.reynolds.asymptotics.scenes import expansion_numbers
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
 
@@ -255,7 +254,7 @@ def refused(scene: Scene) -> str:
         return "the surface is at rest"
     terms = terms_of(scene)
     unknown = [
-        *(term.label for term in terms if term.expansion_numbers(scene) is None),
+        *(term.label for term in terms if not term.in_expansions),
         *(term.label for term in terms if isinstance(term, Inertia)),
     ]
     return f"the response is not derived with {', '.join(unknown)}" if unknown else ""
@@ -286,7 +285,7 @@ def film_on(scene: Scene, points: int) -> tuple[AveragedFilm, float]:
         np.array([scene.sigma]),
         scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))[None],
         aspect=scene.aspect,
-        slip=expansion_numbers(scene).get("slip", 0.0),
+        slip=6 * scene.slip_knudsen,
     )
     limit = edge_layer_expansion(films)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -379,7 +379,7 @@ def _refused(scene: Scene, name: str, method: str) -> str:
     """Why a scene that had a term would not be solved by the method; empty where it would."""
     scene = _closed(scene).with_gas(**{name: "included"})
     if method == "composite":
-        derived = OPEN[name].expansion_numbers(scene) is not None
+        derived = OPEN[name].in_expansions
         return "" if derived else "the composite expansion is not derived with it"
     return first_reason(each.refused_on_grid(scene) for each in terms_of(scene))
 

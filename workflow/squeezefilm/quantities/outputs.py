@@ -21,16 +21,13 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.adjoint import with_rim
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.states import remainder, with_states
-from squeezefilm.reynolds.conformal_axis import Around
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
-from squeezefilm.reynolds.flux_points import flux_points
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.states import State
-from squeezefilm.reynolds.plan import plans_of
-from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.spectral import Axis, axis, period
+from squeezefilm.reynolds.periodic.launch import State
+from squeezefilm.reynolds.solver import plans_of, solve
+from squeezefilm.reynolds.spectral import Around, Axis, axis, flux_points, period
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
@@ -111,8 +108,8 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
     By their names in OUTPUTS. Inertia must be decided.
     """
     within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
-    plans = plans_of(needs_of(scene), tolerance=within, method="periodic")
-    return dict.fromkeys(OUTPUTS, plans[0].refused) if plans else _without_formula(scene)
+    reason = plans_of(needs_of(scene), tolerance=within, method="periodic").get(0)
+    return dict.fromkeys(OUTPUTS, str(reason)) if reason else _without_formula(scene)
 
 
 def _without_formula(scene: Scene) -> dict[str, str]:

@@ -10,7 +10,7 @@ from squeezefilm.errors import RunError
 from squeezefilm.film.pad import Finger
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.periodic.states import State
+from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import period
 

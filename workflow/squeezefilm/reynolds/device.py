@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
+import platform
 import shutil
+import struct
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -13,9 +18,13 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.errors import InputError
-from squeezefilm.reynolds import unknown_processor
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
+# Compiled kernels of a job on a cluster are kept on its node, compiled once for all jobs there. The
+# drivers' caches lie in the home directory: on a cluster that is shared by nodes that may differ,
+# over a network whose file locks may not work. The workflow therefore names, in jobs on other
+# nodes, a folder of the node's own disk.
+NODE_CACHE_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
 ALIGNMENT_BYTES = 64
 # Doubles behind an array that kernels may read with the last of it, and not use (vectors.cl).
 PADDING = 8
@@ -24,6 +33,18 @@ MOST_POOLED, LEAST_POOLED, LARGEST_POOLED = 4, 2**17, 2**22
 BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable", "-cl-kernel-arg-info")
 # Kernels' arguments that are numbers: told of their types, pyopencl need not try them out.
 NUMBER_TYPES: dict[str, Any] = {"int": np.int32, "ulong": np.uint64, "double": np.float64}
+# LLVM calls a processor that is younger than itself ``generic``; PoCL 3.0 hands that name to the
+# compiler, which refuses it (pocl issue 1049), and has no setting for another. The name lies behind
+# a pointer in PoCL's record of the device: there it is replaced by the instruction set that the
+# processor has, in the levels of the x86-64 ABI. Here is what each level adds to the one before.
+LEVELS = {
+    "x86-64-v2": {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3"},
+    "x86-64-v3": {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"},
+    "x86-64-v4": {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"},
+}
+UNKNOWN = "generic"
+# The record's first bytes, among which the pointer is looked for.
+RECORD_BYTES = 1024
 
 
 @dataclass(frozen=True)
@@ -288,10 +309,107 @@ def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple
             "PoCL links kernels by the linker ld, which is not on the PATH: install a C compiler "
             "(Debian and Ubuntu: apt install gcc)"
         )
-    processor = unknown_processor.named(context.devices[0])
+    processor = known_processor(context.devices[0])
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
     options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", cl.CompilerWarning)
         return cl.Program(context, "\n".join(texts)).build(options=options)
+
+
+def known_processor(device: Any) -> str:
+    """The name under which an unknown processor is compiled for; empty for all other devices.
+
+    From then on PoCL knows it under that name. Programs are to be built with it among their
+    options, for PoCL keeps those of all processors that it does not know under one name.
+    """
+    if not _of_pocl(device):
+        return ""
+    if not device.version.strip().endswith(f"-{UNKNOWN}") or platform.machine() != "x86_64":
+        return ""
+    name = level(_flags())
+    rename(device.int_ptr, name)
+    return name
+
+
+def level(flags: frozenset[str]) -> str:
+    """The highest level of which a processor has all."""
+    highest = "x86-64"
+    for name, added in LEVELS.items():
+        if not added <= flags:
+            break
+        highest = name
+    return highest
+
+
+def rename(address: int, name: str) -> bool:
+    """Make the record's pointer to ``generic`` one to ``name``; whether there was such a pointer.
+
+    Read is through the system, which says no where memory is not the process's own.
+    """
+    library = ctypes.CDLL(None)
+    library.strdup.restype = ctypes.c_void_p
+    with Path("/proc/self/mem").open("rb", buffering=0) as memory:
+        memory.seek(address)
+        record = memory.read(RECORD_BYTES)
+        for place in range(0, len(record) - 7, 8):
+            (pointer,) = struct.unpack_from("=Q", record, place)
+            try:
+                memory.seek(pointer)
+                text = memory.read(len(UNKNOWN) + 1)
+            except (OSError, ValueError, OverflowError):
+                continue
+            if text == UNKNOWN.encode() + b"\0":
+                own = library.strdup(name.encode())  # never freed: the device lives as long
+                ctypes.c_uint64.from_address(address + place).value = own
+                return True
+    return False
+
+
+def _flags() -> frozenset[str]:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").splitlines()
+    except OSError:
+        return frozenset()
+    found = next((line for line in lines if line.startswith("flags")), "")
+    return frozenset(found.partition(":")[2].split())
+
+
+@contextmanager
+def one_build_at_a_time() -> Iterator[None]:
+    """Choose the device and build within: from the node's cache, or waiting for who fills it.
+
+    The lock goes with the process that holds it, however that ends.
+    """
+    folder = _own_folder()
+    if folder is None:
+        yield
+        return
+    import fcntl
+
+    os.environ["POCL_CACHE_DIR"] = str(folder / "pocl")
+    os.environ["XDG_CACHE_HOME"] = str(folder)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _own_folder() -> Path | None:
+    """The node's folder for this user; None where none is named, or it cannot be had.
+
+    It must be the user's own, for what lies in it is run.
+    """
+    if not os.environ.get(NODE_CACHE_VARIABLE):
+        return None
+    # A user's own folder, and a host's: where the disk is shared after all, nodes do not meet.
+    folder = Path(os.environ[NODE_CACHE_VARIABLE]) / f"squeezefilm-{os.getuid()}" / platform.node()
+    try:
+        folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        owner = folder.parent.lstat()
+        if owner.st_uid != os.getuid() or owner.st_mode & 0o022:
+            return None
+        folder.mkdir(exist_ok=True)
+    except OSError:
+        return None
+    return folder

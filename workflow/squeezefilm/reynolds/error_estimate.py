@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
 
+from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.terms import Terms, size_share_of, stiffness_of
 
 # In a thin layer at the rim all moments change like the force, which may be by little. So much of
 # the mean size of the change counts too: of 120 films (ε 0.02–0.9, σ 0.3–1e5) one, a piston at ε
@@ -36,152 +36,80 @@ ROUND_OFF = 1e-14
 ROUNDED = 4
 
 
-@dataclass(frozen=True)
-class ErrorEstimate:
-    """Errors of mean overpressures and how large they may be, for one film or for several."""
-
-    error: np.ndarray
-    allowed: np.ndarray
-
-    @property
-    def holds(self) -> np.ndarray:
-        """Whether the tolerance is kept; not where the error is not known."""
-        return np.asarray(self.error <= self.allowed)
-
-
-@dataclass(frozen=True)
-class Change:
-    """How the mean pressure changes from one grid to the next, for one film or for several.
-
-    Attributes:
-        largest: of its lowest cosine moments, the first of which is the force; no less than a
-            share of the size.
-        size: mean of the change's magnitude over the film: no chance makes it small.
-    """
-
-    largest: np.ndarray
-    size: np.ndarray
-
-    def __add__(self, more: np.ndarray | float) -> Change:
-        """With a change of the whole film beside it."""
-        return Change(self.largest + more, self.size + more)
-
-    def telling(self, of_profile: np.ndarray | float) -> np.ndarray:
-        """What of it tells the error: of a profile of finite smoothness, the size.
-
-        There an error goes up and down with where the nodes lie beside the kink, and moments agree
-        by chance: of 110 forces with kinks along an axis 4 were off by up to 1.35 times their
-        estimate.
-
-        Args:
-            of_profile: by which what is missed of the profile falls; 0 for a smooth one.
-        """
-        return np.asarray(np.where(np.asarray(of_profile) > 0, self.size, self.largest))
-
-    def steady(self, before: Change) -> Change:
-        """With moments that fall no more than the size does: what goes beyond is chance.
-
-        Without, films (ε 0.02–0.3, σ 5e4–3e5) were off by 1.5 to 6 times their estimate.
-        """
-        was = np.divide(
-            before.largest, before.size, out=np.zeros_like(self.size), where=before.size > 0
-        )
-        return Change(np.maximum(self.largest, was * self.size), self.size)
-
-    def __getitem__(self, film: np.ndarray) -> Change:
-        return Change(self.largest[film], self.size[film])
-
-
 def estimate(
+    said: np.ndarray,
+    before: np.ndarray,
     *,
-    change: np.ndarray | float | None,
-    left: np.ndarray | float,
-    largest: np.ndarray | float,
-    narrowest: np.ndarray | float,
-    mean: np.ndarray | float,
+    scenes: Scenes,
+    terms: Terms,
+    grids: tuple[Grid, Grid],
+    of_profile: np.ndarray,
+    least: np.ndarray | float,
     tolerance: float,
-    fall: np.ndarray | float = UNKNOWN_FALL,
-    margin: float = 1.0,
-) -> ErrorEstimate:
-    """Error of a mean overpressure after one resolution more; numbers, or arrays over films.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Errors of films' mean overpressures on the last of some grids, and how they changed there.
+
+    A change of the mean pressure is known by the largest of its lowest cosine moments, the first of
+    which is the force, no less than a share of the size, and by this, the mean of its magnitude
+    over the film: no chance makes the size small.
 
     Args:
-        change: change of the mean pressure from the resolution before (``Change.telling``); None
-            if there is none, which leaves the error unknown.
-        left: pressure error that the iteration left.
-        largest: largest |p|, which round-off goes by.
-        narrowest: least gap over h0.
-        mean: the mean overpressure, of which the tolerance is a share.
-        fall: factor by which changes fall from resolution to resolution (``fall_of``).
-        margin: by which the estimates of a method are increased.
+        said: what is said of the films on the last grid (``launch.SAID``); the first guess there
+            is the state on the one before.
+        before: each film's change to the grid before, (2, n); NaN where there is none.
+        terms: those of the films.
+        grids: the last two, (coarse, fine).
+        of_profile: by which what is missed of the profile falls; 0 for a smooth one.
+        least: factor by which changes fall at least (``resolution.least_fall``).
+
+    Returns:
+        The errors; how large they may be; the changes, (2, n).
     """
-    floor = ROUND_OFF * np.asarray(largest)
-    if change is None:
-        error = np.full(floor.shape, np.inf)
-    else:
-        error = margin * (left_after(fall) * np.asarray(change) + left) + floor
+    margin, narrowest = margin_of(terms), scenes.narrowest
+    # A mass error w moves the pressure by about n w/H.
+    per_residual = stiffness_of(scenes, terms) / narrowest
+    size, residual, new = said["size"], said["residual"], said["newton_steps"] > 0
+    loose = margin == 1 and tolerance >= LOOSE_FROM
+    share = np.maximum(LOOSE_SIZE_SHARE if loose else SIZE_SHARE, size_share_of(scenes, terms))
+    largest = np.maximum(said["moment"], share * size)
+    fall = np.full(len(said), UNKNOWN_FALL)
+    again = ~np.isnan(before[1])
+    if margin == 1 and again.any():
+        moments, sizes = _ratio(np.array([largest, size]), before)
+        step = max(grids[0].nx / grids[1].nx, grids[0].ny / grids[1].ny) ** MOST_ORDER
+        # That of the moments, but no less than their sizes': chance may make moments small, or a
+        # layer at the rim that the grids do not resolve yet. Changes that fall suddenly are not
+        # believed.
+        falls = np.maximum(np.maximum(np.maximum(moments, sizes), step), UNKNOWN_FALL)
+        fall = np.where(again, falls, fall)
+        # Moments fall no more than the size does: what goes beyond is chance. Without, films (ε
+        # 0.02–0.3, σ 5e4–3e5) were off by 1.5 to 6 times their estimate.
+        was = np.divide(before[0], before[1], out=np.zeros(len(said)), where=before[1] > 0)
+        largest = np.maximum(largest, was * size)
+    change = np.array([largest, size])
+    if not new.all():
+        # A grid that took a state over as it is shows no change: what the residual would have made.
+        change += per_residual * np.where(new, 0.0, residual)
+    # Of a profile of finite smoothness the size tells the error. There it goes up and down with
+    # where the nodes lie beside the kink, and moments agree by chance: of 110 forces with kinks
+    # along an axis 4 were off by up to 1.35 times their estimate.
+    telling = np.where(of_profile > 0, change[1], change[0])
+    fall = np.maximum(np.maximum(fall, of_profile), np.maximum(least, least_fall_of(terms)))
+    floor = ROUND_OFF * said["largest"]
+    error = margin * (left_after(fall) * telling + per_residual * residual) + floor
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
-    return ErrorEstimate(error, tolerance * np.abs(mean) + ROUNDED * floor / narrowest)
+    return error, tolerance * np.abs(said["mean"]) + ROUNDED * floor / narrowest, change
+
+
+def _ratio(new: np.ndarray, old: np.ndarray) -> np.ndarray:
+    """Factors by which changes fell; infinite where there was none before."""
+    return np.divide(new, old, out=np.where(new > 0, np.inf, 0.0), where=old > 0)
 
 
 def left_after(fall: np.ndarray | float) -> np.ndarray:
     """What is left after a change, in units of it, where changes fall by a factor."""
     q = np.minimum(fall, MOST_FALL)
     return np.asarray(FALL_FACTOR * q / (1 - q))
-
-
-def step_between(coarse: Grid, fine: Grid) -> float:
-    """How many nodes one grid has for one of the other, along the axis where it has most."""
-    return max(coarse.nx / fine.nx, coarse.ny / fine.ny)
-
-
-def fall_of(before: Change, after: Change, *, step: np.ndarray | float) -> np.ndarray:
-    """Factor by which changes fall from one to that between two grids, a ``step_between`` apart.
-
-    That of the moments, but no less than their sizes': chance may make moments small, or a layer at
-    the rim that the grids do not resolve yet.
-    """
-    moments, sizes = (
-        np.divide(new, old, out=np.where(new > 0, np.inf, 0.0), where=old > 0)
-        for new, old in ((after.largest, before.largest), (after.size, before.size))
-    )
-    return np.asarray(np.maximum(np.maximum(moments, sizes), step**MOST_ORDER))
-
-
-def change_of(
-    said: np.ndarray,
-    *,
-    known: Change,
-    step: float,
-    sizes: np.ndarray,
-    per_residual: np.ndarray,
-    terms: Terms,
-    tolerance: float,
-) -> tuple[Change, np.ndarray]:
-    """Change of films' mean pressures to the last of their grids, factor by which changes fall.
-
-    Args:
-        said: what is said of the films on the last grid (``states.SAID``); the first guess there
-            is the state on the one before.
-        known: each film's change to the grid before; NaN where there is none.
-        step: from the grid before the last one to that (``step_between``).
-        sizes: shares of the changes' sizes that count of each at least.
-        per_residual: by how much their pressure may be off for the residual that is left.
-        terms: those of the films.
-    """
-    loose = margin_of(terms) == 1 and tolerance >= LOOSE_FROM
-    shares = np.maximum(LOOSE_SIZE_SHARE if loose else SIZE_SHARE, sizes)
-    change = Change(np.maximum(said["moment"], shares * said["size"]), said["size"])
-    fall = np.full(len(said), UNKNOWN_FALL)
-    which = np.flatnonzero(~np.isnan(known.size))
-    if which.size and margin_of(terms) == 1:
-        before = known[which]
-        # Changes that fall suddenly are not believed.
-        fall[which] = np.maximum(fall_of(before, change[which], step=step), UNKNOWN_FALL)
-        change.largest[which] = change[which].steady(before).largest
-    # A grid that took a state over as it is shows no change: what the residual would have made.
-    unseen = np.where(said["newton_steps"] == 0, said["residual"], 0.0)
-    return change + per_residual * unseen, fall
 
 
 def margin_of(terms: Terms) -> float:

@@ -9,9 +9,8 @@ from math import sqrt
 import numpy as np
 
 from squeezefilm.film.outline import Outline
-from squeezefilm.reynolds.conformal_axis import Around, around
-from squeezefilm.reynolds.spectral import Axis, Period, axis, period
-from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.spectral import Around, Axis, Period, around, axis, period
+from squeezefilm.reynolds.terms import Terms, parts_of
 
 # Nodes across the finger beyond which none is tried: there rounding begins to show at 1e-6, and a
 # scene takes minutes.
@@ -124,7 +123,7 @@ class Grid:
         halved = self.x.in_halves, self.y.in_halves
         return self.nx // (1 + halved[0]), self.ny // (1 + halved[1])
 
-    def sees(self, nodes_x: int, nodes_y: int) -> bool:
+    def sees(self, nodes_x: float, nodes_y: float) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
 
@@ -194,3 +193,11 @@ def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np
     for term in terms:
         parts.update(term.carrying(coarse, fine))
     return parts
+
+
+@lru_cache(maxsize=4096)
+def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
+    """Floating-point operations of one Krylov iteration's products."""
+    in_space = 2 + max(parts_of(terms), 1) + sum(term.SPACE_PRODUCTS for term in terms)
+    in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
+    return 2.0 * grid.count * (in_space * sum(grid.space_products) + in_time * grid.nt)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -85,81 +85,42 @@ def packed(stages: Sequence[Mapping[str, np.ndarray]], *, absent: Sequence[str] 
     return Packed(names, values, starts)
 
 
-@dataclass
-class Buffer:
-    """Arrays that are put behind each other for one launch."""
-
-    parts: list[np.ndarray] = field(default_factory=list)
-    size: int = 0
-
-    def add(self, items: Packed, which: np.ndarray | None = None) -> Columns:
-        """Where each scene's arrays begin: all have the only item, or each that of ``which``."""
-        begin = items.starts + self.size
-        self.parts.append(items.values.ravel())
-        self.size += items.values.size
-        if which is None:
-            return items.names, begin
-        return items.names, begin + (which * items.values.shape[1])[:, None, None]
-
-    def put_into(self, room: np.ndarray) -> np.ndarray:
-        """All of them at the beginning of some room."""
-        np.concatenate(self.parts, out=room[: self.size])
-        return room
-
-
 Columns = tuple[tuple[str, ...], np.ndarray]
 """Names of whole numbers, and these: the same for all scenes, for each stage or for each scene and
 stage, of shape (names,), (stages, names) or (scenes, stages, names)."""
 
 
 def rows_of(
-    columns: Sequence[Columns],
-    *,
-    numbers: np.ndarray,
-    stages: int = 1,
-    **more: np.ndarray | Sequence[float],
-) -> np.ndarray:
-    """Rows for a kernel, scene by scene one for each stage: whole numbers, the scene's, and more.
+    columns: Sequence[Columns], *, numbers: np.ndarray, tolerance: np.ndarray
+) -> tuple[np.dtype[Any], np.ndarray]:
+    """Rows for a kernel, scene by scene one for each stage, as plain numbers, and their type.
 
     Args:
         columns: whole numbers, of names that there are twice the last counts.
         numbers: with a row per scene.
-        more: one for each scene, shape (scenes,), or for each of its rows, (scenes, stages).
+        tolerance: of each scene on each stage, (scenes, stages).
     """
-    kind, places = _row_type(tuple(names for names, _ in columns), numbers.dtype, tuple(more))
-    # As plain numbers, and many columns at once: a row has some thirty.
-    table = np.empty((len(numbers), stages, kind.itemsize // 8), dtype=np.int64)
+    kind, places = _row_type(tuple(names for names, _ in columns), numbers.dtype)
+    table = np.empty((*tolerance.shape, kind.itemsize // 8), dtype=np.int64)
     for place, (_, values) in zip(places, columns, strict=False):
         table[:, :, place] = values
     reals = table.view(np.float64)
-    if numbers.dtype.itemsize:
-        reals[..., places[-1]] = numbers.view(np.float64).reshape(len(numbers), 1, -1)
-    for column, each in enumerate(more.values(), start=reals.shape[-1] - len(more)):
-        reals[..., column] = np.reshape(each, (len(numbers), -1))
-    return table.reshape(-1, table.shape[-1]).view(kind)[:, 0]
-
-
-def joined_rows(batches: Sequence[np.ndarray]) -> np.ndarray:
-    """The rows of several batches as one array."""
-    # As plain numbers: NumPy is slow to find that structured types are the same.
-    return np.concatenate([rows.view(np.int64) for rows in batches]).view(batches[0].dtype)
+    reals[..., places[-1]] = numbers.view(np.float64).reshape(len(numbers), 1, -1)
+    reals[..., -1] = tolerance
+    return kind, table.reshape(-1, table.shape[-1])
 
 
 @lru_cache(maxsize=64)
 def _row_type(
-    whole: tuple[tuple[str, ...], ...], numbers: np.dtype[Any], more: tuple[str, ...]
+    whole: tuple[tuple[str, ...], ...], numbers: np.dtype[Any]
 ) -> tuple[np.dtype[Any], list[slice | list[int]]]:
     """The rows' type, and where among their plain numbers each of ``whole`` lies, then numbers."""
     names = list(dict.fromkeys(name for some in whole for name in some))
-    kinds = (
-        [(name, np.int64) for name in names],
-        numbers.descr if numbers.itemsize else [],
-        [(name, np.float64) for name in more],
-    )
+    kinds = [*((name, np.int64) for name in names), *numbers.descr, ("tolerance", np.float64)]
     places: list[slice | list[int]] = []
     for some in whole:
         found = [names.index(name) for name in some]
         together = found == list(range(found[0], found[0] + len(found)))
         places.append(slice(found[0], found[0] + len(found)) if together else found)
     places.append(slice(len(names), len(names) + numbers.itemsize // 8))
-    return np.dtype([kind for some in kinds for kind in some]), places
+    return np.dtype(kinds), places

@@ -1,4 +1,10 @@
-"""What scenes need of the full problem, and what is not needed without any error."""
+"""What scenes need of the full problem, and what is not needed without any error.
+
+As Chebfun does (Battles and Trefethen 2004): a profile is sampled on finer and finer Chebyshev
+grids until the interpolant through them is right at points that stand in no relation to any grid;
+the decay of its Chebyshev coefficients then gives how many nodes each direction needs. All of the
+pad's positions are sampled at once.
+"""
 
 from __future__ import annotations
 
@@ -9,22 +15,38 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from squeezefilm.film.scene import Film, Rows, Scene, Scenes, distinct, rows_alike
-from squeezefilm.reynolds.profile_sampling import (
-    SampledProfiles,
-    Samples,
-    joined_samples,
-    sampled_profiles,
+from squeezefilm.film.outline import Outline
+from squeezefilm.film.profiles import landmarks_of
+from squeezefilm.film.scene import (
+    Film,
+    PadProfile,
+    Places,
+    Rows,
+    Scene,
+    Scenes,
+    distinct,
+    rows_alike,
 )
+from squeezefilm.reynolds.grid import MOST_SPACE
+from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of_each
 
-Result = TypeVar("Result")
-# Scenes whose needs are kept: those at the same places ask again for other gaps and amplitudes.
-MOST_KEPT = 256
 HALVES = tuple(
     LeftOut(what, "the profile is even about the finger's middle, and nothing else breaks that")
     for what in ("mirror half in x", "mirror half in y")
 )
+# Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
+SYMMETRIC = 1e-13
+LEVELS = (24, 48, 96, 192, MOST_SPACE)
+# Points at which the first interpolant is checked, and the others, which are tried where it fails.
+FEW, MANY = 100, 1000
+# Numbers of samples that are worked on at a time: more would fall out of the caches.
+TOGETHER = 2**17
+# Positions, and scenes, up to which samples and needs are kept: there they are asked for again for
+# many gaps and amplitudes.
+MOST_KEPT = 256
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,11 +158,11 @@ def needs_of(scenes: Scenes | Sequence[Scene] | Scene) -> Needs:
     if not flat or len(scenes) > MOST_KEPT:  # a gap's terms go by its size where it is shaped
         return _needs_of(scenes)
     columns = (scenes.film_index, scenes.x_m, scenes.y_m)
-    return replace(_kept(scenes.films, *(each.tobytes() for each in columns)), scenes=scenes)
+    return replace(_kept_needs(scenes.films, *(each.tobytes() for each in columns)), scenes=scenes)
 
 
 @lru_cache(maxsize=64)
-def _kept(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes) -> Needs:
+def _kept_needs(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes) -> Needs:
     x, y = np.frombuffer(x_m), np.frombuffer(y_m)
     one = np.ones(len(x))
     index = np.frombuffer(film_index, dtype=np.int64)
@@ -178,3 +200,304 @@ def _even(film: Film) -> tuple[bool, bool]:
         gap.tilt_x_m == 0 and (outline is None or outline.even_x),
         gap.tilt_y_m == 0 and (outline is None or outline.even_y),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """What Chebyshev grids resolve of profiles; relative to their largest value under the pad.
+
+    Attributes:
+        missed: largest difference of interpolant and profile at points that are no nodes, (n,).
+        worst: where, in [0, 1] across the pad: (n, 2).
+        curvature: largest |∂²s/∂X²|, |∂²s/∂Y²| of the interpolant, lengths in units of the pad's
+            sides: (n, 2).
+        tail: what an interpolant with k nodes along x, y misses of this one: (n, 2, most k + 1).
+    """
+
+    missed: np.ndarray
+    worst: np.ndarray
+    curvature: np.ndarray
+    tail: np.ndarray
+
+    def __getitem__(self, rows: np.ndarray | slice) -> Samples:
+        return Samples(*(each[rows] for each in vars(self).values()))
+
+    def nodes(self, share: float) -> np.ndarray:
+        """Nodes along x and y that miss no more than a share, (n, 2)."""
+        return np.argmax(self.tail <= share, axis=2)
+
+    def missed_by(self, nodes: tuple[int, int], rows: np.ndarray | slice) -> np.ndarray:
+        """What interpolants with so many nodes along x, y miss of some profiles, (n, 2)."""
+        most = self.tail.shape[2] - 1
+        return np.array([self.tail[rows, k, min(n + 2, most)] for k, n in enumerate(nodes)]).T
+
+
+class SampledProfiles:
+    """A profile with the pad at some positions, sampled as finely as is asked.
+
+    Attributes:
+        even_x, even_y: whether all of it is even about the pad's middle along x, y: (positions,).
+        uniform: whether the whole pad sees the full amplitude, (positions,).
+    """
+
+    def __init__(self, places: Places) -> None:
+        count = len(places.x_m)
+        self.places = places
+        self.even_x, self.even_y, self.uniform = np.empty((3, count), dtype=bool)
+        self._largest = np.empty(count)
+        self._samples: list[Samples | None] = [None] * len(LEVELS)
+        self._row = np.full((len(LEVELS), count), -1)
+        self._at: dict[float, Samples] = {}
+        self._landmarks = _landmarks_under(places)
+        self._sample(0, np.arange(count))
+
+    def at(self, share: float) -> Samples:
+        """By the first level at each position that misses no more than a share, else the last."""
+        if share not in self._at:
+            rows = np.arange(len(self._largest))
+            parts, which = [], []
+            for level in range(len(LEVELS)):
+                self._sample(level, rows[self._row[level, rows] < 0])
+                samples = self._samples[level]
+                assert samples is not None
+                found = samples[self._row[level, rows]]
+                enough = (found.missed <= share) | (level == len(LEVELS) - 1)
+                parts.append(found[enough])
+                which.append(rows[enough])
+                rows = rows[~enough]
+                if not rows.size:
+                    break
+            order = np.argsort(np.concatenate(which))
+            self._at[share] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
+        return self._at[share]
+
+    def feature_m(self, position: int) -> float:
+        """Width of what the coarsest samples miss most at a position, at half of its height."""
+        first = self._samples[0]
+        assert first is not None
+        place, finger = self.places.some(slice(position, position + 1)), self.places.pad.finger
+        x, y = first.worst[position]
+        angle = np.pi / 4 * np.arange(8)
+        way_m = finger.length_x_m * np.geomspace(1e-6, 1, 300)
+        values = place.parts(
+            (x + np.outer(way_m, np.cos(angle)) / finger.length_x_m).ravel(),
+            (y + np.outer(way_m, np.sin(angle)) / finger.length_y_m).ravel(),
+        )
+        here = place.parts(np.array([x]), np.array([y]))
+        changed = np.abs(values - here).max(axis=(0, 1)).reshape(300, 8)
+        far = (changed >= first.missed[position] * self._largest[position] / 2).any(axis=1)
+        return float(2 * way_m[np.argmax(far) if far.any() else -1])
+
+    def _sample(self, level: int, rows: np.ndarray) -> None:
+        """Sample a level at some positions, together as many as fit the caches."""
+        if not rows.size:
+            return
+        sampler = _sampler(LEVELS[level], self.places.pad.finger.smooth_outline)
+        step = max(1, TOGETHER // (sampler.grid_x.size + sampler.x.size))
+        alone = np.isin(rows, list(self._landmarks))
+        plain = rows[~alone]
+        batches = [plain[start : start + step] for start in range(0, len(plain), step)]
+        batches += list(rows[alone][:, None])
+        known = self._samples[level]
+        parts = [known] if known else []
+        for some in batches:
+            landmarks = self._landmarks.get(int(some[0]))
+            samples, s, between = _sampled(self.places.some(some), sampler, landmarks)
+            self._row[level, some] = sum(len(each.missed) for each in parts) + np.arange(len(some))
+            parts.append(samples)
+            if level == 0:
+                self._look(some, samples, s, between)
+        self._samples[level] = joined_samples(parts)
+
+    def _look(self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray) -> None:
+        """Find symmetries from the values of the first level, at the nodes and between them."""
+        self._largest[rows] = _largest(s, between)
+        same = SYMMETRIC * self._largest[rows]
+        outline = self.places.pad.finger.smooth_outline
+        # Else what the nodes show holds between them.
+        look_closer = (first.missed > SYMMETRIC) | (outline is not None)
+        for even, axis_ in ((self.even_x, 2), (self.even_y, 3)):
+            even[rows] = True
+            if outline is None:
+                even[rows] = np.abs(np.flip(s, axis_) - s).max(axis=(0, 2, 3)) <= same
+            closer = look_closer & even[rows]
+            if closer.any():
+                far = _mirrored(self.places.some(rows[closer]), along_x=axis_ == 2)
+                even[rows[closer]] = far <= same[closer]
+        self.uniform[rows] = (_largest(s - 1, between - 1) < SYMMETRIC) & (len(s) == 1)
+
+
+def sampled_profiles(places: Places) -> SampledProfiles:
+    """The profile under the pad at each position; kept where these are few."""
+    if len(places.x_m) > MOST_KEPT:
+        return SampledProfiles(places)
+    return _kept(*places.key)
+
+
+@lru_cache(maxsize=256)
+def _kept(pad: PadProfile, x_m: bytes, y_m: bytes) -> SampledProfiles:
+    return SampledProfiles(Places(pad, np.frombuffer(x_m), np.frombuffer(y_m)))
+
+
+def joined_samples(parts: Sequence[Samples]) -> Samples:
+    """The samples behind each other; what is missed beyond the last node is nothing."""
+    if len(parts) == 1:
+        return parts[0]
+    width = max(each.tail.shape[2] for each in parts)
+    tails = np.zeros((sum(len(each.tail) for each in parts), 2, width))
+    first = 0
+    for each in parts:
+        tails[first : first + len(each.tail), :, : each.tail.shape[2]] = each.tail
+        first += len(each.tail)
+    missed, worst, curvature = (
+        np.concatenate([getattr(each, name) for each in parts])
+        for name in ("missed", "worst", "curvature")
+    )
+    return Samples(missed, worst, curvature, tails)
+
+
+def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:
+    """Largest magnitude on the nodes and between them, (positions,)."""
+    return np.maximum(np.abs(s).max(axis=(0, 2, 3)), np.abs(between).max(axis=(0, 2)))
+
+
+def _mirrored(places: Places, *, along_x: bool) -> np.ndarray:
+    """Largest difference to the mirror image, between the nodes, (positions,)."""
+    sampler = _sampler(LEVELS[1], places.pad.finger.smooth_outline)
+    x, y = sampler.x, sampler.y
+    mirrored = (1 - x, y) if along_x else (x, 1 - y)
+    return np.abs(places.parts(*mirrored) - places.parts(x, y)).max(axis=(0, 2))
+
+
+def _sampled(
+    places: Places, sampler: _Sampler, landmarks: tuple[np.ndarray, np.ndarray] | None
+) -> tuple[Samples, np.ndarray, np.ndarray]:
+    """Samples of a profile, its parts on a grid's nodes, ends included, and between them.
+
+    A profile in two phases has two parts, and needs what the worse of them needs.
+
+    Args:
+        landmarks: points in [0, 1] across the pad that are looked at too.
+    """
+    x, y, to_x, to_y = sampler.x, sampler.y, sampler.to_x, sampler.to_y
+    if landmarks:
+        u, v = landmarks
+        if outline := places.pad.finger.smooth_outline:
+            u, v = outline.coordinates(u, v)
+            landmarks = outline.positions(u, v)
+        x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
+        to_x = np.vstack([to_x, sampler.line.to_points(u)])
+        to_y = np.vstack([to_y, sampler.across.to_points(v)])
+    everywhere = places.parts(np.append(sampler.grid_x, x), np.append(sampler.grid_y, y))
+    nodes = len(sampler.line.all_nodes), len(sampler.across.all_nodes)
+    s = everywhere[..., : sampler.grid_x.size].reshape(*everywhere.shape[:2], *nodes)
+    between = everywhere[..., sampler.grid_x.size :]
+    largest = np.abs(everywhere).max(axis=(0, 2))
+    largest[largest == 0] = 1.0
+    with np.errstate(all="ignore"):  # of a profile that has no finite value somewhere
+        interpolated = np.einsum("psij,ij->psi", to_x @ s, to_y)
+        missed = np.abs(interpolated - between).max(axis=0) / largest[:, None]
+        coefficients = np.abs(sampler.to_coefficients @ s @ sampler.to_coefficients_y.T).max(axis=0)
+        coefficients /= largest[:, None, None]
+        curvature = [
+            np.abs(second).max(axis=(0, 2, 3))
+            for second in (sampler.twice @ s, s @ sampler.twice_y.T)
+        ]
+    worst = np.argmax(missed, axis=1)
+    tails = [_tail(coefficients.sum(axis=2)), _tail(coefficients.sum(axis=1))]
+    samples = Samples(
+        missed=missed[np.arange(len(worst)), worst],
+        worst=np.stack([x[worst], y[worst]], axis=1),
+        curvature=np.stack(curvature, axis=1),
+        tail=np.stack(tails, axis=1),
+    )
+    return samples, s, between
+
+
+def _between(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points in [0, 1]² that no two mirror each other: Roberts' sequence of the plastic number."""
+    index = np.arange(1, 1 + count)
+    plastic = 1.32471795724474602596
+    return (0.5 + index / plastic) % 1, (0.5 + index / plastic**2) % 1
+
+
+def _tail(coefficients: np.ndarray) -> np.ndarray:
+    """Sums of coefficients (n, k) from each on, up to all of them, where it is zero: (n, k + 1)."""
+    sums = np.cumsum(coefficients[:, ::-1], axis=1)[:, ::-1]
+    return np.concatenate([sums, np.zeros((len(sums), 1))], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Sampler:
+    """What sampling on a grid of so many points takes, whatever the profile.
+
+    Attributes:
+        line, across: the axes along which a profile is sampled, of an outline its coordinates.
+        grid_x, grid_y: the nodes; x, y: points between them, in no relation to any grid.
+        to_x, to_y: interpolation from the nodes along x, y to those points.
+        to_coefficients, to_coefficients_y: along x, y Chebyshev coefficients from values at the
+            nodes; of coordinates around, Fourier's, by rising harmonic.
+        twice, twice_y: second derivatives on the nodes.
+    """
+
+    line: Axis
+    across: Axis | Around
+    grid_x: np.ndarray
+    grid_y: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    to_x: np.ndarray
+    to_y: np.ndarray
+    to_coefficients: np.ndarray
+    to_coefficients_y: np.ndarray
+    twice: np.ndarray
+    twice_y: np.ndarray
+
+
+@lru_cache(maxsize=8 * len(LEVELS))
+def _sampler(points: int, outline: Outline | None) -> _Sampler:
+    line = axis(points, False)
+    across = around(points + 2, False, False) if outline else line
+    nodes, order = line.all_nodes, points + 1
+    u, v = _between(FEW if points == LEVELS[0] else MANY)
+    ends = np.ones(order + 1)
+    ends[[0, -1]] = 0.5
+    cosines = np.cos(np.pi * np.outer(np.arange(order + 1), np.arange(order + 1)) / order)
+    to_coefficients = to_coefficients_y = 2 / order * ends[:, None] * cosines * ends
+    at_nodes = grid_x, grid_y = np.meshgrid(nodes, across.all_nodes, indexing="ij")
+    x, y = u, v
+    if outline:
+        v = 2 * np.pi * v
+        (grid_x, grid_y), (x, y) = outline.positions(*at_nodes), outline.positions(u, v)
+        turns = period(points + 2)
+        rising = np.argsort(turns.harmonics, kind="stable")
+        to_coefficients_y = turns.fourier[rising] * np.sqrt(2 / (points + 2))
+    return _Sampler(
+        line=line,
+        across=across,
+        grid_x=grid_x.ravel(),
+        grid_y=grid_y.ravel(),
+        x=x,
+        y=y,
+        to_x=line.to_points(u),
+        to_y=across.to_points(v),
+        to_coefficients=to_coefficients,
+        to_coefficients_y=to_coefficients_y,
+        twice=line.derivative @ line.derivative,
+        twice_y=across.derivative @ across.derivative,
+    )
+
+
+def _landmarks_under(places: Places) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """The profile's landmarks under the pad, in [0, 1] across it, where there are any."""
+    x_m, y_m = landmarks_of(places.pad.profile)
+    if not len(x_m):
+        return {}
+    finger = places.pad.finger
+    along_x, along_y = finger.turned_back(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
+    x, y = 0.5 + along_x / finger.length_x_m, 0.5 + along_y / finger.length_y_m
+    inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
+    if finger.smooth_outline:
+        inside &= finger.within(x, y)
+    some = np.flatnonzero(inside.any(axis=1)).tolist()
+    return {row: (x[row, inside[row]], y[row, inside[row]]) for row in some}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -88,24 +89,28 @@ def terms_of_all(scenes: Scenes) -> Terms:
 
 def aspect_of(scenes: Scenes) -> float:
     """That of scenes which all have the same."""
-    return float(np.ravel(scenes.aspect)[0])
+    finger = scenes.films[scenes.film_index[0]].finger
+    return finger.length_y_m / finger.length_x_m
 
 
 def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
     """The numbers of the scenes' equation under their names, a row for each."""
     numbers = numbers_of(scenes, terms)
-    kinds = [
-        (name, np.float64, (len(value),) if isinstance(value, tuple) else ())
-        for name, value in numbers.items()
-    ]
-    table = np.empty(len(scenes), dtype=kinds)
-    for name, value in numbers.items():
-        if isinstance(value, tuple):
-            for k, each in enumerate(value):
-                table[name][:, k] = each
-        else:
-            table[name] = value
-    return table
+    widths = (len(value) if isinstance(value, tuple) else 0 for value in numbers.values())
+    kind = _kind_of_numbers(tuple(zip(numbers, widths, strict=True)))
+    table = np.empty((len(scenes), kind.itemsize // 8))
+    column = 0
+    for value in numbers.values():
+        for each in value if isinstance(value, tuple) else (value,):
+            table[:, column] = each
+            column += 1
+    return table.view(kind)[:, 0]
+
+
+@lru_cache(maxsize=64)
+def _kind_of_numbers(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
+    """Rows of numbers, those of a width as several."""
+    return np.dtype([(name, np.float64, (width,) if width else ()) for name, width in widths])
 
 
 def _gap_parts(film: Film | PadProfile, places: Places, grids: Sequence[Grid]) -> list[np.ndarray]:
@@ -145,7 +150,7 @@ def profiles_at(
         places, at = some.places
         which[rows] = count + at
         count += len(places.x_m)
-        few = len(places.x_m) * sum(grid.nx * grid.ny for grid in grids) * 4 <= MOST_KEPT
+        few = len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 <= MOST_KEPT
         ask = _kept_profiles if few else _profiles
         found.append(ask(*places.key, in_space, terms))
     fields = Packed.of_rows([each for each, _ in found])

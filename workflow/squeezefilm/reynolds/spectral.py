@@ -264,3 +264,269 @@ def axis(points: int, folded: bool) -> Axis:
 def period(points: int) -> Period:
     """The period with so many nodes; its matrices are computed once."""
     return Period(points=points)
+
+
+@dataclass(frozen=True)
+class Around:
+    """Fourier collocation on [start, start + 2π), between the mirror axes, with what mirrors do.
+
+    An axis that is folded by one or both symmetries holds the nodes of a half or a quarter.
+
+    Attributes:
+        points: number of unknowns along the axis, n.
+        lengthwise: functions are even in ν.
+        crosswise: functions are the same at ν and π − ν.
+    """
+
+    points: int
+    lengthwise: bool
+    crosswise: bool
+
+    # Whether kernels act on the even and the odd part of what is on all of the axis (spectral.py).
+    in_halves = False
+
+    @property
+    def folded(self) -> bool:
+        return self.lengthwise or self.crosswise
+
+    @property
+    def full_points(self) -> int:
+        """Nodes all around."""
+        return self.points * 2**self.lengthwise * 2**self.crosswise
+
+    @cached_property
+    def all_nodes(self) -> np.ndarray:
+        """Nodes all around, those that carry unknowns first, shape (full_points,)."""
+        return self._start + 2 * np.pi * (np.arange(self.full_points) + 0.5) / self.full_points
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """The nodes that carry unknowns, shape (n,)."""
+        return self.all_nodes[: self.points]
+
+    @property
+    def inner(self) -> slice:
+        """Which of all nodes carry unknowns."""
+        return slice(0, self.points)
+
+    @property
+    def derivative(self) -> np.ndarray:
+        """First derivative on all nodes, shape (full_points, full_points)."""
+        return self._all.derivative
+
+    @cached_property
+    def second_derivative(self) -> np.ndarray:
+        """Of a function of the axis' symmetries, shape (n, n)."""
+        fourier, harmonics = self._all.fourier, self._all.harmonics
+        return self._fold(-(fourier[:, : self.points].T * harmonics**2) @ fourier)
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Of the mean over ν, shape (n,)."""
+        return np.full(self.points, 1 / self.points)
+
+    @cached_property
+    def modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Eigenvalues (n,), eigenvectors as columns of unit mean square and their inverse."""
+        values, vectors = np.linalg.eigh(self.second_derivative)
+        size = np.sqrt(self.points)
+        return values[::-1], vectors[:, ::-1] * size, vectors[:, ::-1].T / size
+
+    @property
+    def in_parts(self) -> np.ndarray:
+        """The second derivative, as kernels take it."""
+        return self.second_derivative
+
+    @property
+    def modes_in_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``modes`` likewise."""
+        return self.modes
+
+    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
+    def moments(self, count: int) -> np.ndarray:
+        """Rows that average a function times cos 2kν, k < count: (count, n)."""
+        return np.cos(2 * np.outer(np.arange(count), self.nodes)) * self.weights
+
+    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
+    def interpolation_to(self, finer: Around) -> np.ndarray:
+        """Matrix that carries values on this axis to another one, shape (finer.points, n)."""
+        return self.at(finer.nodes)
+
+    def to_points(self, places: np.ndarray) -> np.ndarray:
+        """Matrix from values on all nodes to some places (m,), shape (m, full_points)."""
+        return self._all.at(places - self.all_nodes[0])
+
+    @property
+    def unfolded(self) -> np.ndarray:
+        """Which unknown each of all nodes has the value of, shape (full_points,)."""
+        n, full = self.points, self.full_points
+        index = np.arange(full)
+        if self.lengthwise:
+            index = np.minimum(index, full - 1 - index)
+        if self.crosswise:
+            # Mirrored about the end of the sector.
+            index = np.where(index < n, index, 2 * n - 1 - index)
+        return index
+
+    @property
+    def mirrored(self) -> list[np.ndarray]:
+        """By each of its symmetries the nodes' images, of all nodes."""
+        images = -self.all_nodes, np.pi - self.all_nodes
+        step = 2 * np.pi / self.full_points
+        return [
+            np.round((image - self.all_nodes[0]) / step).astype(int) % self.full_points
+            for image, has in zip(images, (self.lengthwise, self.crosswise), strict=True)
+            if has
+        ]
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Matrix from the unknowns to some places (m,), shape (m, n)."""
+        return self._fold(self.to_points(places))
+
+    @property
+    def _all(self) -> Period:
+        return period(self.full_points)
+
+    @property
+    def _start(self) -> float:
+        """A half that is the same at ν and π − ν lies about 0."""
+        return -np.pi / 2 if self.crosswise and not self.lengthwise else 0.0
+
+    def _fold(self, matrix: np.ndarray) -> np.ndarray:
+        """What the unknowns say of all, by the symmetry of what a matrix acts on."""
+        folded = np.zeros((len(matrix), self.points))
+        for at, column in zip(self.unfolded, matrix.T, strict=True):
+            folded[:, at] += column
+        return folded
+
+
+@lru_cache(maxsize=64)
+def around(points: int, lengthwise: bool, crosswise: bool) -> Around:
+    """The axis with so many unknowns; its matrices are computed once."""
+    return Around(points=points, lengthwise=lengthwise, crosswise=crosswise)
+
+
+@dataclass(frozen=True)
+class FluxPoints:
+    """Chebyshev–Gauss points of an axis, as many as it has unknowns, n.
+
+    The pressure is known on the axis' own nodes and vanishes, as an excess, at the ends; the
+    velocity along the axis is free there, so that no point of it lies at an end. About the middle
+    of a folded axis the velocity along it is odd, all else even. All matrices have the shape
+    (n, n) and lengths are those of the axis.
+    """
+
+    axis: Axis
+
+    @cached_property
+    def all_points(self) -> np.ndarray:
+        """Shape (full_points,), on (0, 1)."""
+        count = self.axis.full_points
+        return (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
+
+    @property
+    def from_all_nodes(self) -> np.ndarray:
+        """Values here of a function that is known on all nodes, shape (n, nodes)."""
+        return self.axis.to_points(self.all_points)[: self.axis.points]
+
+    @property
+    def from_nodes(self) -> np.ndarray:
+        """Values here of a function on the nodes that vanishes at the ends."""
+        return self._folded(self.axis.to_points(self.all_points)[:, 1:-1], odd=False)
+
+    @property
+    def slope(self) -> np.ndarray:
+        """Derivative here of a function on the nodes that vanishes at the ends."""
+        derivative = self.axis.to_points(self.all_points) @ self.axis.derivative
+        return self._folded(derivative[:, 1:-1], odd=False)
+
+    @property
+    def along(self) -> np.ndarray:
+        """Derivative here of the velocity along the axis."""
+        return self._folded(self._derivative, odd=True)
+
+    @property
+    def to_nodes(self) -> np.ndarray:
+        """The velocity along the axis on the nodes."""
+        return self._folded(self._values_at(self.axis.all_nodes[1:-1]), odd=True)
+
+    @property
+    def divergence(self) -> np.ndarray:
+        """Derivative on the nodes of the velocity along the axis."""
+        at_nodes = self._values_at(self.axis.all_nodes[1:-1]) @ self._derivative
+        return self._folded(at_nodes, odd=True)
+
+    @property
+    def across(self) -> np.ndarray:
+        """Derivative on the nodes, along this axis, of a velocity along the other one.
+
+        That velocity is taken to vanish at the ends, as it does where the gas comes in.
+        """
+        return self._folded(self.axis.derivative[1:-1, 1:-1], odd=False)
+
+    @property
+    def rim(self) -> np.ndarray:
+        """What ``across`` lacks per velocity at each end that does not vanish, shape (2, n).
+
+        Of a folded axis both ends are alike and their sum comes first.
+        """
+        first, last = self.axis.derivative[1 : self.axis.points + 1, [0, -1]].T
+        return np.stack([first + last, 0 * last] if self.axis.folded else [first, last])
+
+    @property
+    def to_end(self) -> np.ndarray:
+        """Factors of the values on the four nodes beside an end for the value there, shape (4,).
+
+        As few because a polynomial through all would grow beyond bounds there.
+        """
+        near = self.axis.all_nodes[1:5]
+        others = [np.delete(near, at) for at in range(len(near))]
+        pairs = zip(near, others, strict=True)
+        return np.array([np.prod(some / (some - node)) for node, some in pairs])
+
+    def carried_to(self, finer: FluxPoints) -> np.ndarray:
+        """The velocity along the axis on another one's points, shape (finer n, n)."""
+        return self._folded(self._values_at(finer.all_points), odd=True, rows=finer.axis.points)
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """The velocity along an axis that is not folded at places of it, shape (places, n)."""
+        return self._values_at(places)
+
+    @cached_property
+    def _weights(self) -> np.ndarray:
+        """Barycentric weights of the points (Berrut and Trefethen 2004)."""
+        index = np.arange(self.axis.full_points)
+        return (-1.0) ** index * np.sin(np.pi * (index + 0.5) / len(index))
+
+    def _values_at(self, places: np.ndarray) -> np.ndarray:
+        """Interpolation from all points."""
+        distance = np.subtract.outer(places, self.all_points)
+        hit = distance == 0
+        matrix = self._weights / np.where(hit, 1.0, distance)
+        matrix[hit.any(axis=1)] = 0.0
+        matrix[hit] = 1.0
+        return np.asarray(matrix / matrix.sum(axis=1, keepdims=True))
+
+    @cached_property
+    def _derivative(self) -> np.ndarray:
+        """Derivative on all points."""
+        distance = np.subtract.outer(self.all_points, self.all_points)
+        np.fill_diagonal(distance, 1.0)
+        matrix = np.divide.outer(1 / self._weights, 1 / self._weights) / distance
+        np.fill_diagonal(matrix, 0.0)
+        np.fill_diagonal(matrix, -matrix.sum(axis=1))
+        return matrix
+
+    def _folded(self, matrix: np.ndarray, *, odd: bool, rows: int | None = None) -> np.ndarray:
+        """What the first half of the points says of all, by the symmetry of what it acts on."""
+        if not self.axis.folded:
+            return matrix
+        n = self.axis.points
+        half = matrix[: rows or n]
+        return np.asarray(half[:, :n] + (-1 if odd else 1) * half[:, : n - 1 : -1])
+
+
+@lru_cache(maxsize=64)
+def flux_points(points: int, folded: bool) -> FluxPoints:
+    """Those of the axis with so many unknowns; their matrices are computed once."""
+    return FluxPoints(axis(points, folded))

@@ -9,7 +9,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.plan import METHODS
+from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.solution import checked_outputs
 
 TOLERANCES = (1e-10, 0.1)

@@ -40,7 +40,7 @@ from squeezefilm.dynamics.levitation import (
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import GAPS_M
 from squeezefilm.quantities.model_error import budget_text
-from squeezefilm.reynolds import node_cache
+from squeezefilm.reynolds.device import one_build_at_a_time
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.tables import write_table
 from squeezefilm.units import quantities, quantity
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(f"--hv: {wrong:g} m must lie within {least:g} … {most:g} m")
     # Of the gap, which is sought, the largest: there surface and finger do not touch.
     scenes = film.scenes(points.assign(h0_m=GAPS_M[1]))
-    with node_cache.one_build_at_a_time():
+    with one_build_at_a_time():
         device = device_of(film.config, option=options.device)
     how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
     scan = film.scan

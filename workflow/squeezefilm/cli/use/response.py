@@ -40,7 +40,7 @@ from squeezefilm.dynamics.response import (
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import validity
-from squeezefilm.reynolds import node_cache
+from squeezefilm.reynolds.device import one_build_at_a_time
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> None:
     film = film_at(options.config)
     points = points_in(options)
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
-    with node_cache.one_build_at_a_time():
+    with one_build_at_a_time():
         device = device_of(film.config, option=options.device)
     tolerance = solver_settings(film.config, outputs=()).tolerance
     if options.scenes is None:

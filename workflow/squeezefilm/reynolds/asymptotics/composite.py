@@ -19,18 +19,45 @@ any ε. Layers with inertia are known up to Re = 10 and excursions that depend o
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import log10
+from functools import wraps
+from math import inf, isfinite, log10
 
 import numpy as np
 
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.asymptotics import core
 from squeezefilm.reynolds.asymptotics.core import Expansion, Part, SecondOrder, joined
-from squeezefilm.reynolds.asymptotics.films import INERTIA_SQUARE, Films, grid_error, wide
+from squeezefilm.reynolds.asymptotics.films import (
+    INERTIA_SQUARE,
+    Films,
+    expansion_axis,
+    films_of,
+    grid_error,
+    wide,
+)
+from squeezefilm.reynolds.needs import LeftOut, Needs
+from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
+from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.terms.gap import AnyGap
 
 # Layers of width √(2/σ) must leave room on the shorter side: σ min(1, aspect)² at least this.
 LEAST_SIGMA = 10.0
+# At this the expansions in ε have their part of order ε² alone, to rounding.
+TINY_EPSILON = 1e-5
+# Scenes whose fields are held at a time; more would fall out of the caches.
+BATCH = 256
+# Squeeze numbers of the shorter side from which on the edge layer alone, and the composite on grids
+# that resolve the layer, take less time than the periodic state. Processor time of a scene, 16 at
+# random positions in a call (sinc, ε 0.05–0.7), in ms, by the edge layer and the periodic state: at
+# 1e-2 and σ 2000, 2e4, 1e6 0.28, 0.23, 0.29 and 0.39, 0.59, 1.4; alone in its call 1.6 at any σ and
+# 1.0, 1.2, 2.1; at 1e-4 and σ 2e4 0.3 and 5. By the composite at 1e-6 and σ 2000, 1e5 1.0, 5 and
+# 0.7, 25.
+EDGE_LAYER_FROM, COMPOSITE_FROM, COMPOSITE_TO_TOLERANCE = 2e4, 1e4, 1e-3
+# With inertia, where a periodic state takes ten times as long, they pay wherever they hold.
+# Motion so small, in ε² over the tolerance, that rounding hides a periodic state's force.
+TINY = 1e-3
 
 
 @dataclass(frozen=True)
@@ -59,6 +86,37 @@ def expansion_points(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
     return points.astype(np.int64)
 
 
+Expand = Callable[[Films], AsymptoticForces]
+
+
+def _with_slip_and_inertia(expand: Expand) -> Expand:
+    """An expansion of films that may have slip, inertia or both.
+
+    Both together: that with slip, and the change by inertia in a film without slip whose gas flows
+    as freely, σ/(1 + slip) and Re (1 + 2 slip/3), as it is for small motion of dense gas.
+    """
+
+    @wraps(expand)
+    def together(films: Films) -> AsymptoticForces:
+        if not np.any((films.slip != 0) & (films.reynolds != 0)):
+            return expand(films)
+        none = np.zeros_like(films.slip)
+        alike = replace(
+            films,
+            sigma=films.layer_number,
+            slip=none,
+            reynolds=films.reynolds * (1 + 2 / 3 * films.slip),
+        )
+        slipping = expand(replace(films, reynolds=none))
+        moving, still = expand(alike), expand(replace(alike, reynolds=none))
+        change = moving.mean - still.mean
+        error = np.maximum(slipping.error, moving.error) + films.slip_share * np.abs(change)
+        return AsymptoticForces(mean=slipping.mean + change, error=_known(error))
+
+    return together
+
+
+@_with_slip_and_inertia
 def high_squeeze_limit(films: Films) -> AsymptoticForces:
     """The film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the rim.
 
@@ -66,9 +124,13 @@ def high_squeeze_limit(films: Films) -> AsymptoticForces:
     With inertia core and rim are others (core.py). The error is the edge layer's correction
     and that one's error.
     """
-    return _together(films, _fast)
+    fine, coarse = _expand(films), _expand(films.coarser)
+    error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_share * fine.gross
+    error = error + grid_error(films, fine.density, coarse.density)
+    return _forces(films, mean=films.mean(fine.density), error=error)
 
 
+@_with_slip_and_inertia
 def edge_layer_expansion(films: Films) -> AsymptoticForces:
     """The high-squeeze limit with the edge's boundary layer, correct to 1/√σ (see edge_layer.py).
 
@@ -77,42 +139,6 @@ def edge_layer_expansion(films: Films) -> AsymptoticForces:
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
     inertia the next order is ε²/σ (edge_layer.py), without it ε²/σ^(3/2).
     """
-    return _together(films, _with_layer)
-
-
-def small_amplitude_expansion(films: Films) -> AsymptoticForces:
-    """Second order in ε at any σ: linear pressure p̂, then the mean flow that it drives.
-
-    (1 + slip)∇²p̂ − iσp̂ = iσs and ∇²v = −(3/2)(1 + 2 slip/3)/(1 + slip) ∇·(s ∇Re p̂), zero on the
-    rim; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)). With inertia, see core.py.
-    """
-    _even(films)
-    return _together(films, _small)
-
-
-def composite_expansion(films: Films) -> AsymptoticForces:
-    """The edge layer's expansion with its part of order ε² replaced by the exact one.
-
-    The additive composite of two expansions (Van Dyke, Perturbation Methods in Fluid Mechanics,
-    1975): what is left is of order ε⁴/σ.
-    """
-    _even(films)
-    return _together(films, _composite)
-
-
-def _even(films: Films) -> None:
-    if films.rest is not None:
-        raise ValueError("the second order in ε is derived for gaps that are even at rest")
-
-
-def _fast(films: Films) -> AsymptoticForces:
-    fine, coarse = _expand(films), _expand(films.coarser)
-    error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_share * fine.gross
-    error = error + grid_error(films, fine.density, coarse.density)
-    return _forces(films, mean=films.mean(fine.density), error=error)
-
-
-def _with_layer(films: Films) -> AsymptoticForces:
     fine, coarse = _expand(films), _expand(films.coarser)
     error = films.layer_remainder + films.slip_share * fine.gross
     rest = fine.layer - coarse.layer
@@ -120,7 +146,13 @@ def _with_layer(films: Films) -> AsymptoticForces:
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
-def _small(films: Films) -> AsymptoticForces:
+@_with_slip_and_inertia
+def small_amplitude_expansion(films: Films) -> AsymptoticForces:
+    """Second order in ε at any σ: linear pressure p̂, then the mean flow that it drives.
+
+    (1 + slip)∇²p̂ − iσp̂ = iσs and ∇²v = −(3/2)(1 + 2 slip/3)/(1 + slip) ∇·(s ∇Re p̂), zero on the
+    rim; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)). With inertia, see core.py.
+    """
     fine, coarse = _second_order(films), _second_order(films.coarser)
     square = films.epsilon**2
     error = films.amplitude_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss))
@@ -131,11 +163,17 @@ def _small(films: Films) -> AsymptoticForces:
     return AsymptoticForces(mean=square * mean, error=_known(square * error))
 
 
-def _composite(films: Films) -> AsymptoticForces:
-    fine, coarse = _joined(films), _joined(films.coarser)
+@_with_slip_and_inertia
+def composite_expansion(films: Films) -> AsymptoticForces:
+    """The edge layer's expansion with its part of order ε² replaced by the exact one.
+
+    The additive composite of two expansions (Van Dyke, Perturbation Methods in Fluid Mechanics,
+    1975): what is left is of order ε⁴/σ.
+    """
+    (fine, change), (coarse, _) = _exchanged(films), _exchanged(films.coarser)
     square = films.epsilon**2
     error = (
-        2 * square * np.sqrt(films.depth) * np.abs(fine.change)
+        2 * square * np.sqrt(films.depth) * np.abs(change)
         + films.corner_remainder
         + square * films.depth * films.streaming_remainder
         + INERTIA_SQUARE * square * films.depth * films.inertia_remainder
@@ -146,25 +184,16 @@ def _composite(films: Films) -> AsymptoticForces:
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
-@dataclass(frozen=True)
-class _Joined(Expansion):
-    """An expansion, and what its second order differs by from another's."""
-
-    change: np.ndarray
-
-
-def _joined(films: Films) -> _Joined:
-    """The composite: order ε² by order ε² exchanged for the exact one."""
+def _exchanged(films: Films) -> tuple[Expansion, np.ndarray]:
+    """An expansion with its part of order ε² exchanged for the exact one, and what that changes."""
     full, exact, square = _expand(films), _second_order(films), films.epsilon**2
-    second = _either(films, core.expand_second_order, core.expand_second_order_with_inertia)
-    density = exact.flow - exact.loss - second.density
-    layer = exact.rim - second.layer
-    return _Joined(
-        density=full.density + wide(square) * density,
-        layer=full.layer + square * layer,
-        gross=full.gross,
-        change=square * (films.mean(density) + layer),
+    second = _expand(replace(films, epsilon=np.full_like(films.epsilon, TINY_EPSILON)))
+    density = exact.flow - exact.loss - second.density / TINY_EPSILON**2
+    layer = exact.rim - second.layer / TINY_EPSILON**2
+    changed = Expansion(
+        full.density + wide(square) * density, full.layer + square * layer, full.gross
     )
+    return changed, square * (films.mean(density) + layer)
 
 
 def _expand(films: Films) -> Expansion:
@@ -172,6 +201,8 @@ def _expand(films: Films) -> Expansion:
 
 
 def _second_order(films: Films) -> SecondOrder:
+    if films.rest is not None:
+        raise ValueError("the second order in ε is derived for gaps that are even at rest")
     return _either(films, core.second_order, core.second_order_with_inertia)
 
 
@@ -193,28 +224,211 @@ def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticF
     return AsymptoticForces(mean=mean, error=_known(np.where(thin, error, np.inf)))
 
 
-def _together(films: Films, method: Callable[[Films], AsymptoticForces]) -> AsymptoticForces:
-    """Forces of films that may have slip, inertia or both.
-
-    Both together: that with slip, and the change by inertia in a film without slip whose gas flows
-    as freely, σ/(1 + slip) and Re (1 + 2 slip/3), as it is for small motion of dense gas.
-    """
-    if not np.any((films.slip != 0) & (films.reynolds != 0)):
-        return method(films)
-    none = np.zeros_like(films.slip)
-    alike = replace(
-        films,
-        sigma=films.layer_number,
-        slip=none,
-        reynolds=films.reynolds * (1 + 2 / 3 * films.slip),
-    )
-    slipping = method(replace(films, reynolds=none))
-    moving, still = method(alike), method(replace(alike, reynolds=none))
-    change = moving.mean - still.mean
-    error = np.maximum(slipping.error, moving.error) + films.slip_share * np.abs(change)
-    return AsymptoticForces(mean=slipping.mean + change, error=_known(error))
-
-
 def _known(error: np.ndarray) -> np.ndarray:
     """Infinite where a number is missing."""
     return np.where(np.isfinite(error), error, np.inf)
+
+
+@dataclass(frozen=True)
+class Expanded:
+    """A scene's mean overpressure by an expansion, its error estimate, and the grid behind it."""
+
+    mean: float
+    error: float
+    nx: int
+    ny: int
+
+    @property
+    def flops(self) -> float:
+        """Floating-point operations, roughly: two fast solves, with their grid error."""
+        return 40.0 * self.nx * self.ny * (self.nx + self.ny)
+
+    @property
+    def relative_error(self) -> float:
+        """The error over the mean; 0 for a film that is at rest and bears nothing."""
+        if self.error == 0:
+            return 0.0
+        return self.error / abs(self.mean) if self.mean else inf
+
+    @property
+    def left_out(self) -> LeftOut:
+        return LeftOut("time", f"the composite expansion is good to {self.relative_error:.1e}")
+
+    def holds(self, tolerance: float) -> bool:
+        """Whether the estimate meets a relative tolerance; ``nan`` does not."""
+        return self.error <= tolerance * abs(self.mean)
+
+    def status(self, tolerance: float) -> str:
+        """``ok``, or what is wrong with the estimate."""
+        if not isfinite(self.error):
+            return "the error of the composite expansion is not known here"
+        if not self.holds(tolerance):
+            return f"the composite expansion is good to {self.relative_error:.1e} only"
+        return "ok"
+
+
+def not_derived_for(needs: Needs) -> dict[int, str]:
+    """The scenes of whose force there is no expansion, and why."""
+    scenes = needs.scenes
+    still = np.flatnonzero(scenes.epsilon == 0).tolist()
+    reasons = dict.fromkeys(still, "the composite expansion is derived for a surface that vibrates")
+    for rows, scene, terms in needs.alike():
+        if reason := _not_derived(scene, terms):
+            reasons |= dict.fromkeys(rows.tolist(), reason)
+    return reasons
+
+
+def _not_derived(scene: Scene, terms: Terms) -> str:
+    """Why there is no expansion for scenes of a film and its terms; empty where there is."""
+    what = "the composite expansion is derived for"
+    if scene.finger.shape != "rectangle":
+        return f"{what} rectangular pads"
+    unknown = [term.label for term in terms if not term.in_expansions]
+    if unknown:
+        return f"the composite expansion is not derived with {' and '.join(unknown)}"
+    others = [term.label for term in terms if not isinstance(term, AnyGap)]
+    if not scene.finger.gap.flat and others:
+        return f"{what} a gap that is even at rest with {' and '.join(others)}"
+    if scene.actuator.profile.is_complex and scene.gas.inertia == "included":
+        return f"{what} a vibration in one phase with inertia"
+    return ""
+
+
+def composite(needs: Needs, *, tolerance: float, worth: bool) -> dict[int, Expanded]:
+    """The scenes' forces by the composite expansion, by row: the edge layer's alone where that
+    holds the tolerance, else with the exact second order in ε where the gap is even at rest.
+
+    Args:
+        worth: to have those alone that hold the tolerance, of scenes whose periodic state should
+            take longer.
+    """
+    by_layer = by_second = np.ones(len(needs), dtype=bool)
+    if worth:
+        by_layer, by_second = _pay(needs, tolerance)
+        if not (by_layer | by_second).any():
+            return {}
+    known = np.ones(len(needs), dtype=bool)
+    known[list(not_derived_for(needs))] = False
+    tried = np.flatnonzero(known & by_layer)
+    found = expanded(edge_layer_expansion, needs, tried, tolerance=tolerance)
+    flat = needs.scenes.column(lambda film: film.finger.gap.flat)
+    more = [
+        row
+        for row in np.flatnonzero(known & by_second & flat).tolist()
+        if not (row in found and found[row].holds(tolerance))
+    ]
+    # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
+    # grid's error was twice the tolerance (σ 1e5, 1e-6).
+    joined = expanded(_with_second_order, needs, more, tolerance=tolerance / 10, layers=True)
+    for row, result in joined.items():
+        if row not in found or result.error < found[row].error:
+            found[row] = result
+    return {row: each for row, each in found.items() if each.holds(tolerance) or not worth}
+
+
+def _with_second_order(films: Films) -> AsymptoticForces:
+    """The composite expansion; where layers are too thick for it, the second order in ε alone."""
+    forces = composite_expansion(films)
+    thick = ~np.isfinite(forces.error)
+    if thick.any():
+        second = small_amplitude_expansion(films.take(thick))
+        forces.mean[thick], forces.error[thick] = second.mean, second.error
+    return forces
+
+
+def _pay(needs: Needs, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Whether the edge layer's expansion, and the composite, may hold the tolerance and are worth
+    their cost, (n,) each.
+
+    The orders are those of the error estimates. Their factors are about the smallest that 2400
+    random films had (ε 0.01–0.98, σ 0.1–1e6, sides 1:10 to 10:1), of the paper's sinc and of a
+    piston. A profile between the two may be sent on although the expansion would do.
+    """
+    scenes = needs.scenes
+    square, sigma, inertia = scenes.epsilon**2, scenes.sigma, scenes.gas.inertia == "included"
+    slender = sigma * np.minimum(1.0, scenes.aspect) ** 2  # of the shorter side
+    tiny = square <= TINY * tolerance
+    by_layer = (slender >= EDGE_LAYER_FROM) | inertia
+    by_second = (slender >= COMPOSITE_FROM) & (tolerance <= COMPOSITE_TO_TOLERANCE) | inertia
+    if not (by_layer | by_second).any():
+        return by_layer, tiny
+    # By the pad's corners, which no expansion has, where the profile is large; by inertia and slip.
+    corners = square / sigma
+    terms = np.maximum(15 * _reynolds(scenes) / sigma, 0.3 * 6 * scenes.slip_knudsen * sigma**-0.5)
+    even = needs.uniform & scenes.column(lambda film: film.finger.gap.flat)
+    layer_orders = [np.where(even, 0.3, 100) * sigma**-1.5, corners, terms]
+    second_orders = [
+        np.where(needs.uniform, 3, 15) * square * sigma**-1.5,
+        corners,
+        4 * square * terms,
+    ]
+    by_layer &= np.maximum.reduce(layer_orders) <= tolerance
+    return by_layer, tiny | by_second & (np.maximum.reduce(second_orders) <= tolerance)
+
+
+def expanded(
+    expand: Expand,
+    needs: Needs,
+    rows: np.ndarray | Sequence[int],
+    *,
+    tolerance: float,
+    layers: bool = False,
+) -> dict[int, Expanded]:
+    """One expansion of some of the scenes, by row; those with one grid together.
+
+    Args:
+        tolerance: of the grids.
+        layers: whether these resolve the layers at the pad's edge.
+    """
+    rows = np.asarray(rows, dtype=np.int64)
+    if not rows.size:
+        return {}
+    scenes = needs.scenes[rows]
+    sigma = scenes.sigma if layers else np.ones(len(rows))
+    # The error estimate uses every other node, which must resolve the profile too.
+    nodes = 2 * nodes_for_profile(needs, tolerance=tolerance)[rows] + 1
+    points = [
+        np.maximum(expansion_points(tolerance=tolerance, sigma=each), at_least)
+        for each, at_least in zip((sigma, sigma * scenes.aspect**2), nodes.T, strict=True)
+    ]
+    # Of one kind of fields: numbers real or complex, gaps even at rest or not.
+    fields = scenes.column(lambda film: 2 * film.actuator.profile.is_complex + film.finger.gap.flat)
+    code = np.stack([*points, np.broadcast_to(fields, len(rows))], axis=1)
+    results = {}
+    for nx, ny, kind in np.unique(code, axis=0).tolist():
+        group = np.flatnonzero((code == (nx, ny, kind)).all(axis=1))
+        for start in range(0, len(group), BATCH):
+            some = group[start : start + BATCH]
+            forces = expand(_films(scenes[some], nx=nx, ny=ny))
+            for row, mean, error in zip(
+                rows[some].tolist(), forces.mean.tolist(), forces.error.tolist(), strict=True
+            ):
+                results[row] = Expanded(mean, error, nx, ny)
+    return results
+
+
+def _reynolds(scenes: Scenes) -> np.ndarray:
+    """Reynolds numbers as expansions have them: 0 without inertia."""
+    return np.where(scenes.gas.inertia == "included", scenes.modified_reynolds, 0.0)
+
+
+def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
+    x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
+    complex_ = scenes.films[scenes.film_index[0]].actuator.profile.is_complex
+    flat = scenes.films[scenes.film_index[0]].finger.gap.flat
+    amplitude = np.empty((len(scenes), *x.shape), dtype=complex if complex_ else float)
+    rest = np.empty((len(scenes), *x.shape))
+    for film, rows, some in scenes.of_each_film():
+        places, at = some.places
+        parts = places.parts(x.ravel(), y.ravel()).reshape(-1, len(places.x_m), *x.shape)
+        amplitude[rows] = (parts[0] + 1j * parts[1] if complex_ else parts[0])[at]
+        rest[rows] = 1 + film.finger.gap.rise_m(x, y) / some.h0_m[:, None, None]
+    return films_of(
+        scenes.epsilon,
+        scenes.sigma,
+        amplitude,
+        aspect=scenes.aspect,
+        slip=6 * scenes.slip_knudsen,
+        reynolds=_reynolds(scenes),
+        rest=None if flat else rest,
+    )

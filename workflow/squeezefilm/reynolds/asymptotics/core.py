@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from math import ceil, log, sqrt
+from math import ceil, log
 from typing import TypeVar
 
 import numpy as np
@@ -26,15 +26,9 @@ import numpy as np
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.asymptotics.films import Films, wide
 
-# d(a)/a², g(a)/a and q(a)/a of the edge layer at a = 0.
-LINEAR = -5 * sqrt(2) / 8, 3 / sqrt(2), -3 / sqrt(2)
 # Of the sums over harmonics, and of the rounds that solve the core's equation.
 PRECISION, MOST_HARMONICS = 1e-10, 200
 ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
-# Where functions of a over their leading power are taken for a → 0.
-TINY = 1e-4
-
-Number = float | np.ndarray
 
 
 @dataclass(frozen=True)
@@ -107,34 +101,16 @@ def expand(films: Films) -> Expansion:
     # ψ/√(1 − ε²s²) − 1, free of cancellation.
     density = (rise / (total + thick) + gap_square / (1 + root)) / root
     epsilon = films.epsilon[:, None]
+    d, g, q = epsilon**2 * edge_layer.ratios(epsilon * np.abs(films.rim))
+    # With s as its phase, the slope's part in phase goes by g, else by q.
+    turned = films.rim.conj() * films.slope
     layer, gross = layer_correction(
         films,
-        **_at_rim(films, *epsilon**2 * edge_layer.ratios(epsilon * np.abs(films.rim))),
+        d=d * np.abs(films.rim) ** 2,
+        change=g * turned.real + q * turned.imag,
         influence=-films.inward(films.solve_diffusion(1 / (2 * total * root))),
     )
     return Expansion(density=density, layer=layer, gross=gross)
-
-
-def expand_second_order(films: Films) -> Expansion:
-    """The same over ε² for ε → 0."""
-    thick = 1 + wide(films.slip)
-    inner = films.solve(-(0.25 + 0.5 * thick) * films.laplacian(films.square))
-    rise = (0.5 + thick) * films.square + 2 * inner
-    weight = np.broadcast_to(1 / (2 * thick), films.s.shape)
-    layer, gross = layer_correction(
-        films, **_at_rim(films, *LINEAR), influence=-films.inward(films.solve(weight))
-    )
-    return Expansion(density=rise / (2 * thick) + films.square / 2, layer=layer, gross=gross)
-
-
-def _at_rim(films: Films, d: Number, g: Number, q: Number) -> dict[str, np.ndarray]:
-    """What the layer changes: with s as its phase, the slope's part in phase goes by g, else by q.
-
-    Args:
-        d, g, q: over the square of the amplitude, or for g and q of its product with the slope.
-    """
-    turned = films.rim.conj() * films.slope
-    return {"d": d * np.abs(films.rim) ** 2, "change": g * turned.real + q * turned.imag}
 
 
 def second_order(films: Films) -> SecondOrder:
@@ -212,24 +188,6 @@ def expand_with_inertia(films: Films) -> Expansion:
         influence=-films.on_rim(1 - gap_square * beta) * films.inward(chi),
     )
     return Expansion(density=density, layer=layer, gross=gross)
-
-
-def expand_second_order_with_inertia(films: Films) -> Expansion:
-    """The same over ε² for ε → 0: ψ² − 1 is ε² (rim s² + what makes it + ½ k s² harmonic)."""
-    ratio = films.reynolds / 10
-    lag = wide(ratio**2 / (1 + ratio**2))
-    tiny = edge_layer.rim_values(np.full((len(ratio), 1), TINY), films.reynolds)
-    inner = films.solve(-0.5 * lag * films.laplacian(films.s**2))
-    at_rim = films.from_rim(tiny.rise / TINY**2 * films.rim**2)
-    rise = at_rim + inner - films.solve(films.laplacian(at_rim))
-    weight = np.full(films.s.shape, 0.5)
-    layer, gross = layer_correction(
-        films,
-        d=tiny.d / TINY**2 * films.rim**2,
-        change=tiny.g / TINY * films.rim * films.slope,
-        influence=-films.inward(films.solve(weight)),
-    )
-    return Expansion(density=rise / 2 + films.s**2 / 2, layer=layer, gross=gross)
 
 
 def second_order_with_inertia(films: Films) -> SecondOrder:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from itertools import accumulate, pairwise
+from functools import lru_cache
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -16,18 +16,14 @@ from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING, Device, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import (
     ABSENT,
-    Buffer,
     Columns,
     Packed,
     c_enum,
     c_struct,
     c_terms,
-    joined_rows,
     packed,
     rows_of,
 )
-from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
-from squeezefilm.reynolds.periodic.states import ENDINGS, SAID, States
 from squeezefilm.reynolds.periodic.time_modes import modes_of
 from squeezefilm.reynolds.problems import (
     aspect_of,
@@ -36,9 +32,103 @@ from squeezefilm.reynolds.problems import (
     profiles_at,
     terms_of_all,
 )
-from squeezefilm.reynolds.terms import Arrays, Terms, own_fields, parts_of, unknown_fields
+from squeezefilm.reynolds.terms import Terms, own_fields, parts_of, unknown_fields
 
 MOST_NEWTON = 40
+LEAST_KRYLOV, MOST_KRYLOV = 20, 80
+LARGEST_WORKSPACE_BYTES = 256 * 2**20
+
+# How an iteration ends: the kernel's names, and what is said of it.
+ENDINGS = {
+    "CONVERGED": "ok",
+    "STALLED": "Newton's method did not converge",
+    "NOT_FINITE": "the pressure became infinite",
+}
+STATUS = tuple(ENDINGS.values())
+
+# What the device says of a scene on a grid beside its overpressure: a row of its results.
+SAID = np.dtype(
+    [
+        *((name, np.float64) for name in ("mean", "residual", "largest", "lowest", "thinnest")),
+        *((name, np.float64) for name in ("moment", "size")),
+        *((name, np.int64) for name in ("status", "newton_steps", "krylov_iterations")),
+    ]
+)
+
+
+@dataclass(frozen=True)
+class State:
+    """The periodic state of one scene on one grid, on the host.
+
+    Attributes:
+        unknowns: p = P − 1 in units of the ambient pressure and the terms' own unknowns, shape
+            (fields, nx, ny, nt).
+    """
+
+    grid: Grid
+    unknowns: np.ndarray
+
+
+@dataclass(frozen=True)
+class States:
+    """What the device returns, one entry per scene.
+
+    Attributes:
+        kept: the unknowns, or none where the batch does not ask for them.
+        mean_in_time: overpressure averaged over the period, shape (scenes, nx, ny).
+        said: rows of what is said of the scenes, the properties' values.
+    """
+
+    kept: np.ndarray | None
+    mean_in_time: np.ndarray
+    said: np.ndarray
+
+    @property
+    def unknowns(self) -> np.ndarray:
+        """p = P − 1 on the grid and the terms' own unknowns, shape (scenes, fields, nx, ny, nt)."""
+        if self.kept is None:
+            raise ValueError("the batch did not ask for the states on this grid")
+        return self.kept
+
+    @property
+    def overpressure(self) -> np.ndarray:
+        """p, shape (scenes, nx, ny, nt)."""
+        return self.unknowns[:, 0]
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean of p over film and period, the force in units of p0 × area."""
+        return self.said["mean"]
+
+    @property
+    def status(self) -> np.ndarray:
+        """Index into STATUS."""
+        return self.said["status"]
+
+
+@lru_cache(maxsize=256)
+def _most_krylov(grid: Grid, terms: Terms) -> int:
+    """Krylov iterations that a Newton step may take: as many as there is room for."""
+    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
+    return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
+
+
+@lru_cache(maxsize=64)
+def _sizes(grids: tuple[Grid, ...], terms: Terms) -> Columns:
+    """What a kernel must know of each grid before it can find anything."""
+    names = ("nx", "ny", "nt", "most_krylov", "whole_x", "whole_y", "whole_modes_x")
+    breaks_x = any("x" in term.BREAKS for term in terms)
+    sizes = [
+        (
+            *grid.shape,
+            _most_krylov(grid, terms),
+            grid.x.in_halves,
+            grid.y.in_halves,
+            grid.x.in_halves and not breaks_x,
+        )
+        for grid in grids
+    ]
+    return names, np.array(sizes, dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -62,76 +152,16 @@ class Batch:
     guess: np.ndarray | None = None
     every: bool = True
 
-    @cached_property
-    def count(self) -> int:
-        """Number of scenes."""
-        return len(self.scenes)
-
-    @cached_property
-    def numbers(self) -> np.ndarray:
-        """Of the scenes' equation, a row for each."""
-        return numbers_table(self.scenes, self.terms)
-
-    @cached_property
-    def fields(self) -> int:
-        """Fields of a state."""
-        return unknown_fields(self.terms)
-
-    @cached_property
-    def workspace_size(self) -> int:
-        """Numbers that a work-group needs beside the states."""
-        flow_terms = self.numbers["flow"].shape[1]
-        return max(_workspace_size(grid, self.terms, flow_terms) for grid in self.grids)
-
 
 @lru_cache(maxsize=256)
 def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
-    most, fields = most_krylov(grid, terms), unknown_fields(terms)
+    most, fields = _most_krylov(grid, terms), unknown_fields(terms)
     own = 2 * flow_terms + 3 + own_fields(terms)
     linear = 3 * flow_terms + 10 + (most + 1) * fields
     matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
     small = (most + 4) * (most + 1) + grid.nx * grid.ny
     return grid.count * (own + linear + 2 * fields) + matrices + small
-
-
-@dataclass(frozen=True)
-class _Places:
-    """Where a launch's results have what is said of each batch on each grid.
-
-    They begin with what is said in rows; kernels read states in vectors.
-
-    Attributes:
-        begins: of the means in time of a batch's scenes, one behind the other, and of their states,
-            ABSENT where these do not come back; for each batch, (stages, 2).
-        sizes: of each scene's means and state, likewise.
-        rows: number of rows.
-        size: of all results.
-    """
-
-    begins: Sequence[Sequence[tuple[int, int]]]
-    sizes: Sequence[Sequence[tuple[int, int]]]
-    rows: int
-    size: int
-
-
-def _places(batches: Sequence[Batch]) -> _Places:
-    rows = sum(batch.count * len(batch.grids) for batch in batches)
-    end = -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
-    begins: list[list[tuple[int, int]]] = []
-    sizes: list[list[tuple[int, int]]] = []
-    for batch in batches:
-        begins.append([])
-        sizes.append([])
-        for stage, grid in enumerate(batch.grids):
-            # A first guess lies where the state comes back.
-            guess = stage == 0 and batch.guess is not None
-            returns = batch.every or guess or grid is batch.grids[-1]
-            means, state = grid.nx * grid.ny, batch.fields * grid.count * returns
-            begins[-1].append((end, end + batch.count * means if returns else ABSENT))
-            sizes[-1].append((means, state))
-            end += batch.count * (means + state)
-    return _Places(begins, sizes, rows, end)
 
 
 def solve_batch(
@@ -152,7 +182,6 @@ class Launch:
     """Batches that the device is solving; ``done`` is the kernel's event."""
 
     batches: Sequence[Batch]
-    places: _Places
     device: Device
     inputs: _Inputs
     buffer: Any
@@ -167,24 +196,23 @@ class Launch:
         results = self.inputs.results
         self.device.fetch(results, self.buffer, after=self.done)
         numbers = SAID.itemsize // 8
-        said = results[: self.places.rows * numbers].reshape(-1, numbers).view(SAID)[:, 0]
+        said = results[: len(self.inputs.rows) * numbers].reshape(-1, numbers).view(SAID)[:, 0]
         states: list[list[States]] = []
         first = 0
-        places = zip(self.batches, self.places.begins, self.places.sizes, strict=True)
-        for batch, begins, sizes in places:
-            stages, count = len(batch.grids), batch.count
-            last = first + count * stages
+        for batch, spans in zip(self.batches, self.inputs.spans, strict=True):
+            count, stages = len(batch.scenes), len(batch.grids)
             of_batch = []
-            for stage, grid in enumerate(batch.grids):
-                (mean_at, state_at), (means, state) = begins[stage], sizes[stage]
+            for stage, (grid, span) in enumerate(zip(batch.grids, spans, strict=True)):
+                mean_at, means, state_at, state = span
                 unknowns = None
                 if state:
                     unknowns = results[state_at : state_at + count * state]
-                    unknowns = unknowns.reshape(count, batch.fields, *grid.shape)
+                    unknowns = unknowns.reshape(count, -1, *grid.shape)
                 mean = results[mean_at : mean_at + count * means].reshape(count, grid.nx, grid.ny)
-                of_batch.append(States(unknowns, mean, said[first + stage : last : stages]))
+                of_scenes = said[first + stage : first + count * stages : stages]
+                of_batch.append(States(unknowns, mean, of_scenes))
             states.append(of_batch)
-            first = last
+            first += count * stages
         return states
 
 
@@ -224,17 +252,18 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
             f"{device.work_items} items for many minutes: take one item, as a processor is given "
             "where none are asked for"
         )
-    places = _places(batches)
-    inputs = _inputs(batches, places, device)
+    inputs = _inputs(batches, device)
     single = in_single(terms)
     periodic_state = kernel(
         device,
         "periodic_state",
         sources=sources_of(terms, single=single),
-        header=_header(terms, inputs.rows.dtype, single=single),
+        header=_header(terms, inputs.kind, single=single),
     )
-    scenes = sum(batch.count for batch in batches)
-    workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
+    (flow_terms,) = inputs.kind["flow"].shape
+    sizes = [_workspace_size(grid, terms, flow_terms) for batch in batches for grid in batch.grids]
+    workspace_size = -(-max(sizes) // 8) * 8
+    scenes = len(inputs.begins) - 1
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
     buffer, values = device.shared(inputs.results), device.shared(inputs.values)
     done = periodic_state(
@@ -243,7 +272,8 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         (device.work_items,),
         scenes,
         MOST_NEWTON,
-        *(device.sent(each) for each in (inputs.begins, inputs.rows)),
+        device.sent(inputs.begins),
+        device.sent(inputs.rows),
         values,
         buffer,
         device.sent(np.zeros(1, dtype=np.int32)),
@@ -252,97 +282,112 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         cl.LocalMemory(8 * device.work_items),
     )
     device.queue.flush()
-    return Launch(batches, places, device, inputs, buffer, done)
+    return Launch(batches, device, inputs, buffer, done)
 
 
 @dataclass(frozen=True)
 class _Inputs:
     """A launch's arrays, as periodic.cl describes them.
 
-    results: room for what the device says of the scenes, and their first guesses.
+    kind: the rows' type.
+    results: room for what the device says of the scenes, and their first guesses. It begins with
+        what is said in rows; kernels read states in vectors.
+    spans: on each grid of each batch, where the means in time of its
+        scenes begin, one behind the other, and the size of each, then of their states, ABSENT and
+        0 where these do not come back.
     arrays: what the last two are the beginnings of, of the device's pool.
     """
 
     begins: np.ndarray
+    kind: np.dtype[Any]
     rows: np.ndarray
     values: np.ndarray
     results: np.ndarray
+    spans: Sequence[Sequence[tuple[int, int, int, int]]]
     arrays: Sequence[np.ndarray]
 
 
-def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Inputs:
+def _inputs(batches: Sequence[Batch], device: Device) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
-    stages = [len(batch.grids) for batch in batches for _ in range(batch.count)]
-    begins = np.array([*accumulate(stages, initial=0)], dtype=np.int32)
-    results_array = device.arrays.acquire(places.size + PADDING)
-    results = results_array[: places.size + PADDING]
-    buffer = Buffer()
-    rows = []
-    for batch, at, sizes in zip(batches, places.begins, places.sizes, strict=True):
+    stages = [len(batch.grids) for batch in batches for _ in range(len(batch.scenes))]
+    begins = np.array([0, *accumulate(stages)], dtype=np.int32)
+    end = -(-int(begins[-1]) * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+    spans, rows, parts, size = [], [], [], 0
+    for batch in batches:
+        of_batch, end = _spans(batch, end)
+        numbers = numbers_table(batch.scenes, batch.terms)
+        columns = [_sizes(tuple(batch.grids), batch.terms), _in_results(batch, of_batch)]
+        for items, which in _arrays(batch, numbers):
+            begin = items.starts + size
+            if which is not None:
+                begin = begin + (which * items.values.shape[1])[:, None, None]
+            columns.append((items.names, begin))
+            parts.append(items.values.ravel())
+            size += items.values.size
+        # A mass error w moves the pressure by w/H.
+        tolerance = np.multiply.outer(batch.scenes.narrowest, batch.tolerances)
+        kind, table = rows_of(columns, numbers=numbers, tolerance=tolerance)
+        spans.append(of_batch)
+        rows.append(table)
+    arrays = device.arrays.acquire(end + PADDING), device.arrays.acquire(size + PADDING)
+    results, values = arrays[0][: end + PADDING], arrays[1][: size + PADDING]
+    np.concatenate(parts, out=values[:size])
+    for batch, ((_, _, state_at, _), *_) in zip(batches, spans, strict=True):
         if batch.guess is not None:
-            results[at[0][1] : at[0][1] + batch.guess.size] = batch.guess.ravel()
-        rows.append(
-            rows_of(
-                [*_columns(buffer, batch), _in_results(batch, at, sizes)],
-                stages=len(batch.grids),
-                numbers=batch.numbers,
-                # A mass error w moves the pressure by w/H.
-                tolerance=np.multiply.outer(batch.scenes.narrowest, batch.tolerances),
-            )
-        )
-    values_array = device.arrays.acquire(buffer.size + PADDING)
-    values = buffer.put_into(values_array[: buffer.size + PADDING])
-    return _Inputs(begins, joined_rows(rows), values, results, (results_array, values_array))
+            results[state_at : state_at + batch.guess.size] = batch.guess.ravel()
+    table = rows[0] if len(rows) == 1 else np.concatenate(rows)
+    return _Inputs(begins, kind, table, values, results, spans, arrays)
 
 
-def _columns(buffer: Buffer, batch: Batch) -> list[Columns]:
-    """A batch's sizes, and where its arrays lie in the buffer, on each grid."""
-    grids, terms, numbers = tuple(batch.grids), batch.terms, batch.numbers
-    aspect = aspect_of(batch.scenes)
-    sizes, matrices = _of_grids(grids, terms, aspect)
+def _spans(batch: Batch, end: int) -> tuple[list[tuple[int, int, int, int]], int]:
+    """The spans of a batch whose results begin at some place, and where they end."""
+    spans = []
+    for stage, grid in enumerate(batch.grids):
+        # A first guess lies where the state comes back.
+        guess = stage == 0 and batch.guess is not None
+        returns = batch.every or guess or grid is batch.grids[-1]
+        means, state = grid.nx * grid.ny, unknown_fields(batch.terms) * grid.count * returns
+        behind = end + len(batch.scenes) * means
+        spans.append((end, means, behind if returns else ABSENT, state))
+        end = behind + len(batch.scenes) * state
+    return spans, end
+
+
+def _in_results(batch: Batch, spans: Sequence[tuple[int, int, int, int]]) -> Columns:
+    """Where each scene has its own, on each grid, and what a kernel is to know beside that."""
+    mean_at, means, state_at, state = np.array(spans).T
+    scene = np.arange(len(batch.scenes))[:, None]
+    values = np.zeros((len(scene), len(spans), 4), dtype=np.int64)
+    values[..., 0] = mean_at + scene * means
+    values[..., 1] = state_at + scene * state
+    values[:, 0, 2] = batch.guess is not None
+    values[..., 3] = unknown_fields(batch.terms) * max(grid.count for grid in batch.grids)
+    return ("means", "state", "guessed", "largest_state"), values
+
+
+def _arrays(batch: Batch, numbers: np.ndarray) -> Iterator[tuple[Packed, np.ndarray | None]]:
+    """A batch's arrays on each grid, and which of them each scene has; None where all have one."""
+    grids, terms, aspect = tuple(batch.grids), batch.terms, aspect_of(batch.scenes)
+    yield _matrices(grids, terms, aspect), None
     fields, at, means = profiles_at(batch.scenes, grids, terms)
-    motion = mean_motion(numbers, means)
-    modes, kinds = modes_of(grids, aspect=aspect, numbers=numbers, motion=motion)
-    columns = [
-        sizes,
-        buffer.add(matrices),
-        buffer.add(fields, at),
-        buffer.add(modes, kinds),
-    ]
+    yield fields, at
+    yield modes_of(grids, aspect=aspect, numbers=numbers, motion=mean_motion(numbers, means))
     for term in terms:
         operators = [term.operators(numbers, grid, aspect=aspect) for grid in grids]
         if operators[0]:
-            columns.append(buffer.add(packed(operators), np.arange(batch.count)))
-    return columns
+            yield packed(operators), np.arange(len(batch.scenes))
 
 
 @lru_cache(maxsize=64)
-def _of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> tuple[Columns, Packed]:
-    """The sizes of some grids, and their matrices with those that carry a state to the next."""
-    sizes = [sizes_of(grid, terms) for grid in grids]
-    carried: list[Arrays] = [
-        {},
-        *(carrying_matrices(*pair, terms=terms) for pair in pairwise(grids)),
-    ]
-    matrices = [
-        {**carrying, **grid_matrices(grid, aspect=aspect, terms=terms)}
-        for carrying, grid in zip(carried, grids, strict=True)
-    ]
-    alone = [{name: matrix[None] for name, matrix in each.items()} for each in matrices]
+def _matrices(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
+    """The matrices of some grids, with those that carry a state to the next."""
+    stages: list[dict[str, np.ndarray]] = []
+    for coarse, grid in zip((None, *grids), grids, strict=False):
+        carrying = carrying_matrices(coarse, grid, terms=terms) if coarse else {}
+        matrices = {**carrying, **grid_matrices(grid, aspect=aspect, terms=terms)}
+        stages.append({name: matrix[None] for name, matrix in matrices.items()})
     absent = [*CARRYING, *(name for term in terms for name in term.CARRYING)]
-    return (sizes[0][0], np.stack([values for _, values in sizes])), packed(alone, absent=absent)
-
-
-def _in_results(
-    batch: Batch, begins: Sequence[tuple[int, int]], sizes: Sequence[tuple[int, int]]
-) -> Columns:
-    """Where each scene has its own, on each grid, and what a kernel is to know beside that."""
-    names = ("means", "state", "guessed", "largest_state")
-    values = np.zeros((batch.count, len(sizes), len(names)), dtype=np.int64)
-    values[..., :2] = begins + np.multiply.outer(np.arange(batch.count), sizes)
-    values[:, 0, 2] = batch.guess is not None
-    values[..., 3] = batch.fields * max(grid.count for grid in batch.grids)
-    return names, values
+    return packed(stages, absent=absent)
 
 
 @lru_cache(maxsize=64)

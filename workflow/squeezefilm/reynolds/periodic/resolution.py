@@ -5,15 +5,16 @@ The guess only decides the cost. Whether it was right is judged afterwards, by t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, inf, log, log10, pi, sqrt
+from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.outline import Outline
-from squeezefilm.film.scene import Rows, Scenes, distinct
+from squeezefilm.film.scene import Film, Rows, Scenes, rows_alike
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
@@ -64,27 +65,68 @@ UNEVEN_SIGMA = 5e3
 THIN_SIGMA = 1e4
 # Stands for zero in a denominator.
 TINY = 1e-300
+# One number of nx, ny, nt, two folds and the nodes that see the profile along x and y.
+CODE = 2.0 ** np.array([0, 9, 18, 26, 27, 28, 37])
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Scenes of like terms and finger shape that go through the same grids.
+
+    Attributes:
+        rows: which scenes they are, (k,).
+        grids: those of the next launch; the change to the last tells its error.
+        guess: states on the first of them, if they are known already, (k, fields, nx, ny, nt).
+    """
+
+    rows: np.ndarray
+    grids: tuple[Grid, ...]
+    terms: Terms
+    aspect: float
+    guess: np.ndarray | None = None
 
 
 def first_grids(
     needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS, kept: bool = False
-) -> tuple[list[tuple[Grid, ...]], np.ndarray]:
-    """Those of the first launch: a start, if it pays, and those that it takes to know the error.
+) -> Iterator[Group]:
+    """Scenes with the grids of their first launch.
+
+    These are a start, if it pays, and those that it takes to know the error. Force errors on the
+    first of the latter are about a share of the tolerance.
 
     Args:
         room: most unknowns of a grid that the device has memory for.
         kept: whether states are, of which quantities ask for more than the force does.
-
-    Returns:
-        The sequences of grids, and which of them each scene is begun on, (n,).
     """
-    # Twice the change to the second grid must be below the tolerance, or a third is needed; but
-    # plain films want fewer nodes than the guess.
-    plain = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
-    if kept:
-        plain = FIRST_SHARE, FOURS
-    chosen, which = _choose(needs, tolerance=tolerance, room=room, plain=plain)
-    return [_with_finer(*each) for each in chosen], which
+    seen = nodes_for_profile(needs, tolerance=tolerance)
+    curvature = needs.samples(share_of(tolerance)).curvature
+    for kind, film, rows in _alike(needs):
+        terms, finger = needs.kinds[kind], film.finger
+        outline, aspect = finger.smooth_outline, finger.length_y_m / finger.length_x_m
+        share, step = FIRST_SHARE, FOURS
+        if outline is None and margin_of(terms) == 1 and not kept:
+            # Twice the change to the second grid must be below the tolerance, or a third is
+            # needed; but plain films want fewer nodes than the guess.
+            share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
+        nodes, folds = seen[rows].T, np.array([needs.fold_x[rows], needs.fold_y[rows]])
+        wanted = _points(
+            needs.scenes if isinstance(rows, slice) else needs.scenes[rows],
+            terms,
+            outline,
+            aspect,
+            nodes=nodes,
+            curvature=curvature[rows].T,
+            folds=folds,
+            tolerance=tolerance,
+            share=share,
+            step=step,
+        )
+        columns = np.concatenate([wanted, folds, nodes])
+        numbers = np.arange(len(needs))[rows]
+        for some in rows_alike(CODE @ columns):
+            each = columns[:, some[0]].tolist()
+            grids = _sequence(*each, outline, room, step)
+            yield Group(numbers[some], grids, terms, aspect)
 
 
 def share_of(tolerance: float) -> float:
@@ -127,174 +169,126 @@ def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
     )
 
 
-Chosen = tuple[Grid, tuple[int, int], float, int]
-"""A grid as it is wanted, nodes that see the profile, room for unknowns, their step."""
-
-
-def _choose(
-    needs: Needs,
-    *,
-    tolerance: float,
-    room: float,
-    plain: tuple[float, int] = (FIRST_SHARE, FOURS),
-) -> tuple[list[Chosen], np.ndarray]:
-    """Grids whose force errors are about a share of the tolerance, and which each scene has, (n,).
-
-    Args:
-        plain: share and step of unknowns for films of no other outline or margin than the plain.
-    """
-    scenes = needs.scenes
-    samples = needs.samples(share_of(tolerance))
-    seen = nodes_for_profile(needs, tolerance=tolerance)
-    known: dict[Chosen, int] = {}
-    which = np.empty(len(needs), dtype=np.int64)
-    outlines = [film.finger.smooth_outline for film in scenes.films]
-    for kind, outline, rows in _alike(needs, outlines):
-        is_plain = outline is None and margin_of(needs.kinds[kind]) == 1
-        share, step = plain if is_plain else (FIRST_SHARE, FOURS)
-        some = scenes if isinstance(rows, slice) else scenes[rows]
-        folds = needs.fold_x[rows], needs.fold_y[rows]
-        wanted = _points(
-            some,
-            needs.kinds[kind],
-            outline,
-            nodes=seen[rows],
-            curvature=samples.curvature[rows],
-            folds=folds,
-            tolerance=tolerance,
-            share=share,
-            step=step,
-        )
-        columns = np.array([*wanted, *folds, *seen[rows].T], dtype=np.int64)
-        code = np.ravel_multi_index(tuple(columns), (512, 512, 256, 2, 2, 512, 512))
-        first, of_code = distinct(code)
-        numbers = []
-        for nx, ny, nt, fold_x, fold_y, *nodes in columns[:, first].T.tolist():
-            grid = Grid(nx, ny, nt, bool(fold_x), bool(fold_y), outline)
-            numbers.append(known.setdefault((grid, tuple(nodes), room, step), len(known)))
-        which[rows] = np.array(numbers)[of_code]
-    return list(known), which
-
-
-def _alike(
-    needs: Needs, outlines: Sequence[Outline | None]
-) -> Iterator[tuple[int, Outline | None, Rows]]:
-    """Scenes of like terms and outlines."""
-    if len(needs.kinds) == len(set(outlines)) == 1:
-        yield 0, outlines[0], slice(None)
+def _alike(needs: Needs) -> Iterator[tuple[int, Film, Rows]]:
+    """Scenes of like terms, outlines and aspects, and the film of one of them."""
+    films = needs.scenes.films
+    if len(needs.kinds) == len(films) == 1:
+        yield 0, films[0], slice(None)
         return
-    different = list(dict.fromkeys(outlines))
-    outline = np.array([different.index(each) for each in outlines])[needs.scenes.film_index]
-    for kind, at in sorted({*zip(needs.kind.tolist(), outline.tolist(), strict=True)}):
-        yield kind, different[at], np.flatnonzero((needs.kind == kind) & (outline == at))
+    fingers = [
+        (film.finger.smooth_outline, film.finger.length_y_m / film.finger.length_x_m)
+        for film in films
+    ]
+    different = list(dict.fromkeys(fingers))
+    which = np.array([different.index(each) for each in fingers])[needs.scenes.film_index]
+    for rows in rows_alike(needs.kind * len(different) + which):
+        yield int(needs.kind[rows[0]]), films[needs.scenes.film_index[rows[0]]], rows
 
 
 def _points(
     scenes: Scenes,
     terms: Terms,
     outline: Outline | None,
+    aspect: float,
     *,
     nodes: np.ndarray,
     curvature: np.ndarray,
-    folds: tuple[np.ndarray, np.ndarray],
+    folds: np.ndarray,
     tolerance: float,
     share: float,
     step: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Unknowns nx, ny and instants nt, each (n,), that leave a share of the tolerance.
+) -> np.ndarray:
+    """Unknowns nx, ny and instants nt, (3, n), that leave a share of the tolerance.
 
     Time: powers of 1/(1 + ε sin T) have harmonics that decay like ρ^k, ρ = ε / (1 + √(1 − ε²)).
 
     Args:
-        nodes: along x, y without which a grid would not see the profile, (n, 2).
-        curvature: of the profile, (n, 2).
+        nodes: along x, y without which a grid would not see the profile, (2, n).
+        curvature: of the profile along x, y, (2, n).
+        folds: whether half is enough along x, y, (2, n).
         step: of which unknowns along the axes are multiples, FOURS or TWOS.
     """
     digits = log10(1 / (share * tolerance))
     epsilon, sigma, bend = gap_numbers(scenes)
-    aspect = scenes.aspect
-    with np.errstate(divide="ignore", invalid="ignore"):  # of films at rest
-        ratio = epsilon / (1 + np.sqrt(1 - epsilon**2))
-        left = np.minimum(log(TIME_SHARE / 3), log(TIME_FORCE) + 2 * np.log(epsilon))
-        instants = np.where(ratio > 0, (log(tolerance) + left) / np.log(ratio), LEAST_TIME)
-    instants += 4.0 * (sigma * np.maximum(1.0, aspect) ** 2 < INCOMPRESSIBLE)
-    # Only what has unknowns of its own lags; without terms no layer but the squeezing's counts.
-    lags = unknown_fields(terms) > 1
-    slow = np.minimum(numbers_of(scenes, terms)["slow"], 1.0) if lags else 1.0
-    nt = np.minimum(4 * np.ceil(np.maximum(LEAST_TIME / slow, instants) / 4), MOST_FIRST_TIME)
-    layers = (layer_stiffness_of(scenes, terms, sigma=sigma) if terms else 1.0) * sigma
-    bent_x, bent_y = curvature.T + bend
-    if outline:
-        layer_x = layers * outline.rim_stretch[1] * (2 * outline.rim) ** 2
-        wanted_y = _nodes_around(digits, epsilon, bent_y, outline)
-        along, across = folds if outline.turned else folds[::-1]
-        shares = [1 + along, (1 + along) * (1 + across)]
-    else:
+    moving = np.maximum(epsilon, TINY)  # of films at rest, too, there are logarithms
+    ratio = moving / (1 + np.sqrt(1 - epsilon**2))
+    left = np.minimum(log(TIME_SHARE / 3), log(TIME_FORCE) + 2 * np.log(moving))
+    instants = np.where(epsilon > 0, (log(tolerance) + left) / np.log(ratio), LEAST_TIME)
+    instants += 4.0 * (sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE)
+    slow: Any = 1.0
+    layers = sigma
+    layer_x = layers
+    if terms:  # without, no layer but the squeezing's counts, and nothing lags
+        if unknown_fields(terms) > 1:
+            slow = np.minimum(numbers_of(scenes, terms)["slow"], 1.0)
+        layers = layer_stiffness_of(scenes, terms, sigma=sigma) * sigma
         sliding = (np.abs(scenes.bearing_number) / (1 - epsilon)) ** 2
         layer_x = np.maximum(layers, SLIDING_LAYER * sliding)
-        wanted_y = _nodes(digits, epsilon=epsilon, sigma=layers * aspect**2, curvature=bent_y)
-        shares = [1 + fold for fold in folds]
-    wanted_x = _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x)
-    nx, ny = (
-        _unknowns(np.maximum(at_least, wanted), each, step)
-        for at_least, wanted, each in zip(nodes.T, (wanted_x, wanted_y), shares, strict=True)
-    )
-    return nx, ny, nt
+    nt = np.minimum(4 * np.ceil(np.maximum(LEAST_TIME / slow, instants) / 4), MOST_FIRST_TIME)
+    layer_y, shares = layers * aspect**2, 1.0 + folds
+    # Zeros of the gap at its narrowest, 1 − ε + ε c X²/2, off the middle.
+    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), TINY))
+    if outline:
+        layer_x = layers * outline.rim_stretch[1] * (2 * outline.rim) ** 2
+        along, across = folds if outline.turned else folds[::-1]
+        shares = np.array([1.0 + along, (1 + along) * (1 + across)])
+    wanted = _nodes(digits, sigma=np.array([layer_x, layer_y]), width=width)
+    if outline:
+        wanted[1] = _nodes_around(digits, width[1], outline)
+    most = np.where(shares > 1, MOST_FIRST_FOLDED, MOST_FIRST)
+    unknowns = np.minimum(step * np.ceil(np.maximum(nodes, wanted) / shares / step), most)
+    return np.concatenate([unknowns, nt[None]])
 
 
-def _nodes(
-    digits: float, *, epsilon: np.ndarray, sigma: np.ndarray, curvature: np.ndarray
-) -> np.ndarray:
+def _nodes(digits: float, *, sigma: np.ndarray, width: np.ndarray) -> np.ndarray:
     """Nodes across the finger for a rim layer and for a narrow gap, whichever wants more.
 
     A Chebyshev grid resolves a layer of width √(2/σ) with a number of nodes proportional to
     σ^(1/4), the factor growing with the wanted digits (fitted to the centred sinc's errors). The
-    gap 1 − ε + ε c X²/2 at its narrowest has zeros ±iδ off the middle, which slow the convergence
-    to that of the ellipse through them, r = 2δ + √(1 + 4δ²) per node (Trefethen 2000, ch. 5); the
-    force, being a mean, converges with about the power 1.6 of it (fitted).
+    gap's zeros ±iδ off the middle slow the convergence to that of the ellipse through them,
+    r = 2δ + √(1 + 4δ²) per node (Trefethen 2000, ch. 5); the force, being a mean, converges with
+    about the power 1.6 of it (fitted).
     """
     layer = 7 + 0.36 * digits * np.maximum(sigma, 1.0) ** 0.25
-    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * curvature, TINY))
     return np.maximum(layer, 4 + digits * log(10) / (1.6 * np.arcsinh(2 * width)))
 
 
-def _nodes_around(
-    digits: float, epsilon: np.ndarray, curvature: np.ndarray, outline: Outline
-) -> np.ndarray:
+def _nodes_around(digits: float, width: np.ndarray, outline: Outline) -> np.ndarray:
     """Nodes around an outline.
 
     The layer's width along the rim goes with the area behind a point, which has no zero nearer to
     real ν than about the rim's μ; the gap has those of ``_nodes``. Coefficients fall by as much for
     each of half the nodes.
     """
-    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * curvature, TINY))
     return 8 + digits * log(10) / (0.8 * np.minimum(outline.strip, width))
 
 
-def _unknowns(nodes: np.ndarray, share: np.ndarray, step: int) -> np.ndarray:
-    """Unknowns along an axis, one for so many nodes: a multiple of a step."""
-    most = np.where(share > 1, MOST_FIRST_FOLDED, MOST_FIRST)
-    return np.minimum(step * np.ceil(nodes / share / step), most)
-
-
 @lru_cache(maxsize=4096)
-def _with_room(grid: Grid, seen: tuple[int, int], room: float, step: int) -> Grid:
-    """The grid, or one that is as much coarser as it takes for a finer one to have room."""
-    while finer_grid(grid, room=room, step=step) is None and grid.sees(*seen):
-        grid = _coarser(grid, step)
-    return grid
+def _sequence(
+    nx: float,
+    ny: float,
+    nt: float,
+    fold_x: float,
+    fold_y: float,
+    nodes_x: float,
+    nodes_y: float,
+    outline: Outline | None,
+    room: float,
+    step: int,
+) -> tuple[Grid, ...]:
+    """A grid, one that starts it, if that pays, and the finer one that tells its error.
 
-
-@lru_cache(maxsize=4096)
-def _with_finer(wanted: Grid, seen: tuple[int, int], room: float, step: int) -> tuple[Grid, ...]:
-    """The grid, one that starts it, if that pays, and the finer one that tells its error."""
-    first = _with_room(wanted, seen, room, step)
+    It is as much coarser than asked for as it takes for a finer one to have room.
+    """
+    first = Grid(int(nx), int(ny), int(nt), bool(fold_x), bool(fold_y), outline)
+    while (finer := finer_grid(first, room=room, step=step)) is None:
+        if not first.sees(nodes_x, nodes_y):
+            break
+        first = _coarser(first, step)
     start = start_grid(first, step)
     # What does not see the profile is no guess.
-    grids = start if start and start.sees(*seen) else None, first
-    return tuple(
-        each for each in (*grids, finer_grid(first, room=room, step=step)) if each is not None
-    )
+    starts = [start] if start and start.sees(nodes_x, nodes_y) else []
+    return *starts, first, *([finer] if finer else [])
 
 
 @lru_cache(maxsize=4096)
@@ -388,18 +382,15 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
 
     A gap that is shaped at rest is as hard as its narrowest place, and as closed, everywhere.
     """
-    flat = scenes.column(lambda film: film.finger.gap.flat)
-    if np.all(flat):
+    if all(film.finger.gap.flat for film in scenes.films):
         return scenes.epsilon, scenes.sigma, 0.0
+    flat = scenes.column(lambda film: film.finger.gap.flat)
     bulge_m = scenes.column(lambda film: abs(film.finger.gap.bulge_m))
     bend = 8 * bulge_m / scenes.h0_m / np.maximum(scenes.epsilon, TINY) * (scenes.epsilon > 0)
-    return np.where(flat, scenes.epsilon, scenes.closure), _hardest_sigma(scenes), bend
-
-
-def _hardest_sigma(scenes: Scenes) -> np.ndarray:
     least = np.minimum(1.0, scenes.rest_range[0])
     sigma = scenes.sigma / least**2
-    return np.where(sigma < THIN_SIGMA, sigma, sigma / least**2)
+    sigma = np.where(sigma < THIN_SIGMA, sigma, sigma / least**2)
+    return np.where(flat, scenes.epsilon, scenes.closure), sigma, bend
 
 
 def least_fall(scenes: Scenes, nodes_x: int) -> np.ndarray:
@@ -411,5 +402,7 @@ def least_fall(scenes: Scenes, nodes_x: int) -> np.ndarray:
     epsilon, sigma, _ = gap_numbers(scenes)
     uneven = sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA
     fall = np.where(uneven, THIN_LAYER_FALL, 0.0)
+    if not any(film.finger.speed_x_m_per_s for film in scenes.films):
+        return fall
     layers = np.abs(scenes.bearing_number) / (1 - epsilon)
     return np.where(nodes_x < NODES_PER_SLIDING * np.sqrt(layers), SLIDING_FALL, fall)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 
 SHAPED, TWO_PHASES = "gap that is shaped at rest", "vibration in two phases"
@@ -75,8 +75,9 @@ class AnyGap(Term):
         numbers: Numbers = {"narrowest": scenes.narrowest, "per_rise": 1 / scenes.h0_m}
         return {**numbers, **_preconditioners(scenes, self.parts)} if self.parts else numbers
 
-    def expansion_numbers(self, scene: OperatingPoints) -> Numbers:
-        return {}
+    @property
+    def in_expansions(self) -> bool:
+        return True
 
 
 def _preconditioners(scenes: Scenes, count: int) -> Numbers:

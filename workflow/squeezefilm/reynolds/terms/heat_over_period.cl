@@ -4,7 +4,7 @@
 
 #define HEAT_FIELDS 9
 
-/* An array of the points that velocities along an axis have (flux_points.py). */
+/* An array of the points that velocities along an axis have (spectral.py). */
 #define ON_AXIS(axis, name) ((axis) == 0 ? ARRAY(film, name##_x) : ARRAY(film, name##_y))
 
 /* out += factor · S in over one row, with the skew S = root d/dT root. */

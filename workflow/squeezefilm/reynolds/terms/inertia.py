@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.flux_points import FluxPoints, flux_points
+from squeezefilm.reynolds.spectral import FluxPoints, flux_points
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
@@ -132,8 +132,9 @@ class Inertia(Term):
         layered = (scene.sigma > LAYERED_SIGMA) & (steepness(scene) > STEEPENING)
         return np.where(layered, SIZE_SHARE, 0.0)
 
-    def expansion_numbers(self, scene: OperatingPoints) -> Numbers:
-        return {"reynolds": scene.modified_reynolds}
+    @property
+    def in_expansions(self) -> bool:
+        return True
 
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.rarefaction == "fukui-kaneko":

@@ -1,5 +1,5 @@
 /* Inertia of the gas (inertia.py): the velocity's deficit b = V − u along x and along y, each on the
- * flux points of its axis and the nodes of the other one (flux_points.py).
+ * flux points of its axis and the nodes of the other one (spectral.py).
  *
  * In Krylov's vectors stands, for a change of b, what it is more than the settled answer to the
  * change of the pressure: beta = S δV − δu with S = 1/(1 + lag L h d/dT) (time_modes.py), so that what

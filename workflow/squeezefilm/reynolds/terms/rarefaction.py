@@ -58,8 +58,9 @@ class Rarefaction(Term):
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"flow": flow_coefficients(scene)}
 
-    def expansion_numbers(self, scene: OperatingPoints) -> Numbers | None:
-        return {"slip": sum(flow_coefficients(scene)[1:])} if self.label == "slip" else None
+    @property
+    def in_expansions(self) -> bool:
+        return self.label == "slip"
 
     def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
         if self.label != "fukui-kaneko":

@@ -117,10 +117,10 @@ class Term:
         """Factor of the relative change of pressure with that of density."""
         return 1.0
 
-    def expansion_numbers(self, scene: OperatingPoints) -> Numbers | None:
-        """Arguments of the expansions for σ → ∞ (asymptotics/); None where they are not derived
-        with the term."""
-        return None
+    @property
+    def in_expansions(self) -> bool:
+        """Whether the expansions for σ → ∞ (asymptotics/) are derived with the term."""
+        return False
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         """What its lines need of a grid, beside the matrices that all have.

@@ -31,9 +31,10 @@ from squeezefilm.models.limit_table import (
 from squeezefilm.reynolds.asymptotics.composite import (
     composite_expansion,
     edge_layer_expansion,
+    expanded,
     high_squeeze_limit,
+    not_derived_for,
 )
-from squeezefilm.reynolds.asymptotics.scenes import expanded, not_derived_for
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.studies.space import box_of, plan
 from squeezefilm.studies.study import film_in, scenes_in
