@@ -107,7 +107,8 @@ def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
         solve_batch(scenes, grid, tolerance=ITERATION_SHARE * tolerance, device=device)
         for grid in ONE_FOR_ALL
     )
-    return _solutions(scenes, fine.mean, 2 * np.abs(fine.mean - coarse.mean) + fine.said["residual"])
+    stated = 2 * np.abs(fine.mean - coarse.mean) + fine.said["residual"]
+    return _solutions(scenes, fine.mean, stated)
 
 
 def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Solutions:

@@ -16,7 +16,7 @@ import numpy as np
 
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.problems import Problems
-from squeezefilm.reynolds.spectral import Around, Axis
+from squeezefilm.reynolds.spectral import Axis
 
 Operator = Callable[[np.ndarray], np.ndarray]
 MOST_ITERATIONS = 200

@@ -20,7 +20,7 @@ from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, naming
 from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.fit_file import FittedModel, read_fit
-from squeezefilm.reynolds.plan import previews
+from squeezefilm.reynolds.solver import previews
 from squeezefilm.studies.space import CENTRED, Space, box_of, finger_positions, plan, sobol, twelve
 from squeezefilm.studies.study import planned_profile_of, scenes_in, surface_of
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
