@@ -124,8 +124,7 @@ def counts_for(tails_of: Mapping[str, Array], *, tolerance: float) -> dict[str, 
     counts = {axis: min(LEAST_POINTS, len(tail)) for axis, tail in tails_of.items()}
 
     def left(axis: str) -> float:
-        tail = tails_of[axis]
-        return float(tail[counts[axis]]) if counts[axis] < len(tail) else 0.0
+        return float(np.append(tails_of[axis], 0.0)[counts[axis]])
 
     while left(widest := max(counts, key=left)) > tolerance:
         if prod(counts.values()) // counts[widest] * (counts[widest] + 1) > MOST_NODES:
