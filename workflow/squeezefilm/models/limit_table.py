@@ -14,13 +14,10 @@ from typing import Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
 from squeezefilm.columns import form_of
-from squeezefilm.models.data import Factors
-
-Array = NDArray[np.float64]
+from squeezefilm.models.data import Array, Factors
 
 AXES = ("h0_m", "epsilon_square")
 """And the two of the position."""

@@ -8,8 +8,7 @@ import pandas as pd
 from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import naming
-from squeezefilm.models.amplitude_for_force import amplitude_for_force
-from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.studies.plans import (
     VALIDATION_SAMPLES,
     box_of,
