@@ -14,9 +14,8 @@ from selenium.webdriver.support.ui import Select
 from squeezefilm.config.loading import load_config
 from squeezefilm.dynamics.response import gains, response
 from squeezefilm.errors import InputError
-from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces
 

@@ -7,8 +7,8 @@ import pytest
 from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_FACTOR
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import amplitude_for_force
 from squeezefilm.models.force_model import make_model
 
 THETA = {

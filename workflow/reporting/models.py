@@ -14,9 +14,8 @@ from reporting.notes import percent
 from reporting.results import Results
 from squeezefilm.columns import form_of
 from squeezefilm.errors import InputError
-from squeezefilm.models.amplitude_for_force import working_point
 from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.fit_file import FittedModel, read_fit, working_point
 from squeezefilm.models.force_model import SPACES, check_columns
 from squeezefilm.models.prediction_interval import (
     QUANTITIES,

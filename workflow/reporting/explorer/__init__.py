@@ -2,7 +2,7 @@
 
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
 server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
-model.js what ``squeezefilm.models.amplitude_for_force`` does with it, modulation.js reads what
+model.js what ``squeezefilm.models.fit_file`` does with it, modulation.js reads what
 ``squeezefilm response`` found, and words.js has numbers in words.
 """
 

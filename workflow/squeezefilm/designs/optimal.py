@@ -182,8 +182,7 @@ def maximin_design(derivatives: ArrayLike) -> ApproximateDesign:
     stack = stacked_derivatives(derivatives)
     layers, parameters = len(stack), stack.shape[2]
     goal = np.array([float(optimal_weights(layer, gap=1e-7).log_det[0]) for layer in stack])
-    best, ceiling = optimal_weights(stack), 0.0
-    least = -np.inf
+    best, least, ceiling = optimal_weights(stack), -np.inf, 0.0
 
     def mean_log_efficiency(prior: Array) -> tuple[float, Array]:
         nonlocal best, ceiling, least
@@ -253,15 +252,15 @@ def optimal_in_box(
     for _ in range(PEAK_ROUNDS):
         kept = _merged(known, optimal_weights(known, gap=gap / 10).weights)
         points, own = places[kept], known[:, kept]
-        weights = optimal_weights(own, gap=gap / 10).weights
+        design = optimal_weights(own, gap=gap / 10)
+        weights = design.weights
         level = sensitivity(own, known, weights=weights)
         starts = np.concatenate([points, places[np.argsort(level)[-PEAKS:]]])
         peaks = _climbed(own, weights, gradients, box, starts)
         added = stacked_derivatives(gradients(peaks))
         bound = 1 / max(1.0, level.max(), sensitivity(own, added, weights=weights).max())
         if bound > highest:
-            used, highest = weights > DROPPED, bound
-            best = ContinuousDesign(points[used], weights[used] / weights[used].sum(), bound)
+            best, highest = replace(design, efficiency_bound=bound).on(points), bound
         if bound >= 1 - gap:
             break
         places = np.concatenate([places, peaks])

@@ -31,7 +31,7 @@ The loop ends in one of these ways:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import isfinite, nan
 from typing import Any
@@ -220,25 +220,6 @@ class Sequential:
         )
         return np.asarray(pool.candidates[found])
 
-    def one_round(self, design: Indices, rounds: Sequence[Round]) -> tuple[Round, Array, str, str]:
-        """The next round, the best fit to all points, and the verdict with its reason, if any."""
-        everything = np.concatenate([self.pool.verification, design])
-        start, surprise = None, np.empty(0)
-        if rounds:
-            start = rounds[-1].theta
-            surprise = self.residuals(start, design[-self.settings["batch"] :])
-        theta = self.fitted(design, start)
-        hindsight = self.fitted(everything, theta)
-        done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
-        verdict, reason = self.verdict(done, hindsight)
-        if verdict in ("model", "simulation") and len(theta):
-            # The fit may sit in a local minimum: only a global search shows that nothing is better.
-            hindsight = self.fitted(everything, hindsight, None)
-            theta = self.fitted(design, theta, hindsight)
-            done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
-            verdict, reason = self.verdict(done, hindsight)
-        return done, hindsight, verdict, reason
-
     def estimated(
         self, number: int, design: Indices, theta: Array, hindsight: Array, surprise: Array
     ) -> Round:
@@ -259,12 +240,12 @@ class Sequential:
         times = float(stats.t.ppf((1 + LEVEL) / 2, count))
         width = times * lack * np.sqrt(1 + variance[at]) if known else np.inf
         seen = np.abs(np.concatenate([misses, surprise])).max()
-        everything = np.concatenate([checks, design])
-        left = self.residuals(hindsight, everything)
+        simulated = np.concatenate([checks, design])
+        left, own = self.residuals(hindsight, simulated), self.error_n[simulated]
         return Round(
             number=number,
             design=design,
-            simulations=len(everything),
+            simulations=len(simulated),
             theta=theta,
             global_error=relative,
             global_lower=relative * float(lower),
@@ -274,7 +255,7 @@ class Sequential:
             worst_at=int(places[at]),
             parameter_share=float(variance[at] / (1 + variance[at])) if known else 1.0,
             floor=float(np.sqrt(np.mean(left**2))) / scale,
-            simulation_error=float(np.sqrt(np.mean(self.error_n[everything] ** 2))) / scale,
+            simulation_error=float(np.sqrt(np.mean(own**2))) / scale,
         )
 
     def verdict(self, last: Round, hindsight: Array) -> tuple[str, str]:
@@ -334,19 +315,29 @@ class Sequential:
         """
         design, rounds = self.first_points(), list[Round]()
         self.measure(np.concatenate([self.pool.verification, design]))
-        verdict = ""
-        while not verdict:
-            done, hindsight, verdict, reason = self.one_round(design, rounds)
+        start, surprise = None, np.empty(0)
+        while True:
+            simulated = np.concatenate([self.pool.verification, design])
+            theta = self.fitted(design, start)
+            hindsight = self.fitted(simulated, theta)
+            done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
+            verdict, reason = self.verdict(done, hindsight)
+            if verdict in ("model", "simulation") and len(theta):
+                # The fit may sit in a local minimum: only a global search shows that none is lower.
+                hindsight = self.fitted(simulated, hindsight, None)
+                theta = self.fitted(design, theta, hindsight)
+                done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
+                verdict, reason = self.verdict(done, hindsight)
             rounds.append(done)
             report(done)
             if not verdict:
                 try:
-                    added = self.added_points(done.theta, design)
+                    added = self.added_points(theta, design)
                 except InputError as error:
                     verdict, reason = "budget", f"no more points can be designed: {error}"
-                else:
-                    design = np.concatenate([design, added])
-                    self.measure(added)
-        simulated = np.concatenate([self.pool.verification, design])
-        force_n, scale_n = self.force_n[simulated], self.scale(hindsight)
-        return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, scale_n)
+            if verdict:
+                force_n, scale_n = self.force_n[simulated], self.scale(hindsight)
+                return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, scale_n)
+            self.measure(added)
+            design = np.concatenate([design, added])
+            start, surprise = theta, self.residuals(theta, added)

@@ -71,7 +71,7 @@ class Fit:
                 "no parameters describe these points"
             )
         error = float(np.sqrt(squares) / np.linalg.norm(force_n))
-        unsearched = {"searches": 0, "evaluations": 0, "search_theta": found}
+        unsearched: dict[str, Any] = {"searches": 0, "evaluations": 0, "search_theta": found}
         return cls(model.name, found, squares, error, len(force_n), **unsearched | about)
 
 

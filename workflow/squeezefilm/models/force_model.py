@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from itertools import product
 from math import inf
 from pathlib import Path
@@ -19,14 +19,12 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError, naming
 from squeezefilm.formulas import Expression, Operation, fold, parameter_units, parse
-from squeezefilm.models.data import COLUMNS, FACTORS, Factors
-
-Array = NDArray[np.float64]
+from squeezefilm.models.data import COLUMNS, FACTORS, Array, Factors
 
 LIBRARY = Path(__file__).with_name("models.yaml")
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
@@ -48,18 +46,17 @@ class ExpressionModel:
     """
 
     name: str
-    expression: str
+    parsed: Expression
     parameter_names: tuple[str, ...]
     parameter_units: tuple[str, ...]
     about: str = ""
     place: str = "model"
     """Where the expression was written, for messages."""
 
-    @cached_property
-    def parsed(self) -> Expression:
-        """The expression, read. Raises InputError where it is refused."""
-        names = (*FACTORS, *COLUMNS, *self.parameter_names)
-        return parse(self.expression, names=names, place=self.place)
+    @property
+    def expression(self) -> str:
+        """The formula's text."""
+        return self.parsed.text
 
     @property
     def column_names(self) -> tuple[str, ...]:
@@ -74,11 +71,8 @@ class ExpressionModel:
         of physics depend on all factors.
         """
         used = {FACTORS[name] for name in FACTORS if name in self.parsed.names}
-        if used.intersection((*POLAR, "phi_rad")):
-            return ("h0_m", "hv_m", *POLAR)
-        if used.intersection(CARTESIAN) or self.column_names:
-            return ("h0_m", "hv_m", *CARTESIAN)
-        return ("h0_m", "hv_m")
+        polar, cartesian = used & {*POLAR, "phi_rad"}, used & set(CARTESIAN) or self.column_names
+        return ("h0_m", "hv_m", *(POLAR if polar else CARTESIAN if cartesian else ()))
 
     @property
     def is_centred(self) -> bool:
@@ -114,8 +108,6 @@ class ExpressionModel:
         turned = self.parsed.evaluate(**self._inputs(theta + 1j * np.diag(step), factors))
         slopes = np.broadcast_to(turned.imag / step[:, None], (len(theta), len(factors))).T
         defined, known = np.isfinite(value), np.isfinite(slopes)
-        if known.all() and defined.all():
-            return slopes
         wrong = np.argwhere(defined[:, None] & ~known)
         if len(wrong):
             row, column = wrong[0]
@@ -183,14 +175,9 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
     for parameter in declared:
         if parameter not in expression.names:
             raise InputError(f"{place}.parameters: {parameter!r} does not occur in the expression")
-    parameters = (
-        *declared,
-        *(each for each in usual if each in expression.names and each not in declared),
+    parameters = tuple(
+        dict.fromkeys((*declared, *(each for each in usual if each in expression.names)))
     )
-    if len(parameters) > MOST_PARAMETERS:
-        raise InputError(
-            f"{where}: {len(parameters)} parameters; at most {MOST_PARAMETERS} are allowed"
-        )
     units = {
         name: UNITS_OF_SUFFIX.get(column.rsplit("_", 1)[-1], "1")
         for name, column in (FACTORS | COLUMNS).items()
@@ -200,7 +187,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
     inferred = parameter_units(expression, units=units, parameters=parameters, place=where)
     return ExpressionModel(
         name=name,
-        expression=expression.text,
+        parsed=expression,
         parameter_names=parameters,
         parameter_units=tuple(inferred.values()),
         about=settings.get("about", ""),

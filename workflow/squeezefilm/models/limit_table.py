@@ -14,13 +14,10 @@ from typing import Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
 from squeezefilm.columns import form_of
-from squeezefilm.models.data import Factors
-
-Array = NDArray[np.float64]
+from squeezefilm.models.data import Array, Factors
 
 AXES = ("h0_m", "epsilon_square")
 """And the two of the position."""
@@ -124,8 +121,7 @@ def counts_for(tails_of: Mapping[str, Array], *, tolerance: float) -> dict[str, 
     counts = {axis: min(LEAST_POINTS, len(tail)) for axis, tail in tails_of.items()}
 
     def left(axis: str) -> float:
-        tail = tails_of[axis]
-        return float(tail[counts[axis]]) if counts[axis] < len(tail) else 0.0
+        return float(np.append(tails_of[axis], 0.0)[counts[axis]])
 
     while left(widest := max(counts, key=left)) > tolerance:
         if prod(counts.values()) // counts[widest] * (counts[widest] + 1) > MOST_NODES:

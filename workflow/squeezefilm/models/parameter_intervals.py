@@ -17,16 +17,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import fdtri
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import Factors
+from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.fitting import local_fit, sum_of_squares
 from squeezefilm.models.force_model import ExpressionModel
-
-Array = NDArray[np.float64]
 
 LEVEL = 0.95
 RANGES_NOTE = (

@@ -28,11 +28,9 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, computed_field, model_validator
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import Factors
+from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.fitting import local_fit
 from squeezefilm.models.force_model import ExpressionModel
-
-Array = NDArray[np.float64]
 
 SCAN_LEVEL = 0.95
 """Level at which the uncertainty of a measured profile is stated."""
@@ -42,24 +40,18 @@ SLACK = 1e-9
 """Relative slack at the limits of the space, for round-off."""
 NORMAL = {0.95: 1.959964, 0.99: 2.575829}
 """Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
-SYMBOLS = {
-    "h0_m": ("h0", "µm", 1e6),
-    "hv_m": ("hv", "µm", 1e6),
-    "phi_r_m": ("φr", "mm", 1e3),
-    "phi_deg": ("φφ", "°", 1.0),
-    "x_m": ("x", "mm", 1e3),
-    "y_m": ("y", "mm", 1e3),
-}
 THIRDS = ("low", "middle", "high")
-QUANTITIES = {
-    "h0_m": "gap h0",
-    "hv_m": "amplitude hv",
-    "epsilon": "ratio hv/h0",
-    "phi_r_m": "distance of the finger from the centre",
-    "phi_deg": "direction of the finger",
-    "x_m": "position of the finger along x",
-    "y_m": "position of the finger along y",
+FACTOR_WORDS = {
+    "h0_m": ("h0", "µm", 1e6, "gap h0"),
+    "hv_m": ("hv", "µm", 1e6, "amplitude hv"),
+    "phi_r_m": ("φr", "mm", 1e3, "distance of the finger from the centre"),
+    "phi_deg": ("φφ", "°", 1.0, "direction of the finger"),
+    "x_m": ("x", "mm", 1e3, "position of the finger along x"),
+    "y_m": ("y", "mm", 1e3, "position of the finger along y"),
 }
+"""Symbol, unit with its size, and meaning."""
+QUANTITIES = {name: meaning for name, (*_, meaning) in FACTOR_WORDS.items()}
+QUANTITIES["epsilon"] = "ratio hv/h0"
 
 
 class PredictionInterval(BaseModel):
@@ -91,8 +83,8 @@ class PredictionInterval(BaseModel):
 
     @model_validator(mode="after")
     def _ranges_of_factors(self) -> PredictionInterval:
-        if not {"h0_m", "hv_m"} <= set(self.ranges) <= set(SYMBOLS):
-            raise ValueError(f"ranges must be of h0_m, hv_m and of {', '.join(SYMBOLS)} alone")
+        if not {"h0_m", "hv_m"} <= set(self.ranges) <= set(FACTOR_WORDS):
+            raise ValueError(f"ranges must be of h0_m, hv_m and of {', '.join(FACTOR_WORDS)} alone")
         return self
 
     @computed_field  # type: ignore[prop-decorator]
@@ -115,7 +107,7 @@ class PredictionInterval(BaseModel):
         """The declared space in words."""
         parts = []
         for name, (low, high) in self.ranges.items():
-            symbol, unit, factor = SYMBOLS[name]
+            symbol, unit, factor, _ = FACTOR_WORDS[name]
             extent = f"{factor * low:.4g} to {factor * high:.4g}"
             parts.append(f"{symbol} {extent if high > low else f'{factor * low:.4g}'} {unit}")
         return ", ".join(parts)
@@ -128,7 +120,7 @@ class PredictionInterval(BaseModel):
 
     def outside(self, factors: Factors) -> list[str]:
         """Which factors of each point lie outside the declared space, empty where none does."""
-        notes: list[list[str]] = [[] for _ in range(len(factors))]
+        notes = np.full(len(factors), "", dtype=object)
         off_centre = factors.phi_r_m > SLACK * self.ranges.get("phi_r_m", (0.0, 0.0))[1]
         for name, (low, high) in self.ranges.items():
             values = factors.column(name)
@@ -136,9 +128,8 @@ class PredictionInterval(BaseModel):
             out = (values < low - slack) | (values > high + slack)
             if name == "phi_deg":  # every direction is the same at the centre
                 out &= off_centre
-            for index in np.flatnonzero(out):
-                notes[index].append(f"{name} outside {low:.4g} … {high:.4g}")
-        return ["; ".join(each) for each in notes]
+            notes[out] += f"; {name} outside {low:.4g} … {high:.4g}"
+        return [note.removeprefix("; ") for note in notes]
 
 
 def film_folds(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
