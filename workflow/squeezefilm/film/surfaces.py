@@ -6,7 +6,6 @@ are 1 at its edge: on a disc over its radius, on a rectangle each over half its 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, pi, radians, sin
 
@@ -19,8 +18,6 @@ RADII, ANGLES = 41, 72
 LINES = 53
 """Points of the nets on which a profile is looked at all over: along a radius, around; a side."""
 
-Place = tuple[np.ndarray, np.ndarray]
-Coordinate = float | np.ndarray
 Orders = tuple[tuple[int, int], ...]
 """Two numbers of each smooth mode, by rising degree."""
 
@@ -57,26 +54,12 @@ class Disc:
         """A place in words."""
         return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
 
-    def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """x_m, y_m of points all over, edge included, and weights in proportion to areas."""
-        r_m, phi = np.meshgrid(
-            np.linspace(0, self.radius_m, RADII),
-            np.linspace(0, 2 * pi, ANGLES, endpoint=False),
-            indexing="ij",
-        )
+        radii, angles = (101, 192) if finer else (RADII, ANGLES)
+        r_m = np.linspace(0, self.radius_m, radii)
+        r_m, phi = np.meshgrid(r_m, 2 * pi * np.arange(angles) / angles, indexing="ij")
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
-
-    def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
-        """A fine net by two numbers each, their place in metres, first steps to improve one."""
-
-        def place(radius: Coordinate, angle: Coordinate) -> Place:
-            r_m = np.minimum(np.abs(radius), 1.0) * self.radius_m
-            return r_m * np.cos(angle), r_m * np.sin(angle)
-
-        radius, angle = np.meshgrid(
-            np.linspace(0, 1, 101), np.linspace(0, 2 * pi, 192, endpoint=False), indexing="ij"
-        )
-        return (radius, angle), place, np.array([[0, 0], [-0.005, 0], [0, 0.03]])
 
     def orders_up_to(self, degree: int, *, axisymmetric: bool) -> Orders:
         """Zernike's modes (n, m) of degree n ≤ ``degree``; with m = 0 alone if ``axisymmetric``.
@@ -139,19 +122,11 @@ class Rectangle:
     def where(self, x_m: float, y_m: float) -> str:
         return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
 
-    def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        side, share = np.linspace(-1, 1, LINES), np.ones(LINES)
-        share[[0, -1]] = 0.5
+    def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        side = np.linspace(-1, 1, 141 if finer else LINES)
+        share = np.where(np.abs(side) < 1, 1.0, 0.5)
         x, y = np.meshgrid(side, side, indexing="ij")
         return x * self.half_m[0], y * self.half_m[1], np.outer(share, share)
-
-    def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
-        def place(x: Coordinate, y: Coordinate) -> Place:
-            return np.clip(x, -1, 1) * self.half_m[0], np.clip(y, -1, 1) * self.half_m[1]
-
-        side = np.linspace(-1, 1, 141)
-        x, y = np.meshgrid(side, side, indexing="ij")
-        return (x, y), place, np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
 
     def orders_up_to(self, degree: int, *, axisymmetric: bool = False) -> Orders:
         """Legendre's modes (i, j) of degree i + j ≤ ``degree``; they span all such polynomials."""
