@@ -165,10 +165,8 @@ class Modes:
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
-        half_x_m, half_y_m = self.surface.half_m
-        x, y = x / half_x_m, y / half_y_m
         if x.size * len(self.orders) > MOST_KEPT:
-            modes = self.surface.modes_at(self.orders, x=x, y=y)
+            modes = self.surface.modes_at(self.orders, x, y)
         else:
             modes = _modes_again(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
         return modes @ np.array(self.coefficients)
@@ -176,11 +174,10 @@ class Modes:
 
 @lru_cache(maxsize=16)
 def _modes_again(
-    surface: Surface, orders: Orders, shape: tuple[int, ...], x: bytes, y: bytes
+    surface: Surface, orders: Orders, shape: tuple[int, ...], x_m: bytes, y_m: bytes
 ) -> np.ndarray:
     """The modes at points given as bytes: profiles with other noise are asked at the same ones."""
-    x_, y_ = (np.frombuffer(each).reshape(shape) for each in (x, y))
-    return surface.modes_at(orders, x=x_, y=y_)
+    return surface.modes_at(orders, *(np.frombuffer(at).reshape(shape) for at in (x_m, y_m)))
 
 
 @dataclass(frozen=True)

@@ -73,18 +73,18 @@ class Disc:
             if m == 0 or not axisymmetric
         )
 
-    def modes_at(self, orders: Orders, *, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Values of Zernike's modes at scaled points, shape (*x.shape, modes).
+    def modes_at(self, orders: Orders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """Values of Zernike's modes at points, shape (*x_m.shape, modes).
 
         R_n^|m|(ρ) cos mφ for m ≥ 0 and R_n^|m|(ρ) sin |m|φ for m < 0 (Born and Wolf, 9.2), with
         R_n^m(ρ) = (−1)^k ρ^m P_k^(m,0)(1 − 2ρ²), k = (n − m)/2 and Jacobi's P.
         """
         from scipy.special import eval_jacobi
 
-        square = x**2 + y**2
-        turned = x + 1j * y
+        x, y = x_m / self.radius_m, y_m / self.radius_m
+        square, turned = x**2 + y**2, x + 1j * y
         powers = {m: turned**m for m in {abs(m) for _, m in orders}}  # ρ^m (cos mφ + i sin mφ)
-        values = np.empty((*np.shape(x), len(orders)))
+        values = np.empty((*x.shape, len(orders)))
         for index, (n, m) in enumerate(orders):
             k = (n - abs(m)) // 2
             angular = powers[abs(m)].imag if m < 0 else powers[abs(m)].real
@@ -132,14 +132,15 @@ class Rectangle:
         """Legendre's modes (i, j) of degree i + j ≤ ``degree``; they span all such polynomials."""
         return tuple((n - j, j) for n in range(degree + 1) for j in range(n + 1))
 
-    def modes_at(self, orders: Orders, *, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Values of P_i(x) P_j(y) at scaled points, shape (*x.shape, modes)."""
+    def modes_at(self, orders: Orders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """Values of P_i(x) P_j(y), x and y over half the sides, shape (*x_m.shape, modes)."""
         along_x, along_y = np.array(orders).T
+        x, y = x_m / self.half_m[0], y_m / self.half_m[1]
         values: np.ndarray = (
-            legvander(np.ravel(x), int(along_x.max()))[:, along_x]
-            * legvander(np.ravel(y), int(along_y.max()))[:, along_y]
+            legvander(x, int(along_x.max()))[..., along_x]
+            * legvander(y, int(along_y.max()))[..., along_y]
         )
-        return values.reshape(*np.shape(x), len(orders))
+        return values.reshape(*np.shape(x_m), len(orders))
 
 
 Surface = Disc | Rectangle
