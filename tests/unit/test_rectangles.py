@@ -38,12 +38,12 @@ def study(config: Config, **changes: dict[str, Any]) -> Config:
 def test_modes_span_the_polynomials_of_their_degree():
     orders = Rectangle(2.0, 2.0).orders_up_to(4)
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, 60))
-    modes = Rectangle(2.0, 2.0).modes_at(orders, x=x, y=y)
+    modes = Rectangle(2.0, 2.0).modes_at(orders, x, y)
     powers = np.stack([x**i * y**j for i in range(5) for j in range(5 - i)], axis=1)
     assert modes.shape == powers.shape == (60, 15)
     left, *_ = np.linalg.lstsq(modes, powers, rcond=None)
     np.testing.assert_allclose(modes @ left, powers, atol=1e-12)
-    single = Rectangle(2.0, 2.0).modes_at(orders, x=np.array(x[0]), y=np.array(y[0]))
+    single = Rectangle(2.0, 2.0).modes_at(orders, np.array(x[0]), np.array(y[0]))
     np.testing.assert_array_equal(single, modes[0])
 
 

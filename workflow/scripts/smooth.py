@@ -4,9 +4,10 @@ from pathlib import Path
 
 from scripts.job import begin_with_study
 from squeezefilm.film.measured.smooth import write_smoothed
-from squeezefilm.studies.study import smoothed_anew, smoothing_settings
+from squeezefilm.studies.study import smoothed_scan_of, smoothing_settings
 
 snakemake, config = begin_with_study()
-smoothed = smoothed_anew(config)
+smoothed = smoothed_scan_of(config, anew=True)
+assert smoothed is not None
 write_smoothed(smoothed, Path(snakemake.output[0]), settings=smoothing_settings(config))
 print(*smoothed.warnings, sep="\n")

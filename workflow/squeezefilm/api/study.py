@@ -20,7 +20,7 @@ from squeezefilm.studies.plans import four_factor_plan, level_grid
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space, finger_positions
 from squeezefilm.studies.study import scenes_in, surface_of
-from squeezefilm.studies.tasks.fits import fit_with_limits, limit_table_values
+from squeezefilm.studies.tasks.fits import fit_to_forces, limit_table_values
 
 
 @dataclass(frozen=True, repr=False)
@@ -74,7 +74,7 @@ class Study(Film):
         forces, sample = self._simulated(centred=chosen.is_centred)
         for failed in forces[forces["status"] != OK].itertuples():
             raise RunError(f"point {failed.point_id}: {failed.status}")
-        fitted, _ = fit_with_limits(
+        fitted, _ = fit_to_forces(
             chosen,
             config,
             forces=forces,

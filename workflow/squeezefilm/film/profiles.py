@@ -165,10 +165,8 @@ class Modes:
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
-        half_x_m, half_y_m = self.surface.half_m
-        x, y = x / half_x_m, y / half_y_m
         if x.size * len(self.orders) > MOST_KEPT:
-            modes = self.surface.modes_at(self.orders, x=x, y=y)
+            modes = self.surface.modes_at(self.orders, x, y)
         else:
             modes = _modes_again(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
         return modes @ np.array(self.coefficients)
@@ -176,11 +174,10 @@ class Modes:
 
 @lru_cache(maxsize=16)
 def _modes_again(
-    surface: Surface, orders: Orders, shape: tuple[int, ...], x: bytes, y: bytes
+    surface: Surface, orders: Orders, shape: tuple[int, ...], x_m: bytes, y_m: bytes
 ) -> np.ndarray:
     """The modes at points given as bytes: profiles with other noise are asked at the same ones."""
-    x_, y_ = (np.frombuffer(each).reshape(shape) for each in (x, y))
-    return surface.modes_at(orders, x=x_, y=y_)
+    return surface.modes_at(orders, *(np.frombuffer(at).reshape(shape) for at in (x_m, y_m)))
 
 
 @dataclass(frozen=True)
@@ -240,20 +237,26 @@ def largest_magnitude(
     """
     from scipy.optimize import minimize
 
-    net, place, steps = surface.search()
+    half_m = np.array(surface.half_m)
+
+    def size(at: np.ndarray) -> np.ndarray:
+        """At scaled points, shape (2, …); those off the surface are moved onto its edge."""
+        x_m, y_m = at / np.maximum(surface.reach(*(at.T * half_m).T), 1)
+        return np.abs(shape(x_m * half_m[0], y_m * half_m[1]))
+
+    x_m, y_m, _ = surface.net(finer=True)
+    net = np.stack([x_m.ravel(), y_m.ravel()]) / half_m[:, None]
     with np.errstate(all="ignore"):
-        sizes = np.abs(shape(*place(net[0], net[1])))
+        sizes = size(net)
     if not np.all(np.isfinite(sizes)):
         return np.nan
-    best = np.unravel_index(np.argmax(sizes), sizes.shape)
-    start = np.array([each[best] for each in net])
-
-    def negative(at: np.ndarray) -> float:
-        x_m, y_m = place(at[0], at[1])
-        return -float(np.abs(shape(np.array(x_m), np.array(y_m))))
-
-    simplex = start + steps
-    found = minimize(negative, start, method="Nelder-Mead", options={"initial_simplex": simplex})
+    simplex = net[:, np.argmax(sizes)] + np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
+    found = minimize(
+        lambda at: -float(size(at)),
+        simplex[0],
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex},
+    )
     return max(float(sizes.max()), -float(found.fun))
 
 
@@ -285,7 +288,6 @@ LINES = 1000
 # The net is searched in TILES × TILES parts, and the most remarkable of them are followed up.
 TILES = 20
 FOLLOWED = 16
-MOST_STEPS = 60
 
 
 def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
@@ -311,9 +313,7 @@ def _landmarks(formula: Formula) -> tuple[np.ndarray, np.ndarray]:
     tiles = bends.reshape(TILES, side, TILES, side).transpose(0, 2, 1, 3).reshape(TILES**2, -1)
     first = np.argsort(-tiles.max(axis=1), kind="stable")[:FOLLOWED]
     row, column = np.divmod(tiles[first].argmax(axis=1), side)
-    x_m = x_lines_m[first // TILES * side + row]
-    y_m = y_lines_m[first % TILES * side + column]
-    return _climbed(formula, x_m, y_m)
+    return x_lines_m[first // TILES * side + row], y_lines_m[first % TILES * side + column]
 
 
 def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
@@ -322,27 +322,3 @@ def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
     bends = np.zeros(s.shape)
     bends[1:-1] = np.abs(s[1:-1] - (1 - share) * s[:-2] - share * s[2:])
     return np.nan_to_num(bends, nan=0.0, posinf=0.0)
-
-
-def _climbed(formula: Formula, x_m: np.ndarray, y_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The points moved to where the profile stands out most from what is two lines away."""
-    line_x_m, line_y_m = (2 * half / LINES for half in formula.surface.half_m)
-
-    def contrast(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        off_x_m = 2 * line_x_m * np.array([0, 1, -1, 0, 0])
-        off_y_m = 2 * line_y_m * np.array([0, 0, 0, 1, -1])
-        s = formula.amplitude(x_m=x_m[..., None] + off_x_m, y_m=y_m[..., None] + off_y_m)
-        return np.nan_to_num(np.abs(s[..., 0] - s[..., 1:].mean(axis=-1)), posinf=0.0)
-
-    angle = np.pi / 4 * np.arange(8)
-    around = np.append(0.0, np.cos(angle)), np.append(0.0, np.sin(angle))
-    step = np.ones(len(x_m))
-    each = np.arange(len(x_m))
-    with np.errstate(all="ignore"):
-        for _ in range(MOST_STEPS):
-            tried_x = x_m[:, None] + line_x_m * step[:, None] * around[0]
-            tried_y = y_m[:, None] + line_y_m * step[:, None] * around[1]
-            best = contrast(tried_x, tried_y).argmax(axis=1)
-            x_m, y_m = tried_x[each, best], tried_y[each, best]
-            step = np.where(best == 0, step / 2, step)
-    return x_m, y_m

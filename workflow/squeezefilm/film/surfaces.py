@@ -6,7 +6,6 @@ are 1 at its edge: on a disc over its radius, on a rectangle each over half its 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, pi, radians, sin
 
@@ -19,8 +18,6 @@ RADII, ANGLES = 41, 72
 LINES = 53
 """Points of the nets on which a profile is looked at all over: along a radius, around; a side."""
 
-Place = tuple[np.ndarray, np.ndarray]
-Coordinate = float | np.ndarray
 Orders = tuple[tuple[int, int], ...]
 """Two numbers of each smooth mode, by rising degree."""
 
@@ -57,26 +54,12 @@ class Disc:
         """A place in words."""
         return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
 
-    def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """x_m, y_m of points all over, edge included, and weights in proportion to areas."""
-        r_m, phi = np.meshgrid(
-            np.linspace(0, self.radius_m, RADII),
-            np.linspace(0, 2 * pi, ANGLES, endpoint=False),
-            indexing="ij",
-        )
+        radii, angles = (101, 192) if finer else (RADII, ANGLES)
+        r_m = np.linspace(0, self.radius_m, radii)
+        r_m, phi = np.meshgrid(r_m, 2 * pi * np.arange(angles) / angles, indexing="ij")
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
-
-    def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
-        """A fine net by two numbers each, their place in metres, first steps to improve one."""
-
-        def place(radius: Coordinate, angle: Coordinate) -> Place:
-            r_m = np.minimum(np.abs(radius), 1.0) * self.radius_m
-            return r_m * np.cos(angle), r_m * np.sin(angle)
-
-        radius, angle = np.meshgrid(
-            np.linspace(0, 1, 101), np.linspace(0, 2 * pi, 192, endpoint=False), indexing="ij"
-        )
-        return (radius, angle), place, np.array([[0, 0], [-0.005, 0], [0, 0.03]])
 
     def orders_up_to(self, degree: int, *, axisymmetric: bool) -> Orders:
         """Zernike's modes (n, m) of degree n ≤ ``degree``; with m = 0 alone if ``axisymmetric``.
@@ -90,18 +73,18 @@ class Disc:
             if m == 0 or not axisymmetric
         )
 
-    def modes_at(self, orders: Orders, *, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Values of Zernike's modes at scaled points, shape (*x.shape, modes).
+    def modes_at(self, orders: Orders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """Values of Zernike's modes at points, shape (*x_m.shape, modes).
 
         R_n^|m|(ρ) cos mφ for m ≥ 0 and R_n^|m|(ρ) sin |m|φ for m < 0 (Born and Wolf, 9.2), with
         R_n^m(ρ) = (−1)^k ρ^m P_k^(m,0)(1 − 2ρ²), k = (n − m)/2 and Jacobi's P.
         """
         from scipy.special import eval_jacobi
 
-        square = x**2 + y**2
-        turned = x + 1j * y
+        x, y = x_m / self.radius_m, y_m / self.radius_m
+        square, turned = x**2 + y**2, x + 1j * y
         powers = {m: turned**m for m in {abs(m) for _, m in orders}}  # ρ^m (cos mφ + i sin mφ)
-        values = np.empty((*np.shape(x), len(orders)))
+        values = np.empty((*x.shape, len(orders)))
         for index, (n, m) in enumerate(orders):
             k = (n - abs(m)) // 2
             angular = powers[abs(m)].imag if m < 0 else powers[abs(m)].real
@@ -139,32 +122,25 @@ class Rectangle:
     def where(self, x_m: float, y_m: float) -> str:
         return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
 
-    def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        side, share = np.linspace(-1, 1, LINES), np.ones(LINES)
-        share[[0, -1]] = 0.5
+    def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        side = np.linspace(-1, 1, 141 if finer else LINES)
+        share = np.where(np.abs(side) < 1, 1.0, 0.5)
         x, y = np.meshgrid(side, side, indexing="ij")
         return x * self.half_m[0], y * self.half_m[1], np.outer(share, share)
-
-    def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
-        def place(x: Coordinate, y: Coordinate) -> Place:
-            return np.clip(x, -1, 1) * self.half_m[0], np.clip(y, -1, 1) * self.half_m[1]
-
-        side = np.linspace(-1, 1, 141)
-        x, y = np.meshgrid(side, side, indexing="ij")
-        return (x, y), place, np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
 
     def orders_up_to(self, degree: int, *, axisymmetric: bool = False) -> Orders:
         """Legendre's modes (i, j) of degree i + j ≤ ``degree``; they span all such polynomials."""
         return tuple((n - j, j) for n in range(degree + 1) for j in range(n + 1))
 
-    def modes_at(self, orders: Orders, *, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Values of P_i(x) P_j(y) at scaled points, shape (*x.shape, modes)."""
+    def modes_at(self, orders: Orders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """Values of P_i(x) P_j(y), x and y over half the sides, shape (*x_m.shape, modes)."""
         along_x, along_y = np.array(orders).T
+        x, y = x_m / self.half_m[0], y_m / self.half_m[1]
         values: np.ndarray = (
-            legvander(np.ravel(x), int(along_x.max()))[:, along_x]
-            * legvander(np.ravel(y), int(along_y.max()))[:, along_y]
+            legvander(x, int(along_x.max()))[..., along_x]
+            * legvander(y, int(along_y.max()))[..., along_y]
         )
-        return values.reshape(*np.shape(x), len(orders))
+        return values.reshape(*np.shape(x_m), len(orders))
 
 
 Surface = Disc | Rectangle

@@ -72,29 +72,21 @@ def smoothing_settings(config: Config) -> dict[str, Any]:
     }
 
 
-def smoothed_anew(config: Config) -> SmoothedScan:
-    """The smooth profile of a study's scan."""
-    from squeezefilm.film.measured.smooth import smoothed_scan
-
-    path = scan_path(config)
-    assert path is not None
-    return smoothed_scan(path, **smoothing_settings(config))
-
-
-def smoothed_scan_of(config: Config) -> SmoothedScan | None:
+def smoothed_scan_of(config: Config, *, anew: bool = False) -> SmoothedScan | None:
     """The measured vibration shape with all that is known of it; None if it is not measured.
 
-    In a run of the workflow as its rule `smooth` wrote it, under the name in SMOOTHED_VARIABLE.
+    In a run of the workflow as its rule `smooth` wrote it, under the name in SMOOTHED_VARIABLE,
+    unless it is to be smoothed ``anew``.
     """
     path = scan_path(config)
     if path is None:
         return None
-    kept = Path(os.environ.get(SMOOTHED_VARIABLE, ""))
-    if not kept.is_file():
-        return smoothed_anew(config)
-    from squeezefilm.film.measured.smooth import read_smoothed
+    from squeezefilm.film.measured.smooth import read_smoothed, smoothed_scan
 
-    return read_smoothed(kept, path, settings=smoothing_settings(config))
+    settings, kept = smoothing_settings(config), Path(os.environ.get(SMOOTHED_VARIABLE, ""))
+    if anew or not kept.is_file():
+        return smoothed_scan(path, **settings)
+    return read_smoothed(kept, path, settings=settings)
 
 
 def planned_profile_of(config: Config) -> Profile:

@@ -24,7 +24,7 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.errors import naming
 from squeezefilm.files import digest
 from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.tasks.fits import fit_with_limits
+from squeezefilm.studies.tasks.fits import fit_to_forces
 from squeezefilm.tables import read_forces, read_ok_forces, write_json, write_table
 
 
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> None:
     forces = read_ok_forces(options.forces)
     sample = read_forces(options.sample) if options.sample else None
     with naming(options.forces):
-        fit, runs = fit_with_limits(
+        fit, runs = fit_to_forces(
             model,
             config,
             forces=forces,

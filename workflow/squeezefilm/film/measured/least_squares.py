@@ -28,18 +28,18 @@ class Points:
     Attributes:
         path: of the scan, for messages.
         axisymmetric: whether modes have no angles.
-        x, y: the points, scaled to the surface, shape (points,).
+        x_m, y_m: the points, shape (points,).
     """
 
     path: Path
     surface: Surface
     axisymmetric: bool
-    x: np.ndarray
-    y: np.ndarray
+    x_m: np.ndarray
+    y_m: np.ndarray
 
     def some(self, rows: np.ndarray | slice) -> Points:
         """Some of the points."""
-        return replace(self, x=self.x[rows], y=self.y[rows])
+        return replace(self, x_m=self.x_m[rows], y_m=self.y_m[rows])
 
     def orders(self, degree: int) -> Orders:
         """The modes up to a degree; those of a degree come before those of the next."""
@@ -47,13 +47,13 @@ class Points:
 
     def modes(self, orders: Orders) -> np.ndarray:
         """Values of modes at the points, shape (points, modes)."""
-        return self.surface.modes_at(orders, x=self.x, y=self.y)
+        return self.surface.modes_at(orders, self.x_m, self.y_m)
 
     @cached_property
     def degrees(self) -> list[int]:
         """Degrees that so many points allow."""
         step = 2 if self.axisymmetric else 1
-        enough = len(self.x) / POINTS_PER_MODE
+        enough = len(self.x_m) / POINTS_PER_MODE
         return [n for n in range(0, LARGEST_DEGREE + 1, step) if len(self.orders(n)) <= enough]
 
     @cached_property

@@ -115,8 +115,8 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
         raise InputError(f"{path}: there is no such scan")
     scan = (_universal if path.suffix.lower() in UNIVERSAL else _table)(path, frequency_hz)
     points, missing = len(scan.x_m), scan.missing
-    _refuse(
-        str(path),
+    refuse(
+        path,
         {
             f"{points} points; at most {MOST_POINTS} are taken": points > MOST_POINTS,
             f"{points} measured points ({missing} missing); a profile needs at least "
@@ -129,7 +129,7 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
     return scan
 
 
-def _refuse(where: str, problems: Mapping[str, object]) -> None:
+def refuse(where: object, problems: Mapping[str, object]) -> None:
     """Raise an InputError with the first problem that there is."""
     for problem, wrong in problems.items():
         if wrong:
@@ -232,7 +232,7 @@ def _columns(header: Sequence[str], *, where: str) -> tuple[dict[str, Column], l
     parts = [columns[name] for name in ("real", "imaginary") if name in columns]
     unknown = [name.strip() for name, column in zip(header, named, strict=True) if not column]
     other = f"; unknown columns: {', '.join(map(repr, unknown))}" if unknown else ""
-    _refuse(
+    refuse(
         where,
         {
             "the place of a point is x and y, or r, or r and phi; the columns are "
@@ -412,8 +412,8 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
     unplaced = [node for node in nodes if node not in places]
     twice = [node for node, count in Counter(nodes).items() if count > 1]
-    _refuse(
-        str(path),
+    refuse(
+        path,
         {
             "no places of points (data set 15 or 2411) are in the file": not places,
             "no functions (data set 58) along one direction or z are in the file": not functions,
@@ -456,7 +456,7 @@ def _line_at(
     farthest = FARTHEST_LINE * apart if apart else FARTHEST_SHARE * frequency_hz
     off = abs(lines[nearest] - frequency_hz)
     kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
-    _refuse(
+    refuse(
         f"{path}: node {int(function['rsp_node'])}",
         {
             "a function of time or a power spectrum; export amplitudes or frequency responses": kind

@@ -28,7 +28,7 @@ import numpy as np
 from squeezefilm.errors import InputError
 from squeezefilm.files import digest, whole_file
 from squeezefilm.film.measured.least_squares import Fit, Points, best_fit, wants_angles
-from squeezefilm.film.measured.read import Scan, read_scan
+from squeezefilm.film.measured.read import Scan, read_scan, refuse
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
@@ -87,7 +87,7 @@ class SmoothedScan:
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Standard error of the profile, of each part of a complex one, over its maximum."""
-        modes = _modes_at(self.profile.orders, self.profile.surface, x_m, y_m)
+        modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
         return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.root, axis=-1)
 
     @property
@@ -109,7 +109,7 @@ class SmoothedScan:
         fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2).
         """
         surface, orders, fitted = self.profile.surface, self.profile.orders, ~self.outliers
-        basis = _modes_at(orders, surface, self.scan.x_m[fitted], self.scan.y_m[fitted])
+        basis = surface.modes_at(orders, self.scan.x_m[fitted], self.scan.y_m[fitted])
         points, modes = basis.shape
         residual = self.residual_m[fitted]
         residual = residual - residual.mean()
@@ -151,8 +151,7 @@ def smoothed(
     """
     check_places(scan, surface, axisymmetric=axisymmetric, sign=sign)
     scan = thinned(scan)
-    half_x_m, half_y_m = surface.half_m
-    points = Points(scan.path, surface, axisymmetric, x=scan.x_m / half_x_m, y=scan.y_m / half_y_m)
+    points = Points(scan.path, surface, axisymmetric, scan.x_m, scan.y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
@@ -197,17 +196,16 @@ def smoothed(
 
 def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str) -> None:
     """Refuse a scan with a point off the surface, or whose coordinates or signs are too few."""
-    if not scan.signed and sign != "unknown":
-        raise InputError(
-            f"{scan.path}: the amplitudes have no phase and no sign: across a node line they would "
-            "be those of another surface. Give a column phase_deg or sign, or say "
-            "actuator.profile.sign: unknown if the surface has no node line"
-        )
-    if scan.radial and not axisymmetric:
-        raise InputError(
-            f"{scan.path}: points along a radius, without angles, can only give an axisymmetric "
-            "profile; say so by actuator.profile.axisymmetric: true"
-        )
+    refuse(
+        scan.path,
+        {
+            "the amplitudes have no phase and no sign: across a node line they would be those of "
+            "another surface. Give a column phase_deg or sign, or say actuator.profile.sign: "
+            "unknown if the surface has no node line": not scan.signed and sign != "unknown",
+            "points along a radius, without angles, can only give an axisymmetric profile; say so "
+            "by actuator.profile.axisymmetric: true": scan.radial and not axisymmetric,
+        },
+    )
     for row in np.flatnonzero(surface.reach(scan.x_m, scan.y_m) > 1 + 1e-6)[:1]:
         raise InputError(
             f"{scan.path}: line {scan.lines[row]}: the point lies "
@@ -258,16 +256,11 @@ def _without_outliers(
     return best_fit(kept, measured[near]), near, kept
 
 
-def _modes_at(orders: Orders, surface: Surface, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-    half_x_m, half_y_m = surface.half_m
-    return surface.modes_at(orders, x=x_m / half_x_m, y=y_m / half_y_m)
-
-
 @lru_cache(maxsize=32)
 def _modes_on_net(orders: Orders, surface: Surface) -> np.ndarray:
     """The modes on the surface's net, shape (modes, points)."""
     x_m, y_m, _ = surface.net()
-    return _modes_at(orders, surface, x_m.ravel(), y_m.ravel()).T
+    return surface.modes_at(orders, x_m.ravel(), y_m.ravel()).T
 
 
 def _mean_square(fit: Fit, surface: Surface) -> float:
@@ -302,36 +295,29 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     from scipy.spatial import cKDTree
 
     scan, surface = smoothed.scan, smoothed.profile.surface
-    path = scan.path
-    x_m, y_m, _ = surface.net()
-    seen = ~smoothed.outliers
+    seen, (x_m, y_m, _) = ~smoothed.outliers, surface.net()
+    measured = np.column_stack([scan.x_m, scan.y_m])[seen]
+    places = np.stack([x_m, y_m], axis=-1)
     if axisymmetric:  # a point stands for the circle through it
-        measured = np.hypot(scan.x_m, scan.y_m)[seen, None]
-        places = np.hypot(x_m, y_m)[..., None]
-    else:
-        measured = np.column_stack([scan.x_m, scan.y_m])[seen]
-        places = np.stack([x_m, y_m], axis=-1)
+        measured, places = (np.hypot(*each.T).T[..., None] for each in (measured, places))
     distance, _ = cKDTree(measured).query(places)
     error = smoothed.standard_error(x_m=x_m, y_m=y_m)
     hole, worst = (np.unravel_index(np.argmax(each), each.shape) for each in (distance, error))
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
     if axisymmetric:
         named[0] = f"r = {places[hole][0] * 1e3:.2f} mm"
-    if distance[hole] > LARGEST_HOLE * min(surface.half_m):
-        raise InputError(
-            f"{path}: no point was measured within {distance[hole] * 1e3:.1f} mm of {named[0]}; "
-            f"the scan needs points there, or {surface.key} is too large"
-        )
-    if error[worst] > LARGEST_ERROR:
-        raise InputError(
-            f"{path}: the profile is known to ±{error[worst]:.0%} of its maximum only at "
-            f"{named[1]}; the scan needs more points there, or less noise"
-        )
-    if smoothed.peak_bias_m >= LARGEST_ERROR * smoothed.peak_m:
-        raise InputError(
-            f"{path}: the profile's maximum cannot be told from the noise; the scan needs more "
-            "points, or less noise"
-        )
+    refuse(
+        scan.path,
+        {
+            f"no point was measured within {distance[hole] * 1e3:.1f} mm of {named[0]}; the scan "
+            f"needs points there, or {surface.key} is too large": distance[hole]
+            > LARGEST_HOLE * min(surface.half_m),
+            f"the profile is known to ±{error[worst]:.0%} of its maximum only at {named[1]}; the "
+            "scan needs more points there, or less noise": error[worst] > LARGEST_ERROR,
+            "the profile's maximum cannot be told from the noise; the scan needs more points, or "
+            "less noise": smoothed.peak_bias_m >= LARGEST_ERROR * smoothed.peak_m,
+        },
+    )
 
 
 def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str, Any]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from squeezefilm import __version__
 from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import factors_of
+from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, describe, fit_of, number
 from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
 from squeezefilm.models.force_model import ExpressionModel, check_columns
@@ -67,10 +67,10 @@ def fit_to_forces(
     *,
     forces: pd.DataFrame,
     limits: Limits = None,
-    limit_table: Mapping[str, Any] | None = None,
+    limit_table: dict[str, Any] | None = None,
     sample: pd.DataFrame | None = None,
     sample_limits: Limits = None,
-    uncertainty: float = 0.0,
+    uncertainty: float | None = None,
     seeds: int | None = None,
     processes: int = 1,
     source: Mapping[str, str],
@@ -78,10 +78,12 @@ def fit_to_forces(
     """Fit a model to forces, every one of which is known.
 
     Args:
-        limits: the physics limits of the scenes, for a model that uses them.
-        limit_table: a table of them over the space, with which the fit's file can be used alone.
+        limits: the physics limits of the scenes, and limit_table a table of them over the space
+            with which the fit's file can be used alone: computed, if left out, for a model that
+            uses them.
         sample: forces of a validation sample, NaN where there is none; sample_limits its limits.
-        uncertainty: share of a force that the scan of a measured profile leaves open.
+        uncertainty: share of a force that the scan of a measured profile leaves open, the study's
+            if left out.
         seeds: of the search, instead of the study's.
         source: where the forces come from, for the fit's file.
 
@@ -92,53 +94,47 @@ def fit_to_forces(
     settings = config["fit"]
     if seeds is not None:
         settings = settings | {"seeds": dict.fromkeys(settings["seeds"], seeds)}
+    if limits is None:
+        limits = limits_for(model, forces, config)
+    if model.column_names and limit_table is None:
+        limit_table = limit_table_values(config)
+    if uncertainty is None:
+        uncertainty = profile_uncertainty(config)
     factors, force_n = factors_of(forces, limits=limits), forces["force_n"].to_numpy()
     check_columns(model, factors)
     if len(factors) >= len(model.parameter_names):
         check_identifiable(model, factors)
     runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
     best = min(runs, key=lambda run: run.sum_of_squares)
-    about = {
-        **describe(model, factors, force_n, best, profile_uncertainty=uncertainty),
-        "directions": symmetry_of(config).to_dict(),
-        "film": film_of(config, left_out=forces["left_out"]),
-        "source": {"squeezefilm": __version__, **source},
-    }
+    left_out = forces["left_out"]
+    about = fit_values(model, config, factors, force_n, best, left_out, uncertainty=uncertainty)
+    about["source"] = {"squeezefilm": __version__, **source}
     if model.column_names and limit_table and "refused" not in limit_table:
         about["limit_table"] = limit_table
     fit = fit_of(about, place=f"{config['study']}: {model.name}")
     if sample is not None:
+        if sample_limits is None:
+            sample_limits = limits_for(model, sample, config)
         fit = validated(fit, config, sample=sample, limits=sample_limits)
     return fit, pd.DataFrame([_row(run, model) for run in runs])
 
 
-def fit_with_limits(
+def fit_values(
     model: ExpressionModel,
     config: Config,
+    factors: Factors,
+    force_n: np.ndarray,
+    fit: Fit,
+    left_out: Iterable[str],
     *,
-    forces: pd.DataFrame,
-    sample: pd.DataFrame | None,
-    limit_table: dict[str, Any] | None = None,
-    **how: Any,
-) -> tuple[FittedModel, pd.DataFrame]:
-    """``fit_to_forces`` with the physics limits that the model uses, and the scan's part.
-
-    Args:
-        limit_table: the study's (``limit_table_values``), made here if left out.
-    """
-    if model.column_names and limit_table is None:
-        limit_table = limit_table_values(config)
-    return fit_to_forces(
-        model,
-        config,
-        forces=forces,
-        limits=limits_for(model, forces, config),
-        limit_table=limit_table,
-        sample=sample,
-        sample_limits=None if sample is None else limits_for(model, sample, config),
-        uncertainty=profile_uncertainty(config),
-        **how,
-    )
+    uncertainty: float,
+) -> dict[str, Any]:
+    """A fit as its file holds it, with the study's film and symmetry."""
+    return {
+        **describe(model, factors, force_n, fit, profile_uncertainty=uncertainty),
+        "directions": symmetry_of(config).to_dict(),
+        "film": film_of(config, left_out=left_out),
+    }
 
 
 def validated(

@@ -23,12 +23,12 @@ from squeezefilm.designs.optimal import (
     sensitivity,
 )
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import COLUMNS, Factors, factors_of
+from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit
 from squeezefilm.models.force_model import check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
-from squeezefilm.studies.space import Space
+from squeezefilm.studies.space import Space, plan
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
@@ -55,12 +55,9 @@ class FittedSpace:
             raise InputError(f"the model {fit.model} has no parameters; nothing is to be designed")
         theta = local_fit(self.model, factors, force_n, np.array(fit.theta))
         self.ranges = parameter_ranges(self.model, factors, force_n, theta)
-        ends = [
-            each
-            for one in self.ranges
-            for each, end in ((one.theta_lower, one.lower), (one.theta_upper, one.upper))
-            if np.isfinite(end)
-        ]
+        lower = [(each.theta_lower, each.lower) for each in self.ranges]
+        upper = [(each.theta_upper, each.upper) for each in self.ranges]
+        ends = [vector for vector, end in (*lower, *upper) if np.isfinite(end)]
         self.thetas = np.array([theta, *ends])
         self.space = Space.of(config, centred=self.model.is_centred)
         most = config["optimal"]["candidates"]
@@ -69,12 +66,10 @@ class FittedSpace:
 
     def derivatives(self, points: np.ndarray, *, layers: slice = slice(0, 1)) -> np.ndarray:
         """dη/dθ at points for some of the parameter vectors, shape (K, n, p)."""
-        columns: dict[str, np.ndarray] = {}
-        if self.model.column_names:
-            table = self.space.table(points)
-            known = with_limits(table, scenes_in(table, self.config))
-            columns = {name: known[name].to_numpy() for name in COLUMNS.values()}
-        factors = Factors.of(**dict(zip(self.space.box.names, points.T, strict=True)), **columns)
+        names, position = list(self.space.box.names), self.space.position
+        table = plan(pd.DataFrame(points, columns=names), position=position)
+        scenes = scenes_in(table, self.config) if self.model.column_names else None
+        factors = factors_of(table, limits=with_limits(table, scenes) if scenes else None)
         return np.array([self.model.gradient(theta, factors) for theta in self.thetas[layers]])
 
 
@@ -93,11 +88,8 @@ def optimal_designs(
         "maximin": maximin.on(study.everywhere),
     }
     derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
-    apart = {
-        "coordinates": study.space.coordinates(study.grid),
-        "separation": settings["separation"],
-        "seed": settings["seed"],
-    }
+    coordinates = study.space.coordinates(study.grid)
+    apart = {"coordinates": coordinates, **{key: settings[key] for key in ("separation", "seed")}}
     for count in settings["points"]:
         if count >= parameters:
             chosen = exchange(derivatives, count, **apart)
@@ -163,8 +155,9 @@ def efficiencies(
     best[0] = max(best[0], *log_determinant(own, local.weights))
     reference = np.concatenate([candidates[0], own])
     rows = []
-    for name, plan in {**designs, **{name: _equal(each) for name, each in others.items()}}.items():
-        points, weights = plan.points, plan.weights
+    plans = {**designs, **{name: _equal(points) for name, points in others.items()}}
+    for name, design in plans.items():
+        points, weights = design.points, design.weights
         derivatives = study.derivatives(points, layers=EVERY)
         logs = log_determinant(derivatives, weights)
         efficiency = np.minimum(np.exp((logs - best) / study.thetas.shape[1]), 1.0)
@@ -190,8 +183,7 @@ def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame
     Over gap and amplitude it is the largest over positions; over the position that of the smallest
     gap and the largest amplitude.
     """
-    box = study.space.box
-    own = study.derivatives(local.points)
+    box, own = study.space.box, study.derivatives(local.points)
     layers = {"design": local.points}
     lines = np.linspace(0, 1, MAP_LINES)
     gaps = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -210,47 +202,19 @@ def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame
     for layer, points in layers.items():
         points = points[study.space.allowed(points)]
         level = sensitivity(own, study.derivatives(points), weights=local.weights)
-        scenes = study.space.table(points)
-        at = factors_of(scenes)
-        part = pd.DataFrame(
-            {
-                "layer": layer,
-                "h0_um": np.round(1e6 * scenes["h0_m"], 9),
-                "hv_um": np.round(1e6 * scenes["hv_m"], 9),
-                "x_mm": np.round(1e3 * at.x_m, 9),
-                "y_mm": np.round(1e3 * at.y_m, 9),
-                "sensitivity": level,
-            }
-        )
+        at = factors_of(study.space.table(points))
+        micrometres = {"h0_um": 1e6 * at.h0_m, "hv_um": 1e6 * at.hv_m}
+        place = {"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m}
+        part = pd.DataFrame({"layer": layer, **micrometres, **place}).round(9)
+        part["sensitivity"] = level
         if layer == "design":
             part["weight"] = local.weights
         else:
             # A panel shows the largest value over what it does not show.
-            seen = ["layer", *(["h0_um", "hv_um"] if layer == "gap" else ["x_mm", "y_mm"])]
+            seen = ["layer", *(micrometres if layer == "gap" else place)]
             part = part.groupby(seen)[["sensitivity"]].max().reset_index()
         parts.append(part)
     return pd.concat(parts, ignore_index=True)
-
-
-def summary_of(
-    study: FittedSpace, designs: Mapping[str, ContinuousDesign], table: pd.DataFrame
-) -> dict[str, Any]:
-    """Parameters and their ranges, certificates and efficiencies, ready for JSON."""
-    bounds = {name: design.efficiency_bound for name, design in designs.items()}
-    return {
-        "model": study.model.name,
-        "theta": study.thetas[0].tolist(),
-        "parameter_vectors": len(study.thetas),
-        "candidates": len(study.everywhere),
-        "scenes_among_them": len(study.grid),
-        "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
-        **{
-            column: dict(zip(table["plan"], table[column], strict=True))
-            for column in ("d_efficiency", "lower_bound")
-        },
-        "parameter_ranges": [each.to_dict() for each in study.ranges],
-        "parameter_ranges_note": RANGES_NOTE,
-    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,11 +258,23 @@ def designs_of_fit(
                 others[f"pattern {pattern['pattern']} ({search})"] = table.to_numpy()
     designs = optimal_designs(study, config["optimal"], existing=existing)
     table = efficiencies(study, designs, others)
+    bounds = {name: design.efficiency_bound for name, design in designs.items()}
+    summary = {
+        "model": study.model.name,
+        "theta": study.thetas[0].tolist(),
+        "parameter_vectors": len(study.thetas),
+        "candidates": len(study.everywhere),
+        "scenes_among_them": len(study.grid),
+        "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
+        "d_efficiency": dict(zip(table["plan"], table["d_efficiency"], strict=True)),
+        "lower_bound": dict(zip(table["plan"], table["lower_bound"], strict=True)),
+        "parameter_ranges": [each.to_dict() for each in study.ranges],
+        "parameter_ranges_note": RANGES_NOTE,
+    }
+    points = [_table(study, *each, existing) for each in designs.items()]
     return OptimalDesigns(
-        designs=pd.concat(
-            [_table(study, *each, existing) for each in designs.items()], ignore_index=True
-        ),
-        efficiencies=table,
-        sensitivity=sensitivity_map(study, designs["local"]),
-        summary=summary_of(study, designs, table),
+        pd.concat(points, ignore_index=True),
+        table,
+        sensitivity_map(study, designs["local"]),
+        summary,
     )

@@ -5,8 +5,7 @@ found with the study's own scaling are united and extended to the wanted number 
 factors: the determinant alone, and once more with the points physically distinct.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.designs.paper_design import (
     Criterion,
     Design,
-    Gradient,
     Pattern,
     augment,
     d_efficiency,
@@ -29,9 +27,9 @@ from squeezefilm.designs.paper_design import (
 )
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
-from squeezefilm.models.force_model import ExpressionModel, get_model
+from squeezefilm.models.force_model import get_model
 from squeezefilm.parallel import parallel_map
-from squeezefilm.studies.space import box_of, plan
+from squeezefilm.studies.space import box_of, plan, twelve
 
 DIGITS = 6
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
@@ -49,97 +47,87 @@ class PaperDesigns:
 
 
 def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
-    model, theta = get_model(fit.model), _parameters(fit)
     settings, box = config["design"], box_of(config, centred=True)
-    determinant = Criterion(_gradient(model, theta, box), box)
+    determinant = _criterion(fit, box)
     best = exchange_design(determinant, 3, levels=TWO_FACTOR_LEVELS)
-    rows, summary = [], {}
+    searches, summary = [], {}
     for scaling in TWO_FACTOR_SCALINGS:
-        criterion = Criterion(determinant.gradient, box, distance=coordinates(scaling, box))
-        designs = _searches(criterion, 3, settings, processes=processes)
-        patterns, each, summary[scaling] = _patterns(scaling, criterion, designs, best)
-        rows += each
+        criterion = replace(determinant, distance=coordinates(scaling, box))
+        patterns, table, summary[scaling] = _patterns(
+            scaling, criterion, best, settings, processes=processes
+        )
+        searches.append(table)
         if scaling == settings["scaling"]:
             regions = augment(criterion, find_regions(patterns, box), settings["points"])
     points = np.array([region.point for region in regions])
-    table = _design_table(points, [region.origin for region in regions], box, fit.position)
+    design = _design(points, [region.origin for region in regions], box, fit.position)
+    optimal = determinant.derivatives(best.points)
     about = {
         "scaling": settings["scaling"],
         "searches": settings["searches"],
         "scalings": summary,
-        "d_efficiency": d_efficiency(
-            determinant.derivatives(points), determinant.derivatives(best.points)
-        ),
+        "d_efficiency": d_efficiency(determinant.derivatives(points), optimal),
     }
-    return PaperDesigns([table], pd.DataFrame(rows), about)
+    return PaperDesigns([design], pd.concat(searches, ignore_index=True), about)
 
 
 def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
-    model, theta = get_model(fit.model), _parameters(fit)
     settings, box = config["four_factor_design"], box_of(config)
-    gradient = _gradient(model, theta, box)
-    forms = {
-        "paper": Criterion(gradient, box),
-        "distinct": Criterion(
-            gradient, box, apart=coordinates("scene", box), separation=settings["separation"]
-        ),
-    }
-    tables, rows, summary = [], [], {}
-    for form, criterion in forms.items():
-        points = len(model.parameter_names)
-        best = exchange_design(criterion, points, levels=FOUR_FACTOR_LEVELS)
-        designs = [
-            spread_on_lines(criterion, design, ratio=("h0_m", "hv_m"))
-            for design in _searches(criterion, points, settings, processes=processes)
-        ]
-        patterns, each, summary[form] = _patterns(form, criterion, designs, best)
-        rows += each
-        tables.append(_design_table(patterns[0].design.points, [form] * points, box, box.names[2:]))
+    criterion, scene = _criterion(fit, box), coordinates("scene", box)
+    distinct = replace(criterion, apart=scene, separation=settings["separation"])
+    designs, searches, summary = [], [], {}
+    for form, each in {"paper": criterion, "distinct": distinct}.items():
+        best = exchange_design(each, len(fit.theta), levels=FOUR_FACTOR_LEVELS)
+        patterns, table, summary[form] = _patterns(
+            form, each, best, settings, ratio=("h0_m", "hv_m"), processes=processes
+        )
+        searches.append(table)
+        designs.append(_design(patterns[0].design.points, form, box, box.names[2:]))
     about = {"searches": settings["searches"], "forms": summary}
-    return PaperDesigns(tables, pd.DataFrame(rows), about)
+    return PaperDesigns(designs, pd.concat(searches, ignore_index=True), about)
 
 
-def _parameters(fit: FittedModel) -> np.ndarray:
-    """A fit's parameters to the digits that it has, shape (p,).
+def _criterion(fit: FittedModel, box: Box) -> Criterion:
+    """The determinant for a fit's parameters, to the digits that they have.
 
     A search ends at any of equally good points; of digits that are round-off, round-off chooses.
     """
-    return np.array([float(f"{value:.{DIGITS}g}") for value in fit.theta])
+    model = get_model(fit.model)
+    theta = np.array([float(f"{value:.{DIGITS}g}") for value in fit.theta])
 
+    def gradient(points: np.ndarray) -> np.ndarray:
+        return model.gradient(theta, Factors.of(**dict(zip(box.names, points.T, strict=True))))
 
-def _gradient(model: ExpressionModel, theta: np.ndarray, box: Box) -> Gradient:
-    return lambda points: model.gradient(
-        theta, Factors.of(**dict(zip(box.names, points.T, strict=True)))
-    )
-
-
-def _searches(
-    criterion: Criterion, points: int, settings: dict[str, Any], *, processes: int
-) -> list[Design]:
-    seeds = range(settings["first_seed"], settings["first_seed"] + settings["searches"])
-    return parallel_map(
-        lambda seed: search_design(criterion, points, seed=seed), seeds, processes=processes
-    )
+    return Criterion(gradient, box)
 
 
 def _patterns(
-    name: str, criterion: Criterion, designs: Sequence[Design], best: Design
-) -> tuple[list[Pattern], list[dict[str, Any]], list[dict[str, Any]]]:
+    name: str,
+    criterion: Criterion,
+    best: Design,
+    settings: dict[str, Any],
+    *,
+    ratio: tuple[str, str] | None = None,
+    processes: int,
+) -> tuple[list[Pattern], pd.DataFrame, list[dict[str, Any]]]:
     """The patterns that searches ended in, a row for each point of each, and what patterns are."""
     box, optimal = criterion.box, criterion.derivatives(best.points)
+    seeds = range(settings["first_seed"], settings["first_seed"] + settings["searches"])
+    designs = parallel_map(
+        lambda seed: search_design(criterion, len(best.points), seed=seed),
+        seeds,
+        processes=processes,
+    )
+    if ratio:
+        designs = [spread_on_lines(criterion, design, ratio=ratio) for design in designs]
     patterns = find_patterns(designs, box)
     names = {index: pattern.name for pattern in patterns for index in pattern.members}
-    rows = [
-        {
-            "scaling": name,
-            "search": index + 1,
-            "pattern": names[index],
-            **_named(point, box),
-            "objective": design.value,
-        }
+    searches = [
+        _factors(design.points, box).assign(search=index + 1, objective=design.value)
         for index, design in enumerate(designs)
-        for point in design.points
     ]
+    table = pd.concat(searches, ignore_index=True)
+    table = table.assign(scaling=name, pattern=table["search"].map(lambda at: names[at - 1]))
     summaries = [
         {
             "pattern": pattern.name,
@@ -148,20 +136,20 @@ def _patterns(
             "objective_excess": pattern.excess,
             "inverse_determinant": pattern.design.inverse_determinant,
             "d_efficiency": d_efficiency(criterion.derivatives(pattern.design.points), optimal),
-            "points": [_named(point, box) for point in pattern.design.points],
+            "points": _factors(pattern.design.points, box).to_dict("records"),
         }
         for pattern in patterns
     ]
-    return patterns, rows, summaries
+    columns = ["scaling", "search", "pattern", *box.names, "objective"]
+    return patterns, table[columns], summaries
 
 
-def _named(point: Iterable[float], box: Box) -> dict[str, float]:
-    """A point with its factors' names; twelve digits, so that a limit reads 2e-06."""
-    return {name: float(f"{value:.12g}") for name, value in zip(box.names, point, strict=True)}
+def _factors(points: np.ndarray, box: Box) -> pd.DataFrame:
+    """Points with their factors' names; twelve digits, so that a limit reads 2e-06."""
+    return pd.DataFrame(twelve(points), columns=list(box.names))
 
 
-def _design_table(
-    points: np.ndarray, origins: Sequence[str], box: Box, position: tuple[str, ...]
+def _design(
+    points: np.ndarray, origin: str | list[str], box: Box, position: tuple[str, ...]
 ) -> pd.DataFrame:
-    factors = pd.DataFrame([_named(point, box) for point in points])
-    return plan(factors, position=position).assign(origin=origins)
+    return plan(_factors(points, box), position=position).assign(origin=origin)

@@ -1,5 +1,6 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,16 +13,16 @@ from squeezefilm.config.loading import Config
 from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.data import factors_of
-from squeezefilm.models.fit_file import describe, fit_of
+from squeezefilm.models.fit_file import fit_of
 from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.prediction_interval import error_by_region, in_words
-from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import film_of, scenes_in, symmetry_of
-from squeezefilm.studies.tasks.fits import validated
+from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.tasks.fits import fit_values, validated
 from squeezefilm.studies.tasks.physics_limits import with_limits
 from squeezefilm.tables import (
     FACTOR_COLUMNS,
@@ -66,11 +67,11 @@ class SimulatedSpace:
             space.sample(settings["verification"], seed=settings["seed"]),
             space.sample(TYPICAL, seed=settings["seed"] + 1),
         ]
-        self.config, self.table = config, space.table(np.concatenate(kinds))
+        self.config, self.device = config, device_of(config)
+        self.table = space.table(np.concatenate(kinds))
         self.scenes = scenes_in(self.table, config)
         self.known = with_limits(self.table, self.scenes)
-        self.solutions: dict[int, Solution] = {}
-        self.device = device_of(config)
+        self.solved = pd.DataFrame()
         self.pool = Pool(
             factors_of(self.known, limits=self.known),
             space.coordinates(space.points(self.table)),
@@ -81,33 +82,16 @@ class SimulatedSpace:
         """Forces and their errors; raises RunError for a scene that has no force."""
         settings = solver_settings(self.config, outputs=())
         scenes = settings.resolved(self.scenes[points], self.device)
-        found = solve(scenes, **settings.how(self.device))
-        for point, solution in zip(points, found, strict=True):
-            if solution.status != "ok":
-                (factors,) = self.places([point]).to_dict("records")
-                raise RunError(f"no force at {factors}: {solution.status}")
-            self.solutions[int(point)] = solution
-        return (
-            np.array([solution.force_n for solution in found]),
-            np.array([solution.force_error_n for solution in found]),
-        )
+        found = solve(scenes, **settings.how(self.device)).to_frame(pd.Index(points))
+        for point, status in found["status"][found["status"] != "ok"].items():
+            (factors,) = self.rows(self.table, [point], FACTOR_COLUMNS).to_dict("records")
+            raise RunError(f"no force at {factors}: {status}")
+        self.solved = pd.concat([self.solved, found])
+        return found["force_n"].to_numpy(), found["force_error_n"].to_numpy()
 
-    def places(self, points: list[int] | np.ndarray) -> pd.DataFrame:
-        """The factors of points."""
-        return self.table[as_in(FACTOR_COLUMNS, self.table)].loc[points].reset_index(drop=True)
-
-    def forces(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
-        """Points simulated before, with their forces."""
-        rows = self.table.loc[points].assign(point_id=labels).reset_index(drop=True)
-        columns = as_in(FORCE_COLUMNS, rows)
-        for name in set(columns) - set(rows):
-            rows[name] = [getattr(self.solutions[int(point)], name) for point in points]
-        return rows[columns]
-
-    def limits(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
-        """The physics limits of points."""
-        rows = self.known.loc[points].assign(point_id=labels).reset_index(drop=True)
-        return rows[as_in(LIMIT_COLUMNS, rows)]
+    def rows(self, table: pd.DataFrame, points: Any, columns: Sequence[str]) -> pd.DataFrame:
+        """Columns of points in one of the tables, in the form that positions have there."""
+        return table.loc[points, as_in(columns, table)].reset_index(drop=True)
 
 
 def refine(
@@ -150,21 +134,26 @@ def refine(
     )
     outcome = loop.run(_print_round)
     print(f"{outcome.verdict}: {outcome.reason}")
-    values = _fit_values(model, simulated, outcome, profile_uncertainty=uncertainty)
+    values = _fit_values(model, simulated, outcome, uncertainty=uncertainty)
     fit = fit_of(values, place=f"{config['study']}: {model.name}")
     fit = validated(fit, config, sample=sample, limits=sample_limits)
     print(fit.statement)
-    labels, last = _labels(outcome, settings["verification"]), outcome.rounds[-1]
+    last, points = outcome.rounds[-1], outcome.simulated
     where, source = _map(model, simulated, outcome)
     by_region = error_by_region(pool.factors.take(pool.typical), where["error_n"][-TYPICAL:])
     estimated = ("global_error", "global_lower", "global_upper", "worst_error")
+    labels = _labels(outcome, settings["verification"])
+    known, forces = (
+        table.assign(point_id=pd.Series(labels, index=points))
+        for table in (simulated.known, simulated.table.join(simulated.solved))
+    )
     tables = {
         "rounds": _rounds_table(outcome, model, simulated),
-        "forces": simulated.forces(outcome.simulated, labels),
-        "limits": simulated.limits(outcome.simulated, labels),
+        "forces": simulated.rows(forces, points, FORCE_COLUMNS),
+        "limits": simulated.rows(known, points, LIMIT_COLUMNS),
         "where": where,
     }
-    verdict = {
+    verdict = about | {
         "verdict": outcome.verdict,
         "reason": outcome.reason,
         "mean_force_n": outcome.scale_n,
@@ -173,10 +162,8 @@ def refine(
         "fitted_points": len(last.design),
         "verification_points": settings["verification"],
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
-        "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": {key: _finite(getattr(last, key)) for key in estimated},
         "settings": dict(settings),
-        **about,
         "errors_mapped_by": source,
         "error_by_region": by_region.to_dict("records"),
         "error_by_region_text": in_words(by_region),
@@ -196,10 +183,8 @@ def _labels(outcome: Outcome, checks: int) -> list[str]:
     """What each simulation was for: verification-3, or design-2-5, the fifth, of round two."""
     labels = [f"verification-{number}" for number in range(1, checks + 1)]
     for done in outcome.rounds:
-        before = len(labels) - checks
-        labels += [
-            f"design-{done.number}-{number}" for number in range(before + 1, len(done.design) + 1)
-        ]
+        new = range(len(labels) - checks + 1, len(done.design) + 1)
+        labels += [f"design-{done.number}-{number}" for number in new]
     return labels
 
 
@@ -226,45 +211,36 @@ def _map(
         degree = 1 if len(points) > at.shape[1] + 1 else 0
         surface = RBFInterpolator(at[points], seen, kernel="linear", degree=degree)
         error, source = surface(at[places]), "interpolation"
-    kinds = np.repeat(["candidate", "sample"], [len(pool.candidates), len(pool.typical)])
-    return space.places(places).assign(layer=kinds, error_n=error), source
+    layer = np.where(np.isin(places, pool.candidates), "candidate", "sample")
+    where = space.rows(space.table, places, FACTOR_COLUMNS)
+    return where.assign(layer=layer, error_n=error), source
 
 
 def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpace) -> pd.DataFrame:
     rounds = pd.DataFrame([vars(each) for each in outcome.rounds])
     rounds["design"] = rounds["design"].map(len)
     rounds = rounds.rename(columns={"number": "round", "design": "fitted_points"})
-    worst = space.places(rounds.pop("worst_at").to_list()).add_prefix("worst_")
+    worst = space.rows(space.table, rounds.pop("worst_at"), FACTOR_COLUMNS).add_prefix("worst_")
     theta = pd.DataFrame(rounds.pop("theta").tolist(), columns=list(model.parameter_names))
     estimated, shares = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_share":]
     return pd.concat([estimated, worst, shares, theta.add_prefix("parameter_")], axis=1)
 
 
 def _fit_values(
-    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, *, profile_uncertainty: float
+    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, *, uncertainty: float
 ) -> dict[str, Any]:
     """The last fit as its file tells it, with the range of each parameter."""
     last = outcome.rounds[-1]
     # A model without parameters is fitted to nothing, and described on what verifies it.
     points = last.design if len(last.design) else outcome.simulated
-    factors = space.pool.factors.take(points)
-    force = np.array([space.solutions[int(point)].force_n for point in points])
-    fit = Fit.of(
-        model,
-        factors,
-        force,
-        last.theta,
-        method="closed loop",
-        bound=0.0,
-        seed=space.config["refine"]["seed"],
-    )
-    ranges = parameter_ranges(model, factors, force, last.theta) if len(last.theta) else []
-    left_out = [each.left_out for each in space.solutions.values()]
+    factors, forces = space.pool.factors.take(points), space.solved.loc[points]
+    force_n, seed = forces["force_n"].to_numpy(), space.config["refine"]["seed"]
+    fit = Fit.of(model, factors, force_n, last.theta, method="closed loop", bound=0.0, seed=seed)
+    ranges = parameter_ranges(model, factors, force_n, last.theta) if len(last.theta) else []
+    left_out = space.solved["left_out"]
     return {
-        **describe(model, factors, force, fit, profile_uncertainty=profile_uncertainty),
+        **fit_values(model, space.config, factors, force_n, fit, left_out, uncertainty=uncertainty),
         "points": len(last.design),
-        "directions": symmetry_of(space.config).to_dict(),
-        "film": film_of(space.config, left_out=left_out),
         "parameter_ranges": [each.to_dict() for each in ranges],
         "parameter_ranges_note": RANGES_NOTE,
         "error": {
