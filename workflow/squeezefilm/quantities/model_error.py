@@ -21,9 +21,8 @@ from squeezefilm.film.finger import GapShape
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import first_order
-from squeezefilm.quantities.adjoint import sensitivity
+from squeezefilm.quantities.adjoint import Solved, alike, fields_of, sensitivity, with_states
 from squeezefilm.quantities.first_order import ENTRANCE_LEAST, ENTRANCE_MOST, Answers
-from squeezefilm.quantities.states import Solved, alike, fields_of, with_states
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.terms import first_reason, terms_of
 from squeezefilm.reynolds.terms.heat import Heat

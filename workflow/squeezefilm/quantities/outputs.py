@@ -18,9 +18,8 @@ import numpy as np
 
 from squeezefilm.errors import unexpected
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.adjoint import with_rim
+from squeezefilm.quantities.adjoint import remainder, with_rim, with_states
 from squeezefilm.quantities.derivatives import with_derivatives
-from squeezefilm.quantities.states import remainder, with_states
 from squeezefilm.reynolds.conformal_axis import Around
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
