@@ -19,7 +19,7 @@ import pandas as pd
 from scipy.optimize import brentq, newton
 from scipy.stats import betabinom
 
-from squeezefilm.api.forces import Force, forces_of, forces_table
+from squeezefilm.api.forces import Force, forces_of
 from squeezefilm.api.study import Study
 from squeezefilm.dynamics.averaged_film import averaged_film_of
 from squeezefilm.dynamics.levitation import Levitation, Resonance, levitate, resonance
@@ -131,10 +131,8 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     forces = forces_of(
         study.scenes(drawn), settings=settings, device=study.device, smoothed=None, budget=True
     )
-    table = forces_table(drawn, forces)
-    stated = table.get("validity", pd.Series("ok", index=table.index))
-    for force, validity in zip(forces, stated, strict=True):
-        yield from _of_force(force, study, valid=force.status == validity == "ok")
+    for force in forces:
+        yield from _of_force(force, study, valid=force.status == force.validity == "ok")
     known = next((each for each in forces if each.status == "ok" and each.force_n > 0), None)
     if known is not None:
         yield from _of_elements(known.scene, study)
