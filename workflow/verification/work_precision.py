@@ -35,10 +35,10 @@ SOLVER, BATCH = "solver", "solver, in a batch"
 Settings = dict[str, Any]
 
 
+# A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status.
 Answer = tuple[float, float, str]
-"""A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status."""
+# The settings of a method from rung to rung, and the call that solves a film with them.
 Path = Iterator[tuple[Settings, Callable[[], Answer]]]
-"""The settings of a method from rung to rung, and the call that solves a film with them."""
 
 
 def measure(
@@ -198,10 +198,10 @@ def _accelerated(film: Film, level: int) -> Settings:
     return _elements(film, level) | settings
 
 
+# Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs.
 METHODS: dict[str, tuple[Callable[..., Any], Callable[[Film, int], Settings]]] = {
     "same algorithm, NumPy, no symmetry": (numpy_periodic.periodic_state, _grid),
     "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_force, _chebyshev),
     "finite elements, Anderson": (finite_elements.periodic_force, _accelerated),
     "finite elements from rest": (finite_elements.periodic_force, _from_rest),
 }
-"""Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs."""

@@ -336,6 +336,7 @@ def _unknown(reason: str) -> Resonance:
     return Resonance(nan, nan, f"resonance not known: {reason}")
 
 
+# Of a table of levitations, between the load and its status.
 COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "h0_m": lambda found: found.scene.h0_m,
     "h0_error_m": lambda found: found.h0_error_m,
@@ -352,7 +353,6 @@ COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "left_out_most_percent": lambda found: found.budget.modelling_error_percent[1],
     "above_range": lambda found: "; ".join(found.budget.above_range),
 }
-"""Of a table of levitations, between the load and its status."""
 
 
 def loads_like(path: str) -> tuple[list[float], list[float]]:

@@ -241,8 +241,8 @@ def with_states(
     return found
 
 
+# Scenes with their solutions and states, by the scenes' places.
 Solved = dict[int, tuple[Scene, Solution]]
-"""Scenes with their solutions and states, by the scenes' places."""
 
 
 def alike(solved: Solved, *, numbers: int) -> Iterator[Solved]:
