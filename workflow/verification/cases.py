@@ -14,8 +14,8 @@ from verification.films import PISTON, Film, gap_shape, travelling
 # Where waves steepen so much that no grid or no step of Newton's method may be enough.
 STEEPEST = 2.0
 TILTED, BULGING = gap_shape(tilt_x=0.4), gap_shape(bulge=0.3)
+# Of all cases, for a small study: every sixth, of every group some.
 SAMPLE = slice(None, None, 6)
-"""Of all cases, for a small study: every sixth, of every group some."""
 
 
 class Case(NamedTuple):

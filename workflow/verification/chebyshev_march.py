@@ -30,15 +30,12 @@ def periodic_force(
     amplitude: Amplitude,
     points: int = 12,
     rtol: float = 1e-6,
-    periods: int = 30,
-    anderson_depth: int = 10,
     fold: Fold = (False, False),
 ) -> Marched:
     """Mean force in p0 l0^2 of the period that repeats itself to rtol / 100.
 
     points: inner points along each half side, folded or not; rtol: Radau's
-    relative tolerance (the absolute one is a tenth of it, on a mass of order 1);
-    periods: the most that are tried; anderson_depth: 0 marches plainly.
+    relative tolerance (the absolute one is a tenth of it, on a mass of order 1).
 
     The result's `change` tells how closely it did, should the periods not have sufficed.
     Raises RunError when Radau gives up.
@@ -90,19 +87,12 @@ def periodic_force(
             atol=rtol / 10,
         )
         if not march.success:
-            raise RunError(
-                f"Chebyshev march: Radau stopped at epsilon = {epsilon:g}, sigma = {sigma:g}: "
-                f"{march.message}"
-            )
+            numbers = f"epsilon = {epsilon:g}, sigma = {sigma:g}"
+            raise RunError(f"Chebyshev march: Radau stopped at {numbers}: {march.message}")
         return march.y[:-1, -1], float(march.y[-1, -1]) / (2 * math.pi)
 
-    return march_to_periodic(
-        period,
-        np.ones(s.size),
-        periods=periods,
-        tolerance=rtol / 100,
-        anderson_depth=anderson_depth,
-    )
+    how = {"periods": 30, "anderson_depth": 10}
+    return march_to_periodic(period, np.ones(s.size), tolerance=rtol / 100, **how)
 
 
 class _Side:

@@ -19,7 +19,7 @@ import pandas as pd
 from scipy.optimize import brentq, newton
 from scipy.stats import betabinom
 
-from squeezefilm.api.forces import Force, forces_of, forces_table
+from squeezefilm.api.forces import Force, forces_of
 from squeezefilm.api.study import Study
 from squeezefilm.dynamics.averaged_film import averaged_film_of
 from squeezefilm.dynamics.levitation import Levitation, Resonance, levitate, resonance
@@ -33,23 +33,23 @@ from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space
 from verification.reference import reference_force
 
+# Tolerances of direct solutions; the second with inertia or heat, and under ellipses.
 TIGHT, LESS_TIGHT = 1e-7, 1e-5
-"""Tolerances of direct solutions; the second with inertia or heat, and under ellipses."""
+# What the flow factor adds to first-order slip, relative to the flow, for each unit of Kn.
 KINETIC = 1.5
-"""What the flow factor adds to first-order slip, relative to the flow, for each unit of Kn."""
+# Of films that the spectral elements resolve in seconds.
 REFERENCE_EPSILON, REFERENCE_SIGMA = 0.6, (1.0, 2e4)
-"""Of films that the spectral elements resolve in seconds."""
+# Relative distance of the forces in difference quotients of fourth order.
 STEP = 0.004
-"""Relative distance of the forces in difference quotients of fourth order."""
+# Gaps beyond one that levitates, at which the force must stay below the load.
 WIDER, WIDER_GAPS = 4.0, 12
-"""Gaps beyond one that levitates, at which the force must stay below the load."""
+# Relative error of what commands print in two digits without an error.
 ABOUT = 0.05
-"""Relative error of what commands print in two digits without an error."""
 GRAVITY_M_PER_S2 = 9.81
+# Points outside the declared space, which no prediction interval may claim.
 BEYOND = 20
-"""Points outside the declared space, which no prediction interval may claim."""
+# Of the fresh points of the study of seed 0.
 FRESH_SEED = 10_000
-"""Of the fresh points of the study of seed 0."""
 OUTCOMES = ("within", "sure and wrong", "outside, not stated as valid", "no direct solution")
 
 
@@ -60,6 +60,12 @@ def _wavelength_m(scene: Scene) -> float:
     return speed / scene.actuator.frequency_hz
 
 
+# Numbers of a scene over values beyond which a force is not to be given without reserve.
+#
+# Flow around the edge is of the order of the gap over the pad; gas neither slips nor flows as a
+# viscous fluid from Kn 0.18 on (Fukui and Kaneko's D = 5); inertia changes forces severalfold at Re
+# 10, and its depth-averaged term is unchecked above Re 20; pressure differs across a gap by a fifth
+# at a tenth of the sound's wavelength.
 LARGEST: dict[str, Callable[[Scene], float]] = {
     "gap over pad": lambda scene: (
         scene.h0_m / min(scene.finger.length_x_m, scene.finger.length_y_m) / 0.1
@@ -71,13 +77,6 @@ LARGEST: dict[str, Callable[[Scene], float]] = {
     "gap over sound's wavelength": lambda scene: scene.h0_m / _wavelength_m(scene) / 0.1,
     "excursion over gap": lambda scene: scene.closure() / 0.95,
 }
-"""Numbers of a scene over values beyond which a force is not to be given without reserve.
-
-Flow around the edge is of the order of the gap over the pad; gas neither slips nor flows as a
-viscous fluid from Kn 0.18 on (Fukui and Kaneko's D = 5); inertia changes forces severalfold at Re
-10, and its depth-averaged term is unchecked above Re 20; pressure differs across a gap by a fifth
-at a tenth of the sound's wavelength.
-"""
 
 
 @dataclass(frozen=True)
@@ -131,10 +130,8 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     forces = forces_of(
         study.scenes(drawn), settings=settings, device=study.device, smoothed=None, budget=True
     )
-    table = forces_table(drawn, forces)
-    stated = table.get("validity", pd.Series("ok", index=table.index))
-    for force, validity in zip(forces, stated, strict=True):
-        yield from _of_force(force, study, valid=force.status == validity == "ok")
+    for force in forces:
+        yield from _of_force(force, study, valid=force.status == force.validity == "ok")
     known = next((each for each in forces if each.status == "ok" and each.force_n > 0), None)
     if known is not None:
         yield from _of_elements(known.scene, study)

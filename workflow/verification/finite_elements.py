@@ -78,7 +78,7 @@ def periodic_force(
     if mesh is None:
         x, y = (graded_edges(cells=cells, folded=folded) for folded in fold)
         basis = Basis(MeshQuad.init_tensor(x, y), ElementQuad2(), intorder=5)
-        free = basis.complement_dofs(basis.get_dofs(_on_rim))
+        free = basis.complement_dofs(basis.get_dofs(lambda x: np.any((x == 0) | (x == 1), axis=0)))
     else:
         basis = Basis(mesh, ElementTriP2(), intorder=5)
         free = basis.complement_dofs(basis.get_dofs())
@@ -165,11 +165,6 @@ class _Film:
             if np.abs(change).max() < NEWTON_TOLERANCE:
                 return u
         raise RunError(f"finite elements: time step {phase} of {self.steps} did not converge")
-
-
-def _on_rim(x: FloatArray) -> NDArray[np.bool_]:
-    """Which points lie on the rim of the unit square; a mirror of a folded one does not."""
-    return np.asarray(np.any((x == 0) | (x == 1), axis=0))
 
 
 def _at_quadrature(basis: Basis, shapes: list[FloatArray]) -> sp.csr_matrix:

@@ -20,12 +20,12 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from squeezefilm.errors import RunError
 
 FloatArray = NDArray[np.float64]
+# The profile s at normalised positions X, Y, arrays of one shape in and out.
 Amplitude = Callable[[FloatArray, FloatArray], FloatArray]
-"""The profile s at normalised positions X, Y, arrays of one shape in and out."""
+# H at X, Y, any common shape, and at phases, one more dimension.
 Gap = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
-"""H at X, Y, any common shape, and at phases, one more dimension."""
+# Whether s is even about X = 1/2 and about Y = 1/2, so that half of that side will do.
 Fold = tuple[bool, bool]
-"""Whether s is even about X = 1/2 and about Y = 1/2, so that half of that side will do."""
 Operator = Callable[[FloatArray], FloatArray]
 
 NEWTON_STEPS, KRYLOV_ITERATIONS = 40, 400

@@ -30,12 +30,12 @@ from verification.study_generator import random_study
 
 STUDIES, STUDIES_FOR_COVERAGE = 100, 12
 CENTRED_MODELS = ("two_factor", "polynomial_3", "quadratic_6", "fast_limit", "limit", "limit_1")
+# Models of the library that a study may offer.
 MODELS = (*CENTRED_MODELS, "four_factor", "polynomial_5", "limit_2")
-"""Models of the library that a study may offer."""
+# Probability that any coverage of a campaign lies outside its interval by chance.
 CHANCE = 1e-3
-"""Probability that any coverage of a campaign lies outside its interval by chance."""
+# Coverage of all 95 % intervals together.
 POOLED = (0.945, 0.955)
-"""Coverage of all 95 % intervals together."""
 COVERAGE_KINDS = ("disc", "plate", "scan")
 
 

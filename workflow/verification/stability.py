@@ -10,7 +10,6 @@ program (``numpy_periodic``); what is left is a defect of discretisation, iterat
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -56,10 +55,7 @@ def _judged(case: Case, *, device: Device) -> dict[str, Any]:
     row: dict[str, Any] = {
         "case": film.name,
         "group": case.group,
-        "epsilon": film.epsilon,
-        "sigma": film.sigma,
-        "bearing": film.bearing,
-        "reynolds": film.reynolds,
+        **{name: getattr(film, name) for name in ("epsilon", "sigma", "bearing", "reynolds")},
     }
     try:
         check_scene(film.scene)
@@ -111,26 +107,9 @@ def _checks(film: Film, solution: Solution, *, device: Device) -> dict[str, floa
         _, checks["finer_difference"] = again(FINER * TOLERANCE)
     elif math.isfinite(off):
         grid, (overpressure,) = periodic.states[-1].grid, periodic.states[-1].unknowns
-        state = check_state(film, unfold(overpressure, (grid.x.folded, grid.y.folded)))
-        checks |= {"defect": state.defect, "state_defect": state.state_defect}
+        checks |= check_state(film, unfold(overpressure, (grid.x.folded, grid.y.folded)))
     documented = bool(beyond(film))
     return {name: each for name, each in checks.items() if math.isfinite(each) or not documented}
-
-
-@dataclass(frozen=True)
-class StateChecks:
-    """What a pressure field is worth.
-
-    Attributes:
-        force: its mean force in units of p0 times the area.
-        defect: change of the force in one correction by the mean-coefficient operator, relative
-            to the force. Blind to what changes the pressure and not its mean, as by symmetry.
-        state_defect: root mean square of that correction relative to the mass perturbation H p.
-    """
-
-    force: float
-    defect: float
-    state_defect: float
 
 
 def unfold(overpressure: FloatArray, fold: Fold) -> FloatArray:
@@ -139,9 +118,15 @@ def unfold(overpressure: FloatArray, fold: Fold) -> FloatArray:
     return np.concatenate([whole, whole[:, ::-1]], axis=1) if fold[1] else whole
 
 
-def check_state(film: Film, overpressure: FloatArray) -> StateChecks:
+def check_state(film: Film, overpressure: FloatArray) -> dict[str, float]:
     """Judge p = P - 1 at the inner Chebyshev points of the whole finger and equal times of a
-    period from T = 0, shape (nx, ny, nt)."""
+    period from T = 0, shape (nx, ny, nt).
+
+    Returns:
+        ``defect``: change of the force in one correction by the mean-coefficient operator, relative
+        to the force; blind to what changes the pressure and not its mean, as by symmetry.
+        ``state_defect``: root mean square of that correction relative to the mass perturbation H p.
+    """
     nx, ny, nt = (2 * math.ceil(0.625 * n) for n in overpressure.shape)  # a quarter more, and even
     numbers = {name: getattr(film, name) for name in ("sigma", "bearing", "knudsen", "aspect")}
     finer = Collocation(film.scene.gap, nx=nx, ny=ny, nt=nt, **numbers)
@@ -151,9 +136,8 @@ def check_state(film: Film, overpressure: FloatArray) -> StateChecks:
     )
     p = resample(np.matmul(to_y, np.tensordot(to_x, overpressure, 1)), nt, axis=-1)
     correction = finer.preconditioner(p)(finer.residual(p))
-    force = finer.mean(p)
-    return StateChecks(
-        force=force,
-        defect=abs(finer.mean(correction / finer.gap) / force),
-        state_defect=math.sqrt(finer.mean(correction**2) / finer.mean((finer.gap * p) ** 2)),
-    )
+    size = finer.mean((finer.gap * p) ** 2)
+    return {
+        "defect": abs(finer.mean(correction / finer.gap) / finer.mean(p)),
+        "state_defect": math.sqrt(finer.mean(correction**2) / size),
+    }

@@ -13,27 +13,27 @@ from squeezefilm.api.study import Study
 from squeezefilm.config.loading import parse_config
 from squeezefilm.studies.study import profile_of, surface_of
 
+# Of the vibration.
 WAVELENGTH_M = (3e-3, 30e-3)
-"""Of the vibration."""
+# Length of the pad along x; of UNUSUAL studies.
 PAD_M, SMALL_PAD_M = (4e-3, 15e-3), (20e-6, 4e-3)
-"""Length of the pad along x; of UNUSUAL studies."""
+# Smallest gap of the study's range; of UNUSUAL studies.
 GAP_M, UNUSUAL_GAP_M = (1.5e-6, 15e-6), (20e-9, 100e-6)
-"""Smallest gap of the study's range; of UNUSUAL studies."""
 FREQUENCY_HZ = (5e3, 1e5)
 TOLERANCES = (1e-3, 1e-3, 1e-4)
+# Share of studies whose pad is small, and as many whose gap is unusual: limits of validity.
 UNUSUAL = 0.15
-"""Share of studies whose pad is small, and as many whose gap is unusual: limits of validity."""
 
 VIBRATIONS = ("bessel", "standing-wave", "travelling-wave", "piston")
+# Probabilities of VIBRATIONS, by the kind of study.
 KINDS = {
     "any": (0.4, 0.25, 0.2, 0.15),
     "disc": (1.0, 0.0, 0.0, 0.0),
     "plate": (0.0, 0.6, 0.4, 0.0),
     "scan": (0.5, 0.5, 0.0, 0.0),
 }
-"""Probabilities of VIBRATIONS, by the kind of study."""
+# Points of a scan across the surface, and their noise over the largest amplitude.
 SCAN_POINTS, SCAN_NOISE = 61, 0.01
-"""Points of a scan across the surface, and their noise over the largest amplitude."""
 
 
 def random_study(seed: int, *, folder: Path, kind: str = "any", **settings: Any) -> Study:

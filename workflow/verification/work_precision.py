@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from math import ceil, log, sqrt
 from statistics import median
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -35,16 +35,10 @@ SOLVER, BATCH = "solver", "solver, in a batch"
 Settings = dict[str, Any]
 
 
-class Answer(NamedTuple):
-    """A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status."""
-
-    force: float
-    estimated_error: float = np.nan
-    status: str = "ok"
-
-
+# A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status.
+Answer = tuple[float, float, str]
+# The settings of a method from rung to rung, and the call that solves a film with them.
 Path = Iterator[tuple[Settings, Callable[[], Answer]]]
-"""The settings of a method from rung to rung, and the call that solves a film with them."""
 
 
 def measure(
@@ -146,7 +140,7 @@ def _by_tolerance(film: Film, *, batch: int, rungs: int, device: Device) -> Path
 
     def answer(tolerance: float) -> Answer:
         first = solve(scenes, tolerance=tolerance, device=device)[0]
-        return Answer(first.force_n / scale, first.force_error_n / scale, first.status)
+        return first.force_n / scale, first.force_error_n / scale, first.status
 
     for tolerance in [10.0**-k for k in range(1, 11)][:: max(1, 10 // rungs)]:
         yield {"tolerance": tolerance}, partial(answer, tolerance)
@@ -162,9 +156,9 @@ def _other(film: Film, method: str, *, rungs: int) -> Path:
 
     def answer(settings: Settings) -> Answer:
         try:
-            return Answer(solved(**numbers, **settings).force)
+            return solved(**numbers, **settings).force, np.nan, "ok"
         except RunError as error:
-            return Answer(np.nan, status=str(error))
+            return np.nan, np.nan, str(error)
 
     for level in range(rungs):
         settings = path(film, level)
@@ -204,10 +198,10 @@ def _accelerated(film: Film, level: int) -> Settings:
     return _elements(film, level) | settings
 
 
+# Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs.
 METHODS: dict[str, tuple[Callable[..., Any], Callable[[Film, int], Settings]]] = {
     "same algorithm, NumPy, no symmetry": (numpy_periodic.periodic_state, _grid),
     "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_force, _chebyshev),
     "finite elements, Anderson": (finite_elements.periodic_force, _accelerated),
     "finite elements from rest": (finite_elements.periodic_force, _from_rest),
 }
-"""Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs."""

@@ -60,7 +60,7 @@ class Levitation:
 
     Attributes:
         scene: the film at the gap found.
-        force_n, force_error_n: its mean force, the load to its error.
+        force_n: its mean force, the load to its error.
         h0_error_m: numerical error of the gap, from the force's error and the stiffness.
         stiffness_n_per_m, stiffness_error_n_per_m: −∂F/∂h0 for slow motion.
         others_m: further gaps at which the force equals the load, rough, rising.
@@ -71,7 +71,6 @@ class Levitation:
 
     scene: Scene
     force_n: float
-    force_error_n: float
     h0_error_m: float
     stiffness_n_per_m: float
     stiffness_error_n_per_m: float
@@ -191,16 +190,12 @@ def trustworthy(
         for k, there in enumerate(_at(open_to_all, *gaps_m))
         if slopes[k] < 0 < forces_n[k] and not exceeded(there)
     ]
-    scenes = resolve_auto_terms(
-        _at(scene, *gaps_m[some]),
-        model_tolerance=model_tolerance,
-        method=method,
-        device=device,
-    )
+    how: dict[str, Any] = {"model_tolerance": model_tolerance, "method": method, "device": device}
+    scenes = resolve_auto_terms(_at(scene, *gaps_m[some]), **how)
     given = [
         k
         for k, there, budget in zip(some, scenes, error_budgets(scenes, device=device), strict=True)
-        if not Levitation(there, forces_n[k], nan, nan, -slopes[k], nan, (), budget).untrustworthy
+        if not Levitation(there, forces_n[k], nan, -slopes[k], nan, (), budget).untrustworthy
     ]
     if not given:
         return "at this amplitude no gap is given"
@@ -241,7 +236,6 @@ def _at_the_load(
     return Levitation(
         scene=replace(scene, h0_m=h0_m),
         force_n=float(forces[0]),
-        force_error_n=float(errors[0]),
         h0_error_m=float((errors[0] + abs(forces[0] - load_n)) / abs(stiffness)),
         stiffness_n_per_m=float(stiffness),
         stiffness_error_n_per_m=float(stiffness_error),
@@ -342,6 +336,7 @@ def _unknown(reason: str) -> Resonance:
     return Resonance(nan, nan, f"resonance not known: {reason}")
 
 
+# Of a table of levitations, between the load and its status.
 COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "h0_m": lambda found: found.scene.h0_m,
     "h0_error_m": lambda found: found.h0_error_m,
@@ -358,7 +353,6 @@ COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "left_out_most_percent": lambda found: found.budget.modelling_error_percent[1],
     "above_range": lambda found: "; ".join(found.budget.above_range),
 }
-"""Of a table of levitations, between the load and its status."""
 
 
 def loads_like(path: str) -> tuple[list[float], list[float]]:

@@ -1,4 +1,4 @@
-"""Periodic films as fields on the host, and how the mean force answers to any source of mass.
+"""Periodic states as fields on the host, and how the mean force answers to any source of mass.
 
 With J the Jacobian of the film equation for a mass perturbation w = δ(Hρ), an effect of source S
 (J w = S) changes the mean pressure by ⟨w/(Hρ')⟩ = ⟨λ S⟩, where λ solves J* λ = 1/(Hρ') once for
@@ -8,15 +8,30 @@ inverse of D Δ − σ ∂/∂T.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import (
+    UNKNOWN_FALL,
+    least_fall_of,
+    left_after,
+    margin_of,
+)
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.problems import Problems
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
+from squeezefilm.reynolds.problems import Problems, problems_of
+from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Axis
+from squeezefilm.reynolds.terms import stiffness_of, terms_of
+from squeezefilm.solution import Solution
 
 Operator = Callable[[np.ndarray], np.ndarray]
 MOST_ITERATIONS = 200
@@ -99,34 +114,20 @@ class Fields:
         return self.number(self.problems.sigma)
 
     @cached_property
-    def _exponent(self) -> np.ndarray:
-        """That of ρ = P^exponent."""
-        return self.numbers("inverse_exponent", absent=1.0)
-
-    @cached_property
-    def pressure(self) -> np.ndarray:
-        return 1 + self.overpressure
-
-    @cached_property
     def density(self) -> np.ndarray:
-        isothermal = np.all(self._exponent == 1)
-        return self.pressure if isothermal else np.asarray(self.pressure**self._exponent)
+        exponent, pressure = self.numbers("inverse_exponent", absent=1.0), 1 + self.overpressure
+        return pressure if np.all(exponent == 1) else np.asarray(pressure**exponent)
 
     @cached_property
     def density_slope(self) -> np.ndarray:
         """dρ/dP."""
-        return np.asarray(self._exponent * self.density / self.pressure)
+        exponent = self.numbers("inverse_exponent", absent=1.0)
+        return np.asarray(exponent * self.density / (1 + self.overpressure))
 
     @cached_property
     def mass(self) -> np.ndarray:
         """Hρ, the mass of gas per area."""
         return np.asarray(self.gap * self.density)
-
-    @cached_property
-    def mass_rate(self) -> np.ndarray:
-        """∂(Hρ)/∂T."""
-        rate = self.gap * self.pressure_rate * self.density_slope
-        return np.asarray(self.gap_rate * self.density + rate)
 
     @cached_property
     def pressure_rate(self) -> np.ndarray:
@@ -213,6 +214,76 @@ def total(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Sum of the product of two fields over all nodes, shape (scenes,)."""
     scenes = len(first)
     return np.asarray(first.reshape(scenes, 1, -1) @ second.reshape(scenes, -1, 1))[:, 0, 0]
+
+
+UNSOLVED = Solution(status="", method="periodic")
+
+
+def with_states(
+    scenes: Sequence[Scene],
+    solutions: Sequence[Solution] | None = None,
+    *,
+    tolerance: float,
+    device: Device | None,
+) -> list[Solution]:
+    """Solutions with their states; those without are solved for, by the periodic method."""
+    found = list(solutions or [UNSOLVED] * len(scenes))
+    missing = [k for k, solution in enumerate(found) if not solution.states]
+    more = solve(
+        [scenes[k] for k in missing],
+        tolerance=tolerance,
+        method="periodic",
+        device=device,
+        keep_states=True,
+    )
+    for k, solution in zip(missing, more, strict=True):
+        found[k] = solution
+    return found
+
+
+# Scenes with their solutions and states, by the scenes' places.
+Solved = dict[int, tuple[Scene, Solution]]
+
+
+def alike(solved: Solved, *, numbers: int) -> Iterator[Solved]:
+    """Scenes whose states are on the same grids, of like terms and pads.
+
+    Args:
+        numbers: of the finer states of a group; more would fall out of the caches.
+    """
+    groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
+    for k, (scene, solution) in solved.items():
+        grids = tuple(state.grid for state in solution.states)
+        groups[grids, terms_of(scene), scene.aspect].append(k)
+    for (grids, *_), group in groups.items():
+        step = max(1, numbers // grids[-1].count)
+        for first in range(0, len(group), step):
+            yield {k: solved[k] for k in group[first : first + step]}
+
+
+def fields_of(scenes: Sequence[Scene], solutions: Sequence[Solution], *, grid: int = -1) -> Fields:
+    """The films of ``alike`` scenes, by default on the finer grid."""
+    states = [solution.states[grid] for solution in solutions]
+    problems = problems_of(scenes, states[0].grid, tolerance=0.0)
+    return Fields(problems, states[0].grid, np.stack([each.unknowns[0] for each in states]))
+
+
+def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[float, float]:
+    """What is left after a quantity's change between the grids, by the rule of the force's error.
+
+    Returns:
+        The error in units of that change, and what the iteration left of the pressure, in p0.
+    """
+    needs, (coarse, fine) = needs_of(scene), (state.grid.across for state in solution.states)
+    fall = max(
+        UNKNOWN_FALL,
+        profile_fall(needs, coarse, fine, tolerance=tolerance).item(),
+        least_fall_of(needs.terms),
+        least_fall(needs.scenes, coarse[0]).item(),
+    )
+    # A mass error w moves the pressure by about n w/H.
+    left = float(stiffness_of(scene, needs.terms)) * solution.residual / scene.narrowest
+    return margin_of(needs.terms) * float(left_after(fall)), left
 
 
 def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:

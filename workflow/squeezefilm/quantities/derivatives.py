@@ -15,8 +15,15 @@ from math import isfinite
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.adjoint import Fields, sensitivity
-from squeezefilm.quantities.states import Solved, alike, fields_of, remainder, with_states
+from squeezefilm.quantities.adjoint import (
+    Fields,
+    Solved,
+    alike,
+    fields_of,
+    remainder,
+    sensitivity,
+    with_states,
+)
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.problems import numbers_table, problems_of
 from squeezefilm.reynolds.terms import terms_of

@@ -89,7 +89,9 @@ def by_inertia(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarr
     across = films.y_derivative(v[0]), films.y_derivative(v[1], odd=True)
     carried = np.stack([v[0] * along[k] + v[1] * across[k] for k in range(2)])
     shortfall = total(dot(answers.slope, rate + 9 / 7 * carried), lag * films.mass)
-    shortfall -= total(dot(answers.slope, v), lag * films.mass_rate) / 7
+    mass_rate = films.gap_rate * films.density
+    mass_rate = mass_rate + films.gap * films.pressure_rate * films.density_slope
+    shortfall -= total(dot(answers.slope, v), lag * mass_rate) / 7
     return -films.problems.sigma * _reynolds(scenes) / 10 * shortfall
 
 

@@ -21,9 +21,8 @@ from squeezefilm.film.pad import GapShape
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import first_order
-from squeezefilm.quantities.adjoint import sensitivity
+from squeezefilm.quantities.adjoint import Solved, alike, fields_of, sensitivity, with_states
 from squeezefilm.quantities.first_order import ENTRANCE_LEAST, ENTRANCE_MOST, Answers
-from squeezefilm.quantities.states import Solved, alike, fields_of, with_states
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.terms import first_reason, terms_of
 from squeezefilm.reynolds.terms.heat import Heat
@@ -84,6 +83,11 @@ class Effect(NamedTuple):
     def usable(self) -> bool:
         """Whether the first order is more than what it misses."""
         return self.estimate or not abs(self.missed_percent) > abs(self.percent) / 2
+
+    @property
+    def most_percent(self) -> float:
+        """The most that it may change; NaN where that is not known."""
+        return abs(self.percent) + self.missed_percent
 
     @property
     def off_percent(self) -> float:
@@ -343,17 +347,19 @@ def resolve_auto_terms(
     if not any(map(_auto, scenes.films if isinstance(scenes, Scenes) else scenes)):
         return scenes
     found = [_closed(scene) for scene in scenes]
-    asked = {
-        k: [name for name in OPEN if name in _auto(scene) and not _refused(scene, name, method)]
+    asked = [
+        (k, name)
         for k, scene in enumerate(scenes)
-        if _auto(scene)
-    }
-    asked = {k: names for k, names in asked.items() if names}
-    budgets = error_budgets([found[k] for k in asked], device=device)
-    for (k, names), budget in zip(asked.items(), budgets, strict=True):
-        for name in names:
-            if _matters(budget, name, model_tolerance):
-                found[k] = found[k].with_gas(**{name: "included"})
+        for name in _auto(scene)
+        if not _refused(scene, name, method)
+    ]
+    places = list(dict.fromkeys(k for k, _ in asked))
+    solved = error_budgets([found[k] for k in places], device=device)
+    budgets = dict(zip(places, solved, strict=True))
+    for k, name in asked:
+        effect = budgets[k].effects[name]  # unknown without a budget
+        if not (effect.usable and effect.most_percent < 100 * NEARLY * model_tolerance):
+            found[k] = found[k].with_gas(**{name: "included"})
     return found
 
 
@@ -384,14 +390,6 @@ def _refused(scene: Scene, name: str, method: str) -> str:
     return first_reason(each.refused_on_grid(scene) for each in terms_of(scene))
 
 
-def _matters(budget: ErrorBudget, name: str, model_tolerance: float) -> bool:
-    if budget.status != "ok":
-        return True
-    effect = budget.effects[name]
-    reach = abs(effect.percent) + effect.missed_percent
-    return not (effect.usable and reach < 100 * NEARLY * model_tolerance)
-
-
 # Per cent of the force, from which on the error of depth-averaged terms is shown.
 LEAST_SHOWN = 0.01
 ABOVE = " (first order, above its range)"
@@ -404,7 +402,7 @@ def budget_text(budget: ErrorBudget) -> str:
     shown = [
         _shown(name, effect)
         for name, effect in budget.effects.items()
-        if not (_reach(name, effect) < LEAST_SHOWN if effect.estimate else effect.percent == 0)
+        if not (effect.most_percent < LEAST_SHOWN if effect.estimate else effect.percent == 0)
     ]
     lower, upper = budget.modelling_error_percent
     neglected = "not known" if isnan(lower) else f"{_band(lower, upper)} with higher orders"
@@ -438,12 +436,6 @@ def budget_row(budget: ErrorBudget) -> dict[str, object]:
         "basis": budget.basis or THIS_SCENE,
         "status": budget.status,
     }
-
-
-def _reach(name: str, effect: Effect) -> float:
-    """Most that an effect may change, in per cent; NaN where it is not known."""
-    size = abs(effect.percent) * (ENTRANCE_MOST if name == "rim" else 1.0)
-    return size + effect.missed_percent * effect.estimate
 
 
 def _shown(name: str, effect: Effect) -> str:

@@ -9,7 +9,7 @@ actuator's axes, z points from the surface to the finger.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import isfinite
 from typing import Any
@@ -18,9 +18,8 @@ import numpy as np
 
 from squeezefilm.errors import unexpected
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.adjoint import with_rim
+from squeezefilm.quantities.adjoint import remainder, with_rim, with_states
 from squeezefilm.quantities.derivatives import with_derivatives
-from squeezefilm.quantities.states import remainder, with_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
 from squeezefilm.reynolds.grid import Grid
@@ -161,7 +160,7 @@ def _refused(reason: str) -> Outputs:
 
 def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[Outputs, bool]:
     """Outputs of a film from its states on two grids, and whether they hold the tolerance."""
-    before, film = (sample_of(scene, state) for state in solution.states)
+    before, film = (Sample(scene, state) for state in solution.states)
     factor, left = remainder(scene, solution, tolerance=tolerance)
     largest = max(film.largest, -film.least)
     left += ROUND_OFF * largest
@@ -243,7 +242,7 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
     force = scene.force_scale_n
     one, nothing = np.ones_like(film.x), np.zeros_like(film.x)
     x, y = finger.turned((film.x - 0.5) * finger.length_x_m, (film.y - 0.5) * finger.length_y_m)
-    _, sine, cosine = film.gap
+    _, sine, cosine = gap_motion(scene, film.x, film.y)
     speed = scene.h0_m * scene.actuator.angular_frequency_rad_per_s
     # Shear at the finger's wall by the flow that pressure drives, −(h/2) ∇p, in the mean over the
     # pad ½ ⟨p ∇h⟩ as p vanishes on the rim; and pressure on the wall's own slope, −⟨p ∇g⟩, g being
@@ -277,9 +276,10 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
 PARTS = tuple(enumerate(np.eye(3)))
 
 
-@dataclass(frozen=True)
 class Sample:
-    """One film at points of quadrature.
+    """One film at all nodes of its state's grid, those of the rim and of mirror images among them.
+
+    In an outline's coordinates each place lies at two points.
 
     Attributes:
         x, y: points across the pad in [0, 1], shape (Q,).
@@ -290,15 +290,46 @@ class Sample:
         momentum_n: what leaves over the rim along the finger's x and y, of a gas with inertia.
     """
 
-    scene: Scene
-    x: np.ndarray
-    y: np.ndarray
-    weights: np.ndarray
-    overpressure: np.ndarray
-    largest: float
-    least: float
-    images: list[np.ndarray]
-    momentum_n: tuple[float, float]
+    def __init__(self, scene: Scene, state: State) -> None:
+        grid, field = state.grid, state.unknowns[0]
+        first, outline = axis(grid.x.full_points, folded=False), grid.outline
+        second: Axis | Around
+        mirrored: list[Any]
+        if grid.x.folded:  # the other half is its image
+            field = np.concatenate([field, np.flip(field, axis=0)])
+        if outline:
+            second = grid.around
+            field = np.pad(field[:, second.unfolded], [(1, 1), (0, 0), (0, 0)])
+            u, v = np.meshgrid(first.all_nodes, second.all_nodes, indexing="ij")
+            density = outline.stretch(outline.rim * (2 * u - 1), v) / outline.mean_stretch
+            weights = with_rim(first).weights[:, None] * density / len(second.all_nodes)
+            self.x, self.y = outline.positions(u.ravel(), v.ravel())
+            mirrored = list(second.mirrored)
+        else:
+            second = axis(grid.y.full_points, folded=False)
+            if grid.y.folded:
+                field = np.concatenate([field, np.flip(field, axis=1)], axis=1)
+            field = np.pad(field, [(1, 1), (1, 1), (0, 0)])
+            weights = np.multiply.outer(with_rim(first).weights, with_rim(second).weights)
+            self.x, self.y = grid.positions
+            mirrored = [slice(None, None, -1)] * grid.y.folded
+        places = np.arange(weights.size).reshape(weights.shape)
+        images = [places, np.flip(places, axis=0)] if grid.x.folded and not outline else [places]
+        for order in mirrored:
+            images += [each[:, order] for each in images]
+
+        def at(u: np.ndarray, v: np.ndarray, phases: np.ndarray) -> np.ndarray:
+            in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
+            return np.asarray(second.to_points(v) @ in_u @ grid.t.at(phases).T)
+
+        nodes, around = (first.all_nodes, second.all_nodes, grid.t.nodes), bool(outline)
+        self.scene, self.weights = scene, weights.ravel()
+        self.overpressure = field.reshape(-1, grid.nt)
+        self.images = [image.ravel() for image in images]
+        self.largest = _extreme(field, nodes, at, around=around)
+        self.least = -_extreme(-field, nodes, lambda *where: -at(*where), around=around)
+        inert = scene.gas.inertia == "included"
+        self.momentum_n = momentum_out(scene, grid, state.unknowns) if inert else (0.0, 0.0)
 
     @cached_property
     def phases(self) -> np.ndarray:
@@ -310,11 +341,6 @@ class Sample:
         phases = self.phases
         parts = np.stack([np.ones_like(phases), 2 * np.sin(phases), 2 * np.cos(phases)])
         return np.asarray((self.overpressure @ parts.T).T / len(phases))
-
-    @cached_property
-    def gap(self) -> np.ndarray:
-        """The gap over h0 likewise."""
-        return gap_motion(self.scene, self.x, self.y)
 
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -352,58 +378,6 @@ def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """The gap over h0 at rest, its motion with sin T and with cos T, shape (3, ...)."""
     at_0, at_90, at_180, at_270 = np.moveaxis(scene.gap(x, y, QUARTERS), -1, 0)
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
-
-
-def sample_of(scene: Scene, state: State) -> Sample:
-    """A film at all nodes of its state's grid, those of the rim and of mirror images among them.
-
-    In an outline's coordinates each place lies at two points.
-    """
-    grid, field = state.grid, state.unknowns[0]
-    first, outline = axis(grid.x.full_points, folded=False), grid.outline
-    second: Axis | Around
-    mirrored: list[Any]
-    if grid.x.folded:  # the other half is its image
-        field = np.concatenate([field, np.flip(field, axis=0)])
-    if outline:
-        second = grid.around
-        field = np.pad(field[:, second.unfolded], [(1, 1), (0, 0), (0, 0)])
-        u, v = np.meshgrid(first.all_nodes, second.all_nodes, indexing="ij")
-        density = outline.stretch(outline.rim * (2 * u - 1), v) / outline.mean_stretch
-        weights = with_rim(first).weights[:, None] * density / len(second.all_nodes)
-        x, y = outline.positions(u.ravel(), v.ravel())
-        mirrored = list(second.mirrored)
-    else:
-        second = axis(grid.y.full_points, folded=False)
-        if grid.y.folded:
-            field = np.concatenate([field, np.flip(field, axis=1)], axis=1)
-        field = np.pad(field, [(1, 1), (1, 1), (0, 0)])
-        weights = np.multiply.outer(with_rim(first).weights, with_rim(second).weights)
-        x, y = grid.positions
-        mirrored = [slice(None, None, -1)] * grid.y.folded
-    places = np.arange(weights.size).reshape(weights.shape)
-    images = [places, np.flip(places, axis=0)] if grid.x.folded and not outline else [places]
-    for order in mirrored:
-        images += [each[:, order] for each in images]
-
-    def at(u: np.ndarray, v: np.ndarray, phases: np.ndarray) -> np.ndarray:
-        in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
-        return np.asarray(second.to_points(v) @ in_u @ grid.t.at(phases).T)
-
-    nodes = first.all_nodes, second.all_nodes, grid.t.nodes
-    return Sample(
-        scene,
-        x=x,
-        y=y,
-        weights=weights.ravel(),
-        overpressure=field.reshape(-1, grid.nt),
-        largest=_extreme(field, nodes, at, around=bool(outline)),
-        least=-_extreme(-field, nodes, lambda *where: -at(*where), around=bool(outline)),
-        images=[image.ravel() for image in images],
-        momentum_n=momentum_out(scene, grid, state.unknowns)
-        if scene.gas.inertia == "included"
-        else (0.0, 0.0),
-    )
 
 
 def _extreme(
