@@ -36,15 +36,6 @@ def test_boundary_layer_of_small_excursions_is_linear():
     assert g / a == pytest.approx(3 / np.sqrt(2), rel=1e-6)
     ratios = edge_layer.ratios(np.array(a))
     assert ratios == pytest.approx([d[0] / a**2, g[0] / a, -3 / np.sqrt(2)], rel=1e-6)
-    assert edge_layer.compute(a) == pytest.approx(ratios, rel=1e-4)
-
-
-def test_the_stored_table_of_the_boundary_layer_can_be_made_again_at_and_between_its_rows():
-    table = edge_layer.read_table()
-    assert table[:, 0] == pytest.approx(edge_layer.table_nodes(), abs=1e-14)
-    assert edge_layer.compute(table[12, 0]) == pytest.approx(table[12, 1:], rel=1e-8)
-    ratios = edge_layer.ratios(np.array(0.53))
-    assert ratios == pytest.approx(edge_layer.compute(0.53), rel=1e-8)
     assert np.isnan(edge_layer.integrals(np.array([0.99]))[0]).all()
 
 

@@ -71,7 +71,7 @@ def pressure(
 def _at(state: State, *, finger: Finger, x: np.ndarray, y: np.ndarray, instants: int) -> np.ndarray:
     """A state at other places and instants: (instants, y, x)."""
     grid, field = state.grid, state.unknowns[0]
-    in_time = period(grid.nt).interpolation_to(period(instants))
+    in_time = period(grid.nt).at(period(instants).nodes)
     if grid.outline is None:
         along_x, along_y = grid.x.at(x), grid.y.at(y)
         return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, field, optimize=True)

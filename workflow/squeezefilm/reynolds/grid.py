@@ -185,9 +185,9 @@ def _moments(axis: Axis | Around) -> np.ndarray:
 def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np.ndarray]:
     """What interpolates a state to a finer grid."""
     matrices = (
-        coarse.t.interpolation_to(fine.t).T,
-        coarse.x.interpolation_to(fine.x),
-        coarse.y.interpolation_to(fine.y),
+        coarse.t.at(fine.t.nodes).T,
+        coarse.x.at(fine.x.nodes),
+        coarse.y.at(fine.y.nodes),
     )
     parts = dict(zip(CARRYING, matrices, strict=True))
     for term in terms:

@@ -148,15 +148,9 @@ class Axis:
         vectors /= np.sqrt(2 * self.weights[:half] @ vectors**2)[:, None]
         return np.append(values[0], values[1, ::-1]), vectors, np.linalg.inv(vectors) / 2
 
-    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def moments(self, count: int) -> np.ndarray:
         """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""
         return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights
-
-    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
-    def interpolation_to(self, finer: Axis) -> np.ndarray:
-        """Matrix that carries values on this axis to another one, shape (finer.points, n)."""
-        return self.at(finer.nodes)
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """Matrix from the unknowns to some places (m,), shape (m, n)."""
@@ -233,11 +227,6 @@ class Period:
         """Of values on the nodes the harmonics up to about ``most``, shape (points, points)."""
         kept = np.exp(-((self.harmonics / most) ** HARMONICS_STEEPNESS))
         return np.asarray(self.fourier.T * kept @ self.fourier)
-
-    @lru_cache(maxsize=64)  # noqa: B019 - periods are few and live as long as the process
-    def interpolation_to(self, finer: Period) -> np.ndarray:
-        """Matrix that carries values to another period's nodes, shape (finer.points, points)."""
-        return self.at(finer.nodes)
 
     def at(self, instants: np.ndarray) -> np.ndarray:
         """Matrix from values on the nodes to any instants T (m,), shape (m, points)."""
@@ -342,15 +331,9 @@ class Around:
         """``modes`` likewise."""
         return self.modes
 
-    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def moments(self, count: int) -> np.ndarray:
         """Rows that average a function times cos 2kν, k < count: (count, n)."""
         return np.cos(2 * np.outer(np.arange(count), self.nodes)) * self.weights
-
-    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
-    def interpolation_to(self, finer: Around) -> np.ndarray:
-        """Matrix that carries values on this axis to another one, shape (finer.points, n)."""
-        return self.at(finer.nodes)
 
     def to_points(self, places: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes to some places (m,), shape (m, full_points)."""
@@ -429,68 +412,39 @@ class FluxPoints:
         """Values here of a function that is known on all nodes, shape (n, nodes)."""
         return self.axis.to_points(self.all_points)[: self.axis.points]
 
-    @property
-    def from_nodes(self) -> np.ndarray:
-        """Values here of a function on the nodes that vanishes at the ends."""
-        return self._folded(self.axis.to_points(self.all_points)[:, 1:-1], odd=False)
+    def matrices(self, length: float) -> dict[str, np.ndarray]:
+        """What kernels need of an axis of some length, by name.
 
-    @property
-    def slope(self) -> np.ndarray:
-        """Derivative here of a function on the nodes that vanishes at the ends."""
-        derivative = self.axis.to_points(self.all_points) @ self.axis.derivative
-        return self._folded(derivative[:, 1:-1], odd=False)
-
-    @property
-    def along(self) -> np.ndarray:
-        """Derivative here of the velocity along the axis."""
-        return self._folded(self._derivative, odd=True)
-
-    @property
-    def to_nodes(self) -> np.ndarray:
-        """The velocity along the axis on the nodes."""
-        return self._folded(self._values_at(self.axis.all_nodes[1:-1]), odd=True)
-
-    @property
-    def divergence(self) -> np.ndarray:
-        """Derivative on the nodes of the velocity along the axis."""
-        at_nodes = self._values_at(self.axis.all_nodes[1:-1]) @ self._derivative
-        return self._folded(at_nodes, odd=True)
-
-    @property
-    def across(self) -> np.ndarray:
-        """Derivative on the nodes, along this axis, of a velocity along the other one.
-
-        That velocity is taken to vanish at the ends, as it does where the gas comes in.
+        Of a function on the nodes that vanishes at the ends: its values here, ``values``, and its
+        ``slope``. Of the velocity along the axis: ``along``, its derivative here; ``nodes`` and
+        ``divergence``, its values and derivative on the nodes. Of a velocity along the other axis:
+        ``across``, its derivative along this one on the nodes, as if it vanished at the ends as it
+        does where the gas comes in; ``rim``, what that lacks per velocity at each end, of a folded
+        axis, whose ends are alike, their sum first; ``to_end``, factors of its values on the four
+        nodes beside an end for that there: a polynomial through all would grow beyond bounds.
         """
-        return self._folded(self.axis.derivative[1:-1, 1:-1], odd=False)
-
-    @property
-    def rim(self) -> np.ndarray:
-        """What ``across`` lacks per velocity at each end that does not vanish, shape (2, n).
-
-        Of a folded axis both ends are alike and their sum comes first.
-        """
-        first, last = self.axis.derivative[1 : self.axis.points + 1, [0, -1]].T
-        return np.stack([first + last, 0 * last] if self.axis.folded else [first, last])
-
-    @property
-    def to_end(self) -> np.ndarray:
-        """Factors of the values on the four nodes beside an end for the value there, shape (4,).
-
-        As few because a polynomial through all would grow beyond bounds there.
-        """
-        near = self.axis.all_nodes[1:5]
+        axis, parts = self.axis, self.axis.parts_of
+        to_points, to_nodes = axis.to_points(self.all_points), self.at(axis.all_nodes[1:-1])
+        first, last = axis.derivative[1 : axis.points + 1, [0, -1]].T
+        rim = np.stack([first + last, 0 * last] if axis.folded else [first, last])
+        near = axis.all_nodes[1:5]
         others = [np.delete(near, at) for at in range(len(near))]
         pairs = zip(near, others, strict=True)
-        return np.array([np.prod(some / (some - node)) for node, some in pairs])
+        slope = (to_points @ axis.derivative)[:, 1:-1]
+        return {
+            "values": parts(self._folded(to_points[:, 1:-1], odd=False)),
+            "nodes": parts(self._folded(to_nodes, odd=True)),
+            "slope": parts(self._folded(slope, odd=False)) / length,
+            "along": parts(self._folded(self._derivative, odd=True)) / length,
+            "divergence": parts(self._folded(to_nodes @ self._derivative, odd=True)) / length,
+            "across": parts(self._folded(axis.derivative[1:-1, 1:-1], odd=False)) / length,
+            "rim": rim / length,
+            "to_end": np.array([np.prod(some / (some - node)) for node, some in pairs]),
+        }
 
     def carried_to(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""
-        return self._folded(self._values_at(finer.all_points), odd=True, rows=finer.axis.points)
-
-    def at(self, places: np.ndarray) -> np.ndarray:
-        """The velocity along an axis that is not folded at places of it, shape (places, n)."""
-        return self._values_at(places)
+        return self._folded(self.at(finer.all_points), odd=True, rows=finer.axis.points)
 
     @cached_property
     def _weights(self) -> np.ndarray:
@@ -498,8 +452,8 @@ class FluxPoints:
         index = np.arange(self.axis.full_points)
         return (-1.0) ** index * np.sin(np.pi * (index + 0.5) / len(index))
 
-    def _values_at(self, places: np.ndarray) -> np.ndarray:
-        """Interpolation from all points."""
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Interpolation from all points to places of the axis, (places, full_points)."""
         distance = np.subtract.outer(places, self.all_points)
         hit = distance == 0
         matrix = self._weights / np.where(hit, 1.0, distance)

@@ -16,7 +16,6 @@ gap is H = √(1 − a²) Σ (∓ρ)^|k| exp ikθ, dT = H dθ/√(1 − a²), ea
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 from math import ceil, log
 from typing import TypeVar
@@ -24,11 +23,10 @@ from typing import TypeVar
 import numpy as np
 
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.asymptotics.films import Films, wide
+from squeezefilm.reynolds.asymptotics.films import Films, fixed_point, wide
 
-# Of the sums over harmonics, and of the rounds that solve the core's equation.
+# Of the sums over harmonics.
 PRECISION, MOST_HARMONICS = 1e-10, 200
-ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
 
 
 @dataclass(frozen=True)
@@ -163,7 +161,7 @@ def expand_with_inertia(films: Films) -> Expansion:
         )
         return at_rim + films.solve(films.divergence(*flux) - curvature)
 
-    rise = _fixed_point(from_rise, at_rim)
+    rise = fixed_point(from_rise, at_rim)
     total, root = np.sqrt(1 + rise), np.sqrt(1 - gap_square)
     density = (rise / (total + 1) + gap_square / (1 + root)) / root
 
@@ -180,7 +178,7 @@ def expand_with_inertia(films: Films) -> Expansion:
         flux = films.divergence(*(gap_square * beta * each for each in along))
         return films.solve(weight + flux + drift[0] * along[0] + drift[1] * along[1])
 
-    chi = _fixed_point(from_adjoint, films.solve(weight))
+    chi = fixed_point(from_adjoint, films.solve(weight))
     layer, gross = layer_correction(
         films,
         d=rim.d,
@@ -217,15 +215,3 @@ def second_order_with_inertia(films: Films) -> SecondOrder:
     influence = -films.inward(films.solve(np.ones(films.s.shape)))
     at_rim = kinetic[:, 0] * np.abs(films.inward(linear)) ** 2
     return SecondOrder(flow=flow, loss=loss, rim=films.rim_integral(influence * at_rim))
-
-
-def _fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> np.ndarray:
-    """The field that ``step`` leaves as it is; NaN for films whose rounds do not settle."""
-    field = start
-    for _ in range(MOST_ROUNDS):
-        last, field = field, step(field)
-        change = np.abs(field - last).max(axis=(1, 2))
-        if not np.any(change > ROUND_PRECISION * np.abs(field).max(axis=(1, 2))):
-            break
-    settled = change <= 1e3 * ROUND_PRECISION * np.abs(field).max(axis=(1, 2))
-    return np.where(wide(settled), field, np.nan)

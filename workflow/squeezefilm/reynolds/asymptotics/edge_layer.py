@@ -13,8 +13,9 @@ Where the surface moves in two phases the layer at a point is that of a = ε √
 instant; the gap's slope then has a part a quarter of a period from the motion itself, of which the
 force sees q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
 
-They are computed once, by ``python -m squeezefilm.reynolds.asymptotics.edge_layer``, and stored as
-d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series give them.
+They were computed once, at the git tag verification-2026-11 (reynolds/limits/boundary_layer.py),
+and are stored as d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series
+give them.
 
 With the gas' inertia the core sees ψ² on the rim, the layer's own overpressure d, and the changes g
 and h of the rim's ψ² with the slopes of the profile and of the core. They were computed once, at
@@ -45,13 +46,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import log, sqrt
 from pathlib import Path
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from squeezefilm.reynolds.spectral import Axis, axis, period
+from squeezefilm.reynolds.spectral import Axis
 
 TABLE = Path(__file__).with_name("edge_layer.csv")
 TABLE_WITH_INERTIA = Path(__file__).with_name("edge_layer_with_inertia.csv")
@@ -59,12 +59,6 @@ MOST_REYNOLDS = 10.0
 REYNOLDS_ROWS, INERTIA_ROWS = 14, 18
 LARGEST = 0.98
 ROWS = 41
-
-# The layer on [0, DEPTH]: ξ = DEPTH (exp(STRETCH z) − 1)/(exp(STRETCH) − 1), z on a Chebyshev axis.
-DEPTH = 60.0
-STRETCH = 6.0
-NODES = 112
-MOST_NEWTON = 40
 
 
 def integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -83,79 +77,6 @@ def ratios(a: np.ndarray) -> np.ndarray:
     return np.where(size > LARGEST * (1 + 1e-12), np.nan, values)
 
 
-def compute(a: float) -> tuple[float, float, float]:
-    """d/a², g/a and q/a at one excursion ratio 0 ≤ a < 1, from the layer's periodic state.
-
-    At a = 0 the linear layer gives −5√2/8, 3/√2 and −3/√2.
-    """
-    from scipy.sparse.linalg import LinearOperator, gmres
-
-    if a == 0:
-        return -5 * sqrt(2) / 8, 3 / sqrt(2), -3 / sqrt(2)
-    time = period(_instants(a))
-    gap = 1 + a * np.sin(time.nodes)
-    core = sqrt(1 + 1.5 * a**2)
-    second, weights = _half_line()
-    inner = second[:, 1:-1]
-    shape = NODES, time.points
-    mass = np.full((NODES + 2, time.points), core)
-    mass[0] = gap
-
-    # In the time ∫H dT the layer is ∂²(M²/2) = ∂M: with M replaced by its value inside, the
-    # linear operator is diagonal in the eigenvectors of both directions.
-    root = 1 / np.sqrt(gap)
-    rates, vectors = np.linalg.eigh(1j * root[:, None] * time.derivative * root)
-    across, shapes = np.linalg.eig(inner)
-    back = np.linalg.inv(shapes)
-    divisor = core * across[:, None] + 1j * rates
-
-    def precondition(field: np.ndarray) -> np.ndarray:
-        modes = back @ ((field * root) @ vectors.conj()) / divisor
-        return ((shapes @ modes @ vectors.T).real * root).ravel()
-
-    for _ in range(MOST_NEWTON):
-        diffusivity = gap * mass[1:-1]
-
-        def apply(change: np.ndarray, diffusivity: np.ndarray = diffusivity) -> np.ndarray:
-            change = change.reshape(shape)
-            return precondition(inner @ (diffusivity * change) - change @ time.derivative.T)
-
-        residual = second @ (gap * mass**2 / 2) - mass[1:-1] @ time.derivative.T
-        target = -precondition(residual)
-        if np.abs(target).max() < 1e-12:
-            break
-        operator = LinearOperator((target.size, target.size), matvec=apply, dtype=float)
-        change, _ = gmres(operator, target, rtol=1e-5, restart=150, maxiter=3)
-        change = change.reshape(shape)
-        share = 1.0
-        while np.min(mass[1:-1] + share * change) <= 0.1 * np.min(mass[1:-1]):
-            share /= 2
-        mass[1:-1] += share * change
-    else:
-        raise ArithmeticError(f"the boundary layer at a = {a:g} did not converge")
-    d = weights @ np.mean((mass - core) / gap, axis=1)
-    square = mass**2 - core**2
-    g, q = (3 * weights @ (square @ each(time.nodes)) / time.points for each in (np.sin, np.cos))
-    return float(d / a**2), float(g / a), float(q / a)
-
-
-def table_nodes() -> np.ndarray:
-    """The excursion ratios of the table's rows, rising from 0 to LARGEST, shape (ROWS,)."""
-    return np.sqrt(-np.expm1(-_stretched(LARGEST) * axis(ROWS - 2, False).all_nodes))
-
-
-def read_table() -> np.ndarray:
-    """Rows a, d/a², g/a, q/a, shape (ROWS, 4)."""
-    return np.loadtxt(TABLE, delimiter=",", skiprows=1)
-
-
-def write_table() -> None:
-    """Compute every row anew; a minute or two."""
-    rows = [(a, *compute(a)) for a in map(float, table_nodes())]
-    lines = ["a,d_over_a_squared,g_over_a,q_over_a"] + [",".join(map(repr, row)) for row in rows]
-    TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
 @lru_cache(maxsize=256)
 def all_weights(line: Axis) -> np.ndarray:
     """Clenshaw–Curtis weights on all nodes of an unfolded axis, ends included, shape (n + 2,)."""
@@ -171,23 +92,9 @@ def _stretched(a: np.ndarray | float) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _series() -> np.ndarray:
     """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (ROWS, 3)."""
-    rows = read_table()
+    rows = np.loadtxt(TABLE, delimiter=",", skiprows=1)
     nodes = 2 * _stretched(rows[:, 0]) / _stretched(LARGEST) - 1
     return np.linalg.solve(chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
-
-
-def _instants(a: float) -> int:
-    """Time nodes: powers of 1/H have harmonics that fall like ρ^k, ρ = a/(1 + √(1 − a²))."""
-    ratio = a / (1 + sqrt(1 - a**2))
-    return 4 * max(6, round(1.2 * log(1e-14) / log(ratio) / 4))
-
-
-def _half_line() -> tuple[np.ndarray, np.ndarray]:
-    """Second derivative at the inner nodes (NODES, NODES + 2) and weights of the integral."""
-    line = axis(NODES, False)
-    slope = DEPTH * STRETCH * np.exp(STRETCH * line.all_nodes) / np.expm1(STRETCH)
-    first = line.derivative / slope[:, None]
-    return (first @ first)[1:-1], all_weights(line) * slope
 
 
 @dataclass(frozen=True)
@@ -226,23 +133,15 @@ def rim_values(a: np.ndarray, reynolds: np.ndarray) -> RimValues:
     return RimValues(*scaled.reshape(4, *a.shape))
 
 
-def read_table_with_inertia() -> np.ndarray:
-    """Rows Re, a, (ψ² − 1)/a², d/a², g/a, h/a²; shape (REYNOLDS_ROWS, INERTIA_ROWS, 6)."""
-    rows = np.loadtxt(TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
-    return rows.reshape(REYNOLDS_ROWS, INERTIA_ROWS, 6)
-
-
 @lru_cache(maxsize=1)
 def _series_with_inertia() -> np.ndarray:
     """Chebyshev coefficients of the functions in Re and a, (4, REYNOLDS_ROWS, INERTIA_ROWS)."""
-    values = np.moveaxis(read_table_with_inertia()[:, :, 2:], 2, 0)
+    # Rows Re, a, (ψ² − 1)/a², d/a², g/a, h/a².
+    rows = np.loadtxt(TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
+    values = np.moveaxis(rows[:, 2:].reshape(REYNOLDS_ROWS, INERTIA_ROWS, 4), 2, 0)
     of_reynolds, of_a = (
         np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts1(count), count - 1))
         for count in (REYNOLDS_ROWS, INERTIA_ROWS)
     )
     series: np.ndarray = of_reynolds @ values @ of_a.T
     return series
-
-
-if __name__ == "__main__":
-    write_table()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -20,7 +21,7 @@ INERTIA_SLOPES, INERTIA_CORNERS, INERTIA_SQUARE = 1.8, 1.2, 2.0
 # Forces on two grids can agree by cancellation where the densities do not.
 DENSITY_SHARE = 0.1
 
-# Of the rounds that solve for the core under a gap that is shaped at rest.
+# Of the rounds that solve for the core with inertia, or under a gap that is shaped at rest.
 ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
 
 Numbers = float | np.ndarray
@@ -115,14 +116,11 @@ class Films:
         half = self.rest**1.5
         bend = self.laplacian(half) / half
         middle = wide((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
-        v = np.zeros_like(half)
-        for _ in range(MOST_ROUNDS):
-            before, v = v, self.solve(source / half + (bend - middle) * v, shift=middle)
-            change = np.abs(v - before).max(axis=(1, 2))
-            known = change <= ROUND_PRECISION * np.abs(v).max(axis=(1, 2))
-            if known.all():
-                break
-        return np.where(wide(known), v / half, np.nan)
+
+        def closer(v: np.ndarray) -> np.ndarray:
+            return self.solve(source / half + (bend - middle) * v, shift=middle)
+
+        return fixed_point(closer, np.zeros_like(half)) / half
 
     def on_rim(self, field: np.ndarray) -> np.ndarray:
         sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
@@ -133,11 +131,12 @@ class Films:
         nx, ny = self.x.points + 2, self.y.points + 2
         left, right, low, high = np.split(values, [ny, 2 * ny, 2 * ny + nx], axis=1)
         x, y = self.x.all_nodes[:, None], self.y.all_nodes
-        corners = (1 - x) * (_row(left[:, :1]) * (1 - y) + _row(left[:, -1:]) * y) + x * (
-            _row(right[:, :1]) * (1 - y) + _row(right[:, -1:]) * y
+        ends = [(1 - x, left[:, None]), (x, right[:, None])]
+        corners = sum(
+            share * (side[..., :1] * (1 - y) + side[..., -1:] * y) for share, side in ends
         )
-        between_x = (1 - x) * _row(left) + x * _row(right)
-        between_y = (1 - y) * _column(low) + y * _column(high)
+        between_x = (1 - x) * left[:, None] + x * right[:, None]
+        between_y = (1 - y) * low[:, :, None] + y * high[:, :, None]
         field: np.ndarray = between_x + between_y - corners
         return field
 
@@ -333,12 +332,16 @@ def grid_error(
     return np.maximum(np.abs(change), DENSITY_SHARE * half.mean(np.abs(fine[:, ::2, ::2] - coarse)))
 
 
-def _row(values: np.ndarray) -> np.ndarray:
-    return values[:, None, :]
-
-
-def _column(values: np.ndarray) -> np.ndarray:
-    return values[:, :, None]
+def fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> np.ndarray:
+    """The field that ``step`` leaves as it is; NaN for films whose rounds do not settle."""
+    field = start
+    for _ in range(MOST_ROUNDS):
+        last, field = field, step(field)
+        change = np.abs(field - last).max(axis=(1, 2))
+        if not np.any(change > ROUND_PRECISION * np.abs(field).max(axis=(1, 2))):
+            break
+    settled = change <= 1e3 * ROUND_PRECISION * np.abs(field).max(axis=(1, 2))
+    return np.where(wide(settled), field, np.nan)
 
 
 def wide(values: np.ndarray) -> np.ndarray:

@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, Inertia
+from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, Inertia, not_derived
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
@@ -97,8 +97,4 @@ class Heat(Term):
             return (
                 "heat is solved for with gas.polytropic_exponent 1, which stands for it otherwise"
             )
-        if scene.gas.rarefaction == "fukui-kaneko":
-            return "heat is derived for viscous flow and first-order slip, not for fukui-kaneko"
-        if scene.bearing_number != 0:
-            return "heat is not derived for a sliding finger"
-        return ""
+        return not_derived(self.label, scene)

@@ -103,17 +103,7 @@ class Inertia(Term):
         return {
             f"flux_{name}_{axis}": matrix
             for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True)
-            for parts in (points.axis.parts_of,)
-            for name, matrix in {
-                "values": parts(points.from_nodes),
-                "nodes": parts(points.to_nodes),
-                "slope": parts(points.slope) / length,
-                "along": parts(points.along) / length,
-                "divergence": parts(points.divergence) / length,
-                "across": parts(points.across) / length,
-                "rim": points.rim / length,
-                "to_end": points.to_end,
-            }.items()
+            for name, matrix in points.matrices(length).items()
         }
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
@@ -137,15 +127,18 @@ class Inertia(Term):
         return True
 
     def refused_on_grid(self, scene: Scene) -> str:
-        if scene.gas.rarefaction == "fukui-kaneko":
-            return "inertia is derived for viscous flow and first-order slip, not for fukui-kaneko"
-        if scene.bearing_number != 0:
-            return "inertia is not derived for a sliding finger"
-        return ""
+        return not_derived(self.label, scene)
 
     def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
         pairs = zip("xy", _points(coarse), _points(fine), strict=True)
         return {f"carry_flux_{axis}": its.carried_to(finer) for axis, its, finer in pairs}
+
+
+def not_derived(label: str, scene: Scene) -> str:
+    """Why inertia, or heat, is not known of a scene; empty where it is."""
+    if scene.gas.rarefaction == "fukui-kaneko":
+        return f"{label} is derived for viscous flow and first-order slip, not for fukui-kaneko"
+    return f"{label} is not derived for a sliding finger" if scene.bearing_number != 0 else ""
 
 
 def steepness(scene: OperatingPoints) -> Any:
