@@ -11,12 +11,20 @@ from reporting.notes import Inertia
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.config.written import NAME as STUDY
 from squeezefilm.errors import InputError
+from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, number, read_fit
-from squeezefilm.tables import read_columns, read_design, read_json, read_ok_forces, read_scenes
+from squeezefilm.tables import (
+    read_columns,
+    read_design,
+    read_forces,
+    read_json,
+    read_ok_forces,
+    read_scenes,
+)
 
 VALIDATION_NUMBERS = (
     *("points", "global_error", "sum_of_squares", "band", "share_within_band"),
-    *("worst_relative_error", "worst_h0_m", "worst_hv_m"),
+    "worst_relative_error",
 )
 
 
@@ -38,6 +46,12 @@ class Results:
     def forces(self, plan: str) -> pd.DataFrame:
         """The simulated forces of a plan, of which none may be missing."""
         return read_ok_forces(self.folder / f"simulations/{plan}/forces.csv")
+
+    def sample(self, space: str) -> tuple[pd.DataFrame, Factors]:
+        """The validation sample of a space, with points that have no force, and its factors."""
+        plan = self.folder / f"simulations/validation_{space}"
+        forces = read_forces(plan / "forces.csv")
+        return forces, factors_of(forces, limits=plan / "limits.csv")
 
     def scenes(self, plan: str) -> pd.DataFrame:
         """The points of a plan."""

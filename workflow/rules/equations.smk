@@ -1,14 +1,7 @@
 # The paper's study and the same one with inertia, side by side in both: `make paper-inertia`.
 
 SIDES = {side: f"results/{side}" for side in ("paper", "paper-inertia")}
-COMPARED = [
-    *expand("simulations/{plan}/forces.csv", plan=["screen", "four_factor", "extrapolation"]),
-    *expand("fits/{fit}.json", fit=MODEL_OF_FIT),
-    *expand("designs/{name}.csv", name=["two_factor", "four_factor", "four_factor_distinct"]),
-    *ON_SCREEN,
-    *ON_ERROR_MAP,
-    *OF_PLAN,
-]
+COMPARED = [*OF_THE_PAPER, *ON_ERROR_MAP, "designs/four_factor_distinct.csv"]
 # A run makes the results of one study: those of the other must be there.
 OTHER_TABLES = [
     f"{results}/{file}" for side, results in SIDES.items() if side != STUDY for file in COMPARED
@@ -31,8 +24,9 @@ if BOTH_MADE:
                 caption="equations",
             ),
         params:
-            sides=list(SIDES.values()),
+            page="equations",
+            about={"sides": list(SIDES.values())},
         message:
             "The paper's equation beside a gas that has inertia"
         script:
-            "../scripts/equations.py"
+            "../scripts/page.py"
