@@ -17,7 +17,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.models.amplitude_for_force import working_point
 from squeezefilm.models.cross_validation import error_sizes, relative_errors
 from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import SPACES, check_columns
 from squeezefilm.models.prediction_interval import QUANTITIES, ranking_half
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json
@@ -161,11 +161,13 @@ def _recommended(
     fit = read_fit(results.folder / f"models/{space}/{best['model']}.json")
     every = pd.concat(list(forces.values()), ignore_index=True)
     known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
+    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(known)))
+    errors = (model_n / known["force_n"] - 1).to_numpy()
     about = {
         "space": space,
         **{name: best[name] for name in names},
         "simulations": len(known),
-        "worst_error": _worst(fit, known),
+        "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
     }
     wanted = results.config["extrapolation"]
     positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
@@ -176,11 +178,3 @@ def _recommended(
         at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
         found = working_point(fit, at, force_n=wanted["force_n"])
         yield {**about, "h0_m": wanted["h0_m"], **place, **found}
-
-
-def _worst(fit: FittedModel, table: pd.DataFrame) -> float:
-    """The largest relative error at simulations; infinite where the model is undefined at one."""
-    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(table)))
-    if not np.isfinite(model_n).all():
-        return float("inf")
-    return float(np.abs(relative_errors(model_n=model_n, simulation_n=table["force_n"])).max())

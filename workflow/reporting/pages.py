@@ -109,13 +109,12 @@ def front_page(headline: str, *, study: str, pictures: Sequence[Path], guide: st
 
     Raises InputError for a picture that cannot be read.
     """
-    shown = {path.stem.replace("_", " "): _data(path) for path in pictures}
+    shown = {}
+    for path in pictures:
+        try:
+            # In lines: docutils takes no long ones, and a page's data may have breaks.
+            data = base64.encodebytes(path.read_bytes()).decode().strip()
+        except OSError as error:
+            raise InputError(f"{path}: the picture cannot be read: {error}") from None
+        shown[path.stem.replace("_", " ")] = data
     return render("front.rst", study=study, body=body_of(headline), pictures=shown, guide=guide)
-
-
-def _data(path: Path) -> str:
-    try:
-        # In lines: docutils takes no long ones, and a page's data may have breaks.
-        return base64.encodebytes(path.read_bytes()).decode().strip()
-    except OSError as error:
-        raise InputError(f"{path}: the picture cannot be read: {error}") from None

@@ -1,15 +1,12 @@
-# Pages for `snakemake --report`, which puts them into one file with the figures.
-#
-# Its categories stand in the order of their names, hence the numbers.
+# Pages for `snakemake --report`, which puts them into one file with the figures. Its categories
+# stand in the order of their names, hence the numbers.
 
 VALIDATIONS = [pair for space in FITS for pair in validations(space)]
 SUMMARY_PLANS = [*FITS["two_factor"], "error_map", "extrapolation", *JUDGED_ON["four_factor"]]
 SUMMARY_PLANS += FITS["four_factor"][1:]
 
 # What says most at one glance.
-FRONT_PICTURES = (
-    ["overview", "fig08", "error_map"] if PAPER else ["overview", "force_map", "budget"]
-)
+FRONT_PICTURES = ["overview", *(["fig08", "error_map"] if PAPER else ["force_map", "budget"])]
 
 
 rule summary:

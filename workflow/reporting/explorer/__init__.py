@@ -80,8 +80,10 @@ def explorer_page(
         "modulation": modulation,
         "start": {name: start[name] for name in ("h0_m", "hv_m", "force_n")},
     }
+    # In full double precision, and so that no text ends the script it stands in.
+    shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
     parts = {name: (HERE / file).read_text(encoding="utf-8") for name, file in PARTS.items()}
-    parts |= {"LIBRARY": drawing_library, "DATA": _json(data), "STUDY": config["study"]}
+    parts |= {"LIBRARY": drawing_library, "DATA": shown, "STUDY": config["study"]}
     parts["MODELS"] = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
     page = (HERE / PAGE).read_text(encoding="utf-8")
     return re.sub(r"\{\{(\w+)\}\}", lambda marker: parts[marker[1]], page)
@@ -106,11 +108,6 @@ def _code(name: str, fit: FittedModel) -> str:
     """The model as a script's line that puts it among MODELS."""
     code = source(fit, "javascript").replace("</", "<\\/")
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
-
-
-def _json(values: Mapping[str, Any]) -> str:
-    """JSON with full double precision that cannot end the script it stands in."""
-    return json.dumps(values, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
 
 
 def modulation_of(response: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:

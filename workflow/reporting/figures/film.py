@@ -226,14 +226,10 @@ def levitation(results: Results) -> Figure:
         style.plain_numbers(axes.yaxis)
         axes.grid(True)
     stiffness.legend(fontsize=6)
-    style.add_note(figure, _note(table), results.beyond)
-    return figure
-
-
-def _note(table: pd.DataFrame) -> str:
     known = table[table["h0_m"].notna()]
     note = f"A gap is given for {len(known)} of {len(table)} loads"
     ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
     if (shares := (ends / known["h0_m"]).dropna()).size:
         note += f"; modelling error up to {percent(float(shares.max()))} of a gap"
-    return f"{note}."
+    style.add_note(figure, f"{note}.", results.beyond)
+    return figure
