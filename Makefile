@@ -44,7 +44,7 @@ help:
 	@echo "make format   bring the code into its style"
 	@echo "make keys     the table of a study's keys in config/README.md, from the models"
 	@echo "make resume   go on after a run was killed"
-	@echo "make reference      make the reference that is checked against; asks first, or YES=1"
+	@echo "make reference      make the reference that is checked against"
 	@echo "make lock     pin the newest versions of all packages"
 	@echo "make clean    remove results, logs and the environment"
 
@@ -68,7 +68,7 @@ reference: $(VENV)/.run
 	set -e; for study in $(STUDIES); do \
 		$(RUN) snakemake checked --configfile config/$$study.yaml; \
 		$(RUN) squeezefilm reference results/$$study --config config/$$study.yaml \
-			--output tests/reference/$$study $(if $(YES),--yes); done
+			--output tests/reference/$$study; done
 
 report: $(VENV)/.run
 	$(SNAKEMAKE) everything $(if $(CONFIG),--configfile $(CONFIG))

@@ -3,7 +3,7 @@
 from .conftest import LONG, LONG_FORCES, QUICK, QUICK_TABLES, Run, wait_until
 from .slurm import PARTITION, Job, Slurm
 
-LONG_LOG = "logs/long/simulate/sweep.parquet.log"
+LONG_LOG = "logs/long/simulate_plan/sweep/parquet.log"
 
 
 def jobs_of(run: Run, slurm: Slurm) -> list[Job]:
@@ -18,7 +18,7 @@ def test_the_quick_study_is_simulated_on_slurm(slurm, checkout, made_locally):
     run.succeeds()
     jobs = jobs_of(run, slurm)
     # Every part of every plan, and nothing else: plans, gathering and fits stay where snakemake is.
-    parts = list((checkout.folder / "benchmarks/quick/simulate").rglob("*.tsv"))
+    parts = list((checkout.folder / "benchmarks/quick").glob("simulate*/**/*.tsv"))
     assert len(jobs) == len(parts) > 4
     assert {(job.state, job.partition) for job in jobs} == {("COMPLETED", PARTITION)}
     for name in QUICK_TABLES:

@@ -33,9 +33,7 @@ SMALLER = {
         "squeezefilm new my-actuator && sed -i 's/{start:/{levels: 4, start:/'"
         " config/my-actuator.yaml && cat sizes.yaml >> config/my-actuator.yaml"
     ),
-    "make reference": "script -qec 'make reference STUDIES=mine' /dev/null <<< y",
-    "make reference YES=1": "make reference STUDIES=mine YES=1",
-    "make reference STUDIES=mine": "make reference STUDIES=mine YES=1",
+    "make reference": "make reference STUDIES=mine",
     "make report CONFIG=config/quick.yaml": "make report CONFIG=config/mine.yaml",
     "make report CONFIG=config/my-actuator.yaml REPORT=results/my-actuator.html": (
         "make report CONFIG=config/mine.yaml REPORT=results/mine.html"

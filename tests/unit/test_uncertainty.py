@@ -19,13 +19,12 @@ def film_like(scene: Scene) -> float:
 
 
 @pytest.fixture(scope="module")
-def tables(paper):
+def table(paper):
     return compare(paper, force=film_like)
 
 
 @pytest.fixture(scope="module")
-def extrapolated(tables):
-    table = tables[0]
+def extrapolated(table):
     return table[table["claim_id"] == "simulation_at_2.2"].set_index("assumption")
 
 

@@ -2,13 +2,14 @@
 
 import json
 import re
+import shutil
 
 import pandas as pd
 import pytest
 from matplotlib.text import Text
 
 from paper.figures import FIGURES as OF_THE_PAPER
-from reporting.explorer import explorer_page, models_of
+from reporting.explorer import explorer_page
 from reporting.figures import FIGURES as OF_ANY_STUDY
 from reporting.figures import save, style
 from reporting.pages import render, to_html
@@ -20,7 +21,7 @@ from squeezefilm.models.fit_file import read_fit
 FIGURES = OF_ANY_STUDY | OF_THE_PAPER
 STUDYS = ("overview", "error_map", "force_map", "budget", "response", "levitation")
 NAMES = (*STUDYS, *(place.removeprefix("figures/") for place in OF_THE_PAPER))
-UNITS = {"fig05": "(mm)", "fig06": "(mm)", "fig15": "(mm)", "fig14": "(%)", "uncertainty": "(N)"}
+UNITS = {"fig05": "(mm)", "fig06": "(mm)", "fig15": "(mm)", "fig14": "(%)"}
 KNOWN_UNITS = ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)", "(Hz)", "(N/µm)")
 LIBRARY = "/* the drawing library */"
 
@@ -115,10 +116,11 @@ four_factor,bump,3,30,0.16,100,0.25,5e-6,5e-3,0,0.3,,,,no amplitude gives it
 """
 
 
-def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(repository, tmp_path):
-    (tmp_path / "models").mkdir()
+def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(
+    study, repository, tmp_path
+):
+    shutil.copytree(study.root, tmp_path, dirs_exist_ok=True)
     (tmp_path / "models/recommended.csv").write_text(RECOMMENDED)
-    (tmp_path / "simulations/screen").mkdir(parents=True)
     (tmp_path / "simulations/screen/budget.csv").write_text(
         "h0_m,hv_m,left_out_least_percent,left_out_most_percent,above_range,basis\n"
         "5e-6,1e-6,-1.2,0.5,,this scene\n6e-6,1e-6,-2,11,inertia,this scene\n"
@@ -138,8 +140,7 @@ def explorer(study, **models: list[str]) -> tuple[str, dict]:
         "screen": study.results.forces("screen"),
         "</script>": study.results.forces("four_factor"),
     }
-    found = models_of(study.results, **models)
-    page = explorer_page(study.results.config, found, forces, drawing_library=LIBRARY)
+    page = explorer_page(study.results, **models, forces=forces, drawing_library=LIBRARY)
     return page, json.loads(re.search(r'id="data">(.*?)</script>', page)[1])
 
 

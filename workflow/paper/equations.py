@@ -5,7 +5,8 @@ simulations. It survives where the five points do no worse than the paper itself
 ``design_error``, ``four_factor_error`` and ``band`` of papers_claims.csv).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,12 @@ import pandas as pd
 
 from paper.claims import CLAIMS
 from paper.tables import SYMBOLS, UNITS
+from reporting.check.quantities import FIT_OF_DESIGN
+from reporting.pages import Page, readable
 from reporting.results import Results
 from squeezefilm.designs.paper_design import d_efficiency
-from squeezefilm.models.data import Factors
-from squeezefilm.tables import FACTOR_COLUMNS
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.prediction_interval import error_sizes, relative_errors
 
 FITS = {
     "screen": "all points, two factors",
@@ -25,12 +28,6 @@ FITS = {
     "four_factor_design": "five points, four factors, the paper's form",
     "four_factor_design_distinct": "five points, four factors, distinct scenes",
 }
-DESIGNS = {
-    "two_factor": ("design, two factors", "screen"),
-    "four_factor": ("design, four factors, the paper's form", "four_factor"),
-    "four_factor_distinct": ("design, four factors, distinct scenes", "four_factor"),
-}
-"""Each design, and the fit that it was found with."""
 VALIDATIONS = {
     ("two_factor_design", "screen"): "all points",
     ("two_factor_design", "error_map"): "control grid",
@@ -38,13 +35,6 @@ VALIDATIONS = {
     ("four_factor_design_distinct", "four_factor"): "all points",
     ("four_factor_design_distinct", "four_factor_control"): "random points",
 }
-SHOWN = {
-    "h0_m": ("h0", 1e6, "µm"),
-    "hv_m": ("hv", 1e6, "µm"),
-    "phi_r_m": ("φr", 1e3, "mm"),
-    "phi_deg": ("φφ", 1.0, "°"),
-}
-DIGITS = {"h0_m": 8, "hv_m": 8, "phi_r_m": 5, "phi_deg": 1}
 COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
 _TWO, _FOUR = FITS["two_factor_design"], FITS["four_factor_design"]
 CONDITIONS = (
@@ -63,9 +53,7 @@ def compare(paper: Results, inertia: Results) -> pd.DataFrame:
     """
     pairs = zip(_values(paper, found_by=paper), _values(inertia, found_by=paper), strict=True)
     rows = [(*without, value) for without, (*_, value) in pairs]
-    part = "the paper's equation judged by forces with inertia"
-    rows += [(part, *rest) for rest in _transferred(paper, inertia)]
-    return pd.DataFrame(rows, columns=list(COLUMNS))
+    return pd.DataFrame([*rows, *_transferred(paper, inertia)], columns=list(COLUMNS))
 
 
 def _values(study: Results, *, found_by: Results) -> Iterator[tuple[str, str, str, float]]:
@@ -82,48 +70,53 @@ def _values(study: Results, *, found_by: Results) -> Iterator[tuple[str, str, st
         yield FITS[name], f"global error, {where}", "%", 100 * errors["global_error"]
         worst = 100 * abs(errors["worst_relative_error"])
         yield FITS[name], f"worst relative error, {where}", "%", worst
-    for name, (part, fit_name) in DESIGNS.items():
+    for name, fit_name in FIT_OF_DESIGN.items():
         fit = study.fit(fit_name)
-        points = study.design(name)
-        # Points of two designs beside each other, in an order that rounding does not change.
-        order = points.round(DIGITS).sort_values(list(FACTOR_COLUMNS)).index
-        for index, point in enumerate(points.loc[order].to_dict("records"), start=1):
-            for factor in fit.force_model.factor_names:
-                symbol, scale, unit = SHOWN[factor]
-                yield part, f"point {index} {symbol}", unit, scale * point[factor]
         slopes, first = (
-            fit.force_model.gradient(fit.theta, _factors(table))
-            for table in (points, found_by.design(name))
+            fit.force_model.gradient(fit.theta, factors_of(side.design(name)))
+            for side in (study, found_by)
         )
-        lost = "D-efficiency of the points that the paper's equation finds"
-        yield part, lost, "–", d_efficiency(first, slopes)
+        part = "D-efficiency of the points that the paper's equation finds"
+        yield part, name.replace("_", " "), "–", d_efficiency(first, slopes)
 
 
-def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, float, float]]:
+def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, str, float, float]]:
     """How well fits to the paper's equation predict forces without and with inertia."""
+    part = "the paper's equation judged by forces with inertia"
     for name in ("screen", "two_factor_design", "four_factor"):
         plan = "four_factor" if name == "four_factor" else "screen"
         fit, tables = paper.fit(name), [study.forces(plan) for study in (paper, inertia)]
         without, with_it = (
-            _global_percent(fit.force_model.evaluate(fit.theta, _factors(table)), table["force_n"])
+            _global_percent(fit.force_model.evaluate(fit.theta, factors_of(table)), table)
             for table in tables
         )
-        yield f"global error, fit to {FITS[name]}", "%", without, with_it
-    mine, other = (study.forces("screen")["force_n"].to_numpy() for study in (paper, inertia))
-    change = 100 * (other / mine - 1)
-    worst = 100 * float(np.abs(mine / other - 1).max())
-    yield "global error of the forces themselves, screen", "%", 0.0, _global_percent(mine, other)
-    yield "least change of a force, screen", "%", 0.0, float(change.min())
-    yield "largest change of a force, screen", "%", 0.0, float(change.max())
-    yield "worst relative error of the forces themselves, screen", "%", 0.0, worst
+        yield part, f"global error, fit to {FITS[name]}", "%", without, with_it
+    plain, moved = (study.forces("screen") for study in (paper, inertia))
+    change = 100 * (moved["force_n"] / plain["force_n"] - 1)
+    worst = relative_errors(model_n=plain["force_n"], simulation_n=moved["force_n"])
+    for quantity, value in {
+        "global error of the forces themselves": _global_percent(plain["force_n"], moved),
+        "least change of a force": change.min(),
+        "largest change of a force": change.max(),
+        "worst relative error of the forces themselves": 100 * np.abs(worst).max(),
+    }.items():
+        yield part, f"{quantity}, screen", "%", 0.0, float(value)
 
 
-def _global_percent(model_n: Any, force_n: Any) -> float:
-    return float(100 * np.linalg.norm(model_n - force_n) / np.linalg.norm(force_n))
+def _global_percent(model_n: Any, forces: pd.DataFrame) -> float:
+    return 100 * error_sizes(model_n=model_n, simulation_n=forces["force_n"])["global_error"]
 
 
-def _factors(table: pd.DataFrame) -> Factors:
-    return Factors.of(**{name: table[name] for name in FACTOR_COLUMNS})
+def equations_page(results: Results, *, sides: Sequence[str]) -> Page:
+    """The page of the two studies, whose results are in the folders ``sides``."""
+    table = compare(*(Results(Path(folder), results.config) for folder in sides))
+    parts = readable(table).groupby("part", sort=False)
+    values = {
+        "survives": survives(table, column="with_inertia"),
+        "conditions": conditions(table),
+        "parts": {part: rows.drop(columns="part") for part, rows in parts},
+    }
+    return Page(values, {"csv": table})
 
 
 def conditions(table: pd.DataFrame) -> pd.DataFrame:

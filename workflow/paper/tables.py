@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from reporting.notes import simulations_note
+from reporting.notes import five_digits, simulations_note
 from reporting.results import Results
 
 SYMBOLS = {"theta0": "θ0", "theta1": "θ1", "theta2": "θ2", "theta3": "θ3", "theta4": "θ4"}
@@ -95,8 +95,3 @@ def _side_by_side(data: pd.DataFrame) -> pd.DataFrame:
     )
     wide = table.set_index(["quantity", "unit", "fit"])["value"].unstack(sort=False)
     return wide.reset_index()
-
-
-def five_digits(value: float) -> str:
-    """Five digits; what is zero but for rounding, beside parameters of order 1 to 100, reads 0."""
-    return "0" if abs(value) < 1e-12 else f"{value:.5g}".replace("-", "−")

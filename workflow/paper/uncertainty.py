@@ -18,16 +18,18 @@ import pandas as pd
 import yaml
 from scipy.optimize import brentq
 
+from reporting.pages import Page, readable
+from reporting.results import Results
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds import solve
+from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scene_of
 
 Force = Callable[[Scene], float]
 """The mean force of a scene in newtons; NaN where it cannot be simulated."""
 
-CURVE_REACH = 0.05
-CURVE_POINTS = 21
 SEARCH_POINTS = 13
 PLAUSIBLE_POINTS = 5
 
@@ -137,20 +139,49 @@ class Trial:
         """The forces with other values."""
         return np.array([self.force_n(float(value)) for value in values])
 
+    def needed(self, values: np.ndarray, forces_n: np.ndarray, *, assumed: float) -> float:
+        """The value nearest to the assumed one at which the force is the paper's; NaN if none is.
+
+        Args:
+            values, forces_n: tried, from small to large.
+        """
+        paper_n = self.difference.paper_n
+        off = forces_n - paper_n
+        found = [
+            brentq(lambda value: self.force_n(value) - paper_n, *values[i : i + 2], rtol=1e-6)
+            for i in np.flatnonzero(off[:-1] * off[1:] <= 0)
+        ]
+        return float(min(found, key=lambda value: abs(value - assumed), default=np.nan))
+
     def _values(self) -> Any:
         return {**self.config.sections, "point": self.difference.point}
 
 
-def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The table, a row for each difference and assumption, and curves of force over change.
+def uncertainty_page(results: Results) -> Page:
+    """The page of the study's differences from the paper; its forces are simulated for it."""
+    config = results.config
+    settings, device = solver_settings(config, outputs=()), device_of(config)
 
-    The table has, in the assumption's unit, what is assumed and plausible; the forces over the
+    def force(scene: Scene) -> float:
+        [solution] = solve(settings.resolved([scene], device), **settings.how(device))
+        return solution.force_n
+
+    table = compare(config, force=force)
+    explaining = (table["verdict"] == "explains").groupby(table["claim"], sort=False).sum()
+    shown = readable(table.drop(columns="claim_id"))
+    return Page({"explaining": explaining, "shown": shown}, {"csv": table})
+
+
+def compare(config: Config, *, force: Force) -> pd.DataFrame:
+    """A row for each difference and assumption.
+
+    It has, in the assumption's unit, what is assumed and plausible; the forces over the
     plausible values and over all that were tried; and ``needed``, the nearest value that gives the
-    paper's force, NaN if none was found. Curves are of assumptions that can change both ways.
+    paper's force, NaN if none was found.
 
     Raises RunError when a film cannot be simulated even with everything as assumed.
     """
-    rows, curves = [], []
+    rows = []
     for difference in differences(config):
         ours_n = force(scene_of(config, **difference.point))
         if not np.isfinite(ours_n):
@@ -159,9 +190,7 @@ def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame
             trial = Trial(config, difference, assumption, force)
             if trial.assumed is not None:
                 rows.append(_row(trial, trial.assumed, ours_n))
-                if assumption.rest is None:  # it can change both ways
-                    curves.append(_curve(trial, trial.assumed))
-    return pd.DataFrame(rows), pd.concat(curves, ignore_index=True)
+    return pd.DataFrame(rows)
 
 
 def _row(trial: Trial, assumed: float, ours_n: float) -> dict[str, Any]:
@@ -171,16 +200,18 @@ def _row(trial: Trial, assumed: float, ours_n: float) -> dict[str, Any]:
     points = PLAUSIBLE_POINTS if high > low else 1
     plausible = np.append(trial.forces_n(np.linspace(low, high, points)), ours_n)
     low_n, high_n = np.nanmin(plausible), np.nanmax(plausible)
-    values = _searched(assumption, assumed)
+    # From small to large, with that assumed among them.
+    values = np.linspace(*assumption.search, SEARCH_POINTS)
+    if assumption.rest is None:
+        tried = assumed * np.geomspace(*assumption.search, SEARCH_POINTS)
+        values = np.unique(np.append(tried, assumed))
     reached = trial.forces_n(values)
-    needed = _nearest_crossing(trial, values, reached, assumed)
+    needed = trial.needed(values, reached, assumed=assumed)
     explains = low_n <= paper_n + half_n and high_n >= paper_n - half_n
     return {
         "claim_id": difference.claim_id,
         "claim": difference.claim,
         "paper_n": paper_n,
-        "paper_low_n": paper_n - half_n,
-        "paper_high_n": paper_n + half_n,
         "ours_n": ours_n,
         "assumption": assumption.name,
         "unit": assumption.unit,
@@ -196,72 +227,3 @@ def _row(trial: Trial, assumed: float, ours_n: float) -> dict[str, Any]:
         "verdict": "explains" if explains else "cannot explain",
         "because": assumption.because,
     }
-
-
-def _searched(assumption: Assumption, assumed: float) -> np.ndarray:
-    """Values to try, from small to large, with that assumed among them."""
-    if assumption.rest is not None:
-        return np.linspace(*assumption.search, SEARCH_POINTS)
-    some = assumed * np.geomspace(*assumption.search, SEARCH_POINTS)
-    return np.unique(np.append(some, assumed))
-
-
-def _nearest_crossing(
-    trial: Trial, values: np.ndarray, forces: np.ndarray, assumed: float
-) -> float:
-    """The value nearest to the assumed one at which the force is the paper's; NaN if none is."""
-    paper_n = trial.difference.paper_n
-    off = forces - paper_n
-    found = [
-        brentq(lambda value: trial.force_n(value) - paper_n, *values[i : i + 2], rtol=1e-6)
-        for i in np.flatnonzero(off[:-1] * off[1:] <= 0)
-    ]
-    return float(min(found, key=lambda value: abs(value - assumed), default=np.nan))
-
-
-def _curve(trial: Trial, assumed: float) -> pd.DataFrame:
-    """Force over a change of a few percent."""
-    low, high = trial.plausible
-    values = assumed * (1 + np.linspace(-CURVE_REACH, CURVE_REACH, CURVE_POINTS))
-    ends = [each for each in (low, high) if values[0] < each < values[-1]]
-    values = np.unique(np.append(values, ends))
-    return pd.DataFrame(
-        {
-            "claim_id": trial.difference.claim_id,
-            "assumption": trial.assumption.name,
-            "change_percent": 100 * (values / assumed - 1),
-            "plausible": (values >= low) & (values <= high),
-            "force_n": trial.forces_n(values),
-        }
-    )
-
-
-def shown(table: pd.DataFrame) -> pd.DataFrame:
-    """The table as texts for people."""
-    unit = table["unit"].where(table["unit"] != "–", "").map(lambda unit: f" {unit}".rstrip())
-    change = table["needed_change_percent"].map(
-        lambda value: "" if np.isnan(value) else f" ({value:+.2g} %)".replace("-", "−")
-    )
-    needed = table["needed"].map("{:.5g}".format) + unit + change
-    reached = "no value: " + _ranges(table, "reached_low_n", "reached_high_n", "{:.4g}")
-    return pd.DataFrame(
-        {
-            "force": table["claim"],
-            "paper (N)": table["paper_n"].map("{:g}".format),
-            "ours (N)": table["ours_n"].map("{:.4g}".format),
-            "what if another": table["assumption"],
-            "assumed": table["assumed"].map("{:.5g}".format) + unit,
-            "plausible": _ranges(table, "plausible_low", "plausible_high", "{:.5g}")
-            + unit
-            + ", "
-            + table["because"],
-            "force over that (N)": _ranges(table, "force_low_n", "force_high_n", "{:.4g}"),
-            "needed for the paper's": needed.where(table["needed"].notna(), reached + " N at all"),
-            "verdict": table["verdict"],
-        }
-    )
-
-
-def _ranges(table: pd.DataFrame, low: str, high: str, form: str) -> pd.Series:
-    least, most = table[low].map(form.format), table[high].map(form.format)
-    return least.where(least == most, least + "–" + most)

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reporting.notes import percent
+from reporting.pages import Page, readable
 from reporting.results import Results
-from squeezefilm.columns import form_of
+from squeezefilm.columns import as_in, form_of
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, read_fit, working_point
+from squeezefilm.models.fit_file import read_fit, working_point
 from squeezefilm.models.force_model import SPACES, check_columns
 from squeezefilm.models.prediction_interval import (
     QUANTITIES,
@@ -23,7 +23,7 @@ from squeezefilm.models.prediction_interval import (
     ranking_half,
     relative_errors,
 )
-from squeezefilm.tables import read_forces, read_json
+from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json
 
 COLUMNS = (
     "model",
@@ -45,14 +45,26 @@ COLUMNS = (
     "note",
 )
 COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
-ERROR_COLUMNS = (
-    *("model", "parameters", "validation_error_percent", "h0_um", "hv_um"),
-    "relative_error_percent",
-)
 RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in SPACES))
 """The plans that the recommended model is judged by; the first has the positions."""
 RECOMMENDED = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""
+
+
+def models_page(results: Results, *, space: str) -> Page:
+    """The page of a space's candidates (see ``compare``), the best on the sample first."""
+    table, errors = compare(results, space)
+    judged = table[table["validation_error"].notna()].sort_values("validation_error", kind="stable")
+    fits = [read_fit(results.folder / f"models/{space}/{model}.json") for model in judged["model"]]
+    values = {
+        "space": space,
+        "shown": readable(judged.drop(columns=["expression", "note"])),
+        "statement": next((fit.statement for fit in fits), ""),
+        "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
+        "formulas": dict(zip(judged["model"], judged["expression"], strict=True)),
+        "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
+    }
+    return Page(values, {"table": table, "errors": errors})
 
 
 def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -62,20 +74,19 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
 
     Raises InputError for a file that is missing or lacks what it must have.
     """
-    plan = results.folder / f"simulations/validation_{space}"
-    sample = read_forces(plan / "forces.csv")
+    sample, factors = results.sample(space)
     half = ranking_half(len(sample))
     known = half & (sample["status"] == "ok").to_numpy()
-    factors = factors_of(sample, limits=plan / "limits.csv").take(known)
-    forces = sample[known].reset_index(drop=True)
-    rows, errors = [], [pd.DataFrame(columns=list(ERROR_COLUMNS))]
+    factors, forces = factors.take(known), sample[known].reset_index(drop=True)
+    scenes, no_force = forces[as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
+    rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
     for name in results.config["comparison"][space]:
         row, relative = _judged(results, f"{space}/{name}", factors, forces)
-        rows.append({**row, "validation_failed": int(half.sum() - known.sum())})
+        rows.append(row)
         if relative is not None:
-            errors.append(_error_table(row, forces, relative))
+            row["validation_failed"] = no_force
+            errors.append(scenes.assign(model=row["model"], relative_error=relative))
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(COUNTS, "Int64"))
-    table.loc[table["validation_error"].isna(), "validation_failed"] = pd.NA
     return table, pd.concat(errors[1:] or errors, ignore_index=True)
 
 
@@ -123,60 +134,6 @@ def _judged(
     return row, relative_errors(model_n=predicted, simulation_n=forces["force_n"])
 
 
-def _error_table(row: dict[str, Any], forces: pd.DataFrame, relative: np.ndarray) -> pd.DataFrame:
-    """A model's relative errors at the ranking points, lengths in µm and mm."""
-    places = {
-        name.replace("_m", "_mm") if name.endswith("_m") else name: forces[name]
-        * (1e3 if name.endswith("_m") else 1.0)
-        for name in form_of(forces)
-    }
-    return pd.DataFrame(
-        {
-            "model": row["model"],
-            "parameters": row["parameters"],
-            "validation_error_percent": 100 * row["validation_error"],
-            "h0_um": 1e6 * forces["h0_m"],
-            "hv_um": 1e6 * forces["hv_m"],
-            **places,
-            "relative_error_percent": 100 * relative,
-        }
-    )
-
-
-def comparison_values(results: Results, space: str, table: pd.DataFrame) -> dict[str, Any]:
-    """What the template ``models.md`` shows: the best on the validation sample first."""
-    judged = table[table["validation_error"].notna()].sort_values("validation_error", kind="stable")
-    fits = [read_fit(results.folder / f"models/{space}/{model}.json") for model in judged["model"]]
-    shown = pd.DataFrame(
-        {
-            "model": judged["model"],
-            "parameters": judged["parameters"],
-            "global error, fitted points": _percent(judged["fit_error"]),
-            "left out in turn": _percent(judged["left_out_error"]),
-            "validation sample": _percent(judged["validation_error"]),
-            "largest relative error there": _percent(judged["validation_worst_relative"]),
-            "95 % error, median": _percent(judged["error_95_percent"] / 100),
-            "inside it": [f"{value:.1%}" for value in judged["coverage"]],
-            "least, by region": [
-                f"{row.coverage_least:.1%} ({row.coverage_least_in})" for row in judged.itertuples()
-            ],
-            "what it is": judged["about"],
-        }
-    )
-    return {
-        "space": space,
-        "shown": shown,
-        "statement": next((fit.interval.statement for fit in fits if fit.interval), ""),
-        "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
-        "formulas": dict(zip(judged["model"], judged["expression"], strict=True)),
-        "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
-    }
-
-
-def _percent(shares: pd.Series) -> list[str]:
-    return [percent(value) if np.isfinite(value) else "–" for value in shares.astype(float)]
-
-
 def recommend(results: Results) -> pd.DataFrame:
     """The best model of each space, and the amplitude that it needs at each position.
 
@@ -197,9 +154,7 @@ def recommend(results: Results) -> pd.DataFrame:
 def _recommended(
     results: Results, space: str, forces: dict[str, pd.DataFrame]
 ) -> Iterator[dict[str, Any]]:
-    """A space's model at its positions; nothing where the study has not compared any there."""
-    if not results.exists(f"models/{space}.csv"):
-        return
+    """A space's model at its positions; nothing where none can be judged."""
     names = ("model", "parameters", "validation_points", "validation_error")
     table = results.table(f"models/{space}.csv", *names)
     judged = table[table["validation_error"].notna()]
@@ -209,11 +164,13 @@ def _recommended(
     fit = read_fit(results.folder / f"models/{space}/{best['model']}.json")
     every = pd.concat(list(forces.values()), ignore_index=True)
     known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
+    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(known)))
+    errors = (model_n / known["force_n"] - 1).to_numpy()
     about = {
         "space": space,
         **{name: best[name] for name in names},
         "simulations": len(known),
-        "worst_error": _worst(fit, known),
+        "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
     }
     wanted = results.config["extrapolation"]
     positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
@@ -224,11 +181,3 @@ def _recommended(
         at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
         found = working_point(fit, at, force_n=wanted["force_n"])
         yield {**about, "h0_m": wanted["h0_m"], **place, **found}
-
-
-def _worst(fit: FittedModel, table: pd.DataFrame) -> float:
-    """The largest relative error at simulations; infinite where the model is undefined at one."""
-    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(table)))
-    if not np.isfinite(model_n).all():
-        return float("inf")
-    return float(np.abs(relative_errors(model_n=model_n, simulation_n=table["force_n"])).max())

@@ -24,6 +24,11 @@ def percent(share: float) -> str:
     return f"{100 * share:.3g} %".replace("-", "−")
 
 
+def five_digits(value: float) -> str:
+    """Five digits; what is zero but for rounding, beside parameters of order 1 to 100, reads 0."""
+    return "0" if abs(value) < 1e-12 else f"{value:.5g}".replace("-", "−")
+
+
 def one_digit(value: float) -> str:
     """A small number with one digit: 5.2e-06 → 5e-6."""
     mantissa, _, exponent = f"{value:.0e}".partition("e")

@@ -4,15 +4,16 @@ A page of HTML is one file: no script, nothing from a network.
 """
 
 import base64
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from reporting.markdown import markdown_table
-from reporting.notes import percent, rounded_up
+from reporting.notes import five_digits, percent, rounded_up
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
 
@@ -21,6 +22,36 @@ VERDICTS = {
     "bad": ("differs", "failed", "killed"),
 }
 """How a cell begins that is coloured as good or bad."""
+
+SHARE = re.compile(r"(\w+_)?(error|relative|upper|coverage|share)(_least|_of_\w+|_in_\w+)?")
+"""Columns of shares by their names."""
+
+
+class Page(NamedTuple):
+    """What a page's template shows, and the tables and texts that are written with the page."""
+
+    values: Mapping[str, Any]
+    files: Mapping[str, pd.DataFrame | str]
+
+
+def readable(table: pd.DataFrame) -> pd.DataFrame:
+    """A table for people: shares in percent, other numbers with five digits, names in words."""
+    shown = table.astype(object)
+    for name in map(str, table.select_dtypes("float")):
+        form = percent if SHARE.fullmatch(name) else five_digits
+        shown[name] = table[name].map(form, na_action="ignore")
+    units = {"_n$": " (N)", "_percent$": " (%)", "_": " "}
+    return shown.set_axis(table.columns.to_series().replace(units, regex=True), axis="columns")
+
+
+def markdown_table(table: pd.DataFrame) -> str:
+    """The table in Markdown; values are shown as they are, missing ones as a dash."""
+    rows = table.astype(object).where(table.notna(), "–").to_numpy().tolist()
+    return "".join(
+        "| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |\n"
+        for row in [list(table.columns), ["---"] * table.shape[1], *rows]
+    )
+
 
 TEMPLATES = Environment(
     loader=FileSystemLoader(Path(__file__).resolve().parents[1] / "report"),
@@ -78,13 +109,12 @@ def front_page(headline: str, *, study: str, pictures: Sequence[Path], guide: st
 
     Raises InputError for a picture that cannot be read.
     """
-    shown = {path.stem.replace("_", " "): _data(path) for path in pictures}
+    shown = {}
+    for path in pictures:
+        try:
+            # In lines: docutils takes no long ones, and a page's data may have breaks.
+            data = base64.encodebytes(path.read_bytes()).decode().strip()
+        except OSError as error:
+            raise InputError(f"{path}: the picture cannot be read: {error}") from None
+        shown[path.stem.replace("_", " ")] = data
     return render("front.rst", study=study, body=body_of(headline), pictures=shown, guide=guide)
-
-
-def _data(path: Path) -> str:
-    try:
-        # In lines: docutils takes no long ones, and a page's data may have breaks.
-        return base64.encodebytes(path.read_bytes()).decode().strip()
-    except OSError as error:
-        raise InputError(f"{path}: the picture cannot be read: {error}") from None

@@ -8,42 +8,28 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from reporting.notes import VERDICTS, percent
+from reporting.notes import VERDICTS
+from reporting.pages import Page, readable
 from reporting.results import Results
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import check_columns
-from squeezefilm.tables import read_forces, read_ok_forces
+from squeezefilm.tables import read_ok_forces
 
-COLUMNS = (
-    "model",
-    "parameters",
-    "verdict",
-    "simulations",
-    "estimated_global_error",
-    "estimated_global_upper",
-    "unseen_global_error",
-    "unseen_global_error_of_all_points",
-    "estimated_worst_error",
-    "unseen_worst_error",
-    "unseen_points",
-    "share_in_interval",
-)
+FIRST = ("model", "parameters", "verdict", "simulations")
 
 
-def refinement_table(results: Results, space: str) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """A row for each model that was refined, columns COLUMNS, and what ``refine.md`` shows.
+def refine_page(results: Results, *, space: str) -> Page:
+    """A row for each model that was refined, and what its refinement ended with.
 
     The unseen points are the space's validation sample.
 
     Raises InputError for a file that is missing or lacks what it must have.
     """
-    plan = results.folder / f"simulations/validation_{space}"
-    sample = read_forces(plan / "forces.csv")
+    sample, factors = results.sample(space)
     known = (sample["status"] == "ok").to_numpy()
-    unseen = sample[known]
-    factors = factors_of(sample, limits=plan / "limits.csv").take(known)
+    force_n, factors = sample["force_n"].to_numpy()[known], factors.take(known)
     rows, reasons, profile_uncertainty = [], {}, 0.0
     for name in results.config["refine"][space]:
         folder = results.folder / f"refine/{space}/{name}"
@@ -54,20 +40,22 @@ def refinement_table(results: Results, space: str) -> tuple[pd.DataFrame, dict[s
             continue
         fit = read_fit(folder / "fit.json")
         profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
-        rows.append(_row(folder, verdict, fit, factors, unseen["force_n"].to_numpy()))
+        rows.append(_row(folder, verdict, fit, factors, force_n))
         reasons[verdict["model"]] = (
             VERDICTS[verdict["verdict"]],
             f"{verdict['reason']}. {verdict['error_by_region_text']} "
             f"(by {verdict['errors_mapped_by']}).",
         )
-    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    names = dict.fromkeys([*FIRST, *(name for row in rows for name in row)])
+    table = pd.DataFrame(rows, columns=list(names))
     refined = table[table["verdict"] != "left out"]
-    return table, {
-        "points": len(unseen),
+    values = {
+        "points": len(force_n),
         "reasons": reasons,
         "profile_uncertainty": profile_uncertainty,
-        "shown": refined if refined.empty else _shown(refined),
+        "shown": readable(refined.assign(verdict=refined["verdict"].map(VERDICTS))),
     }
+    return Page(values, {"table": table})
 
 
 def _row(
@@ -123,27 +111,3 @@ def _coverage(
     quantile = float(stats.t.ppf(0.975, verdict["verification_points"]))
     allowed_n = quantile * verdict["lack_of_fit_n"] * np.sqrt(1 + spread)
     return float(np.mean(np.abs(error_n) <= allowed_n))
-
-
-def _shown(table: pd.DataFrame) -> pd.DataFrame:
-    """The table as texts for people."""
-
-    def shares(name: str, unknown: str = "") -> pd.Series:
-        return table[name].map(lambda value: unknown if pd.isna(value) else percent(value))
-
-    upper = shares("estimated_global_upper")
-    return pd.DataFrame(
-        {
-            "model": table["model"],
-            "verdict": table["verdict"].map(VERDICTS),
-            "simulations": table["simulations"],
-            "global error, estimated": shares("estimated_global_error") + " (below " + upper + ")",
-            "unseen points": shares("unseen_global_error"),
-            "fitted to all": shares("unseen_global_error_of_all_points"),
-            "worst error, estimated": shares("estimated_worst_error", "open"),
-            "worst of the unseen": shares("unseen_worst_error"),
-            "in their interval": table["share_in_interval"].map(
-                lambda value: "none known" if pd.isna(value) else f"{value:.0%}"
-            ),
-        }
-    )

@@ -11,12 +11,15 @@ from reporting.notes import Inertia
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.config.written import NAME as STUDY
 from squeezefilm.errors import InputError
-from squeezefilm.models.fit_file import FittedModel, number, read_fit
-from squeezefilm.tables import read_columns, read_design, read_json, read_ok_forces, read_scenes
-
-VALIDATION_NUMBERS = (
-    *("points", "global_error", "sum_of_squares", "band", "share_within_band"),
-    *("worst_relative_error", "worst_h0_m", "worst_hv_m"),
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.tables import (
+    read_columns,
+    read_design,
+    read_forces,
+    read_json,
+    read_ok_forces,
+    read_scenes,
 )
 
 
@@ -39,6 +42,12 @@ class Results:
         """The simulated forces of a plan, of which none may be missing."""
         return read_ok_forces(self.folder / f"simulations/{plan}/forces.csv")
 
+    def sample(self, space: str) -> tuple[pd.DataFrame, Factors]:
+        """The validation sample of a space, with points that have no force, and its factors."""
+        plan = self.folder / f"simulations/validation_{space}"
+        forces = read_forces(plan / "forces.csv")
+        return forces, factors_of(forces, limits=plan / "limits.csv")
+
     def scenes(self, plan: str) -> pd.DataFrame:
         """The points of a plan."""
         return read_scenes(self.folder / f"simulations/{plan}/scenes.csv")
@@ -51,11 +60,9 @@ class Results:
         """A design's points."""
         return read_design(self.folder / f"designs/{name}.csv")
 
-    def validation(self, fit: str, plan: str) -> dict[str, float]:
-        """The errors of a fit on a plan, VALIDATION_NUMBERS by name."""
-        path = self.folder / f"validation/{fit}_on_{plan}.json"
-        summary = read_json(path)
-        return {name: number(summary, name, path) for name in VALIDATION_NUMBERS}
+    def validation(self, fit: str, plan: str) -> Mapping[str, Any]:
+        """The errors of a fit on a plan."""
+        return self.summary(f"validation/{fit}_on_{plan}.json")
 
     def errors(self, fit: str, plan: str) -> pd.DataFrame:
         """The relative error of a fit at each point of a plan."""
@@ -72,12 +79,7 @@ class Results:
 
     def searches(self) -> Mapping[str, Any]:
         """The searches for the two-factor design: their number, and the patterns by scaling."""
-        file = "designs/two_factor.json"
-        summary = self.summary(file)
-        for key in ("scaling", "searches", "scalings"):
-            if key not in summary:
-                raise InputError(f"{self.folder / file}: {key!r} is missing")
-        return summary
+        return self.summary("designs/two_factor.json")
 
     def row(self, table: pd.DataFrame, name: str, file: str) -> pd.Series:
         """A row by its index, of a table read from a file."""

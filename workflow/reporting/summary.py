@@ -7,27 +7,12 @@ import numpy as np
 import pandas as pd
 
 from reporting.notes import largest_error, percent, rounded_up
+from reporting.pages import Page, front_page, render
 from reporting.results import Results
 from squeezefilm.columns import POLAR, form_of
+from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.units import to_its_error, with_error
 
-PURPOSES = {
-    "screen": "finger centred, gap and amplitude on a grid: the first fit",
-    "two_factor_design": "the few points that teach most about the two-factor model",
-    "error_map": "control points on another grid over the screen's ranges",
-    "extrapolation": "a chosen point, and where the models expect the wanted force",
-    "four_factor": "the two-factor design at every position of the finger",
-    "four_factor_control": "random control points in all four factors",
-    "four_factor_design": "the few points that teach most about the four-factor model",
-    "four_factor_design_distinct": "the same, with points kept physically distinct",
-}
-SPACES = {"two_factor": "with the finger at the centre", "four_factor": "with the finger anywhere"}
-POSITIONS = {
-    "phi_r_m": ("φr (mm)", 1e3),
-    "phi_deg": ("φφ (°)", 1.0),
-    "x_m": ("x (mm)", 1e3),
-    "y_m": ("y (mm)", 1e3),
-}
 EFFECTS = {
     "inertia": "inertia",
     "slip": "slip",
@@ -38,6 +23,25 @@ EFFECTS = {
 }
 NOTHING = 1e-3
 """Share of a range's largest value below which its least is as good as 0."""
+
+
+def summary_page(
+    results: Results,
+    *,
+    plans: Sequence[str],
+    fits: Sequence[str],
+    pairs: Sequence[str],
+    pictures: Sequence[str],
+) -> Page:
+    """The study on one page, and the first page of its report with these figures."""
+    values = summary_values(results, plans=plans, fits=fits, pairs=pairs)
+    front = front_page(
+        render("in_short.md", **values),
+        study=results.config["study"],
+        pictures=[results.folder / f"figures/{name}.png" for name in pictures],
+        guide="paper_guide.rst" if results.config["paper"] else "study_guide.rst",
+    )
+    return Page(values, {"front": front})
 
 
 def summary_values(
@@ -53,8 +57,8 @@ def summary_values(
     config = results.config
     tables = {plan: results.forces(plan) for plan in plans}
     first = next(iter(tables.values()))
-    sections = ("gas", "actuator", "finger", "solver")
-    settings = [leaf for section in sections for leaf in _leaves(section, config[section])]
+    sections = {section: config[section] for section in ("gas", "actuator", "finger", "solver")}
+    settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting)
     profile_uncertainty = max(results.fit(fit).profile_uncertainty for fit in fits)
     on_disc = form_of(first) == POLAR
     return {
@@ -64,7 +68,7 @@ def summary_values(
         "position": "radius φr and angle φφ" if on_disc else "x and y from the surface's centre",
         "total": sum(len(table) for table in tables.values()),
         "plans": pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]),
-        "settings": pd.DataFrame(settings, columns=["setting", "value"]),
+        "settings": settings.rename_axis("setting").reset_index(name="value"),
         "tolerance": f"{config['solver']['tolerance']:g}",
         "largest_error": max(map(largest_error, tables.values())),
         "methods": sorted({method for table in tables.values() for method in table["method"]}),
@@ -76,56 +80,33 @@ def summary_values(
 
 
 def headline_values(results: Results) -> dict[str, Any]:
-    """What the template ``in_short.md`` shows; a result that is not there is left out."""
-    config, wanted = results.config, results.config["extrapolation"]
-    recommended = None
-    if not config["paper"] and results.exists("models/recommended.csv"):
-        columns = ("space", "model", "validation_error", "force_n")
-        recommended = results.table("models/recommended.csv", *columns)
-        recommended = recommended[recommended["model"].notna()]
-    return {
-        "study": config["study"],
-        "operating": _operating(results),
-        "five_points": _five_points(results),
-        "claims": _claims(results) if config["paper"] else None,
-        "recommended": [] if recommended is None else list(_best(recommended)),
-        "band": config["validation"]["relative_error_band"],
-        "amplitudes": None if recommended is None else _amplitudes(recommended),
-        "wanted": {"force_n": f"{wanted['force_n']:g}", "h0_um": f"{1e6 * wanted['h0_m']:g}"},
-        "neglected": _neglected(results),
-        "beyond": results.beyond,
-    }
+    """What the template ``in_short.md`` shows.
 
-
-def _operating(results: Results) -> dict[str, Any] | None:
-    """The force at the operating point, beyond the screen."""
-    if not results.exists(file := "simulations/extrapolation/forces.csv"):
-        return None
-    table = results.table(file, "point_id", "status", "force_n", "force_error_n")
-    table = table[(table["point_id"] == "operating_point") & (table["status"] == "ok")]
-    if table.empty:
-        return None
-    row, noise = table.iloc[0], 0.0
+    Raises InputError for a result that is missing or lacks what it must have.
+    """
+    config, noise, recommended = results.config, 0.0, None
+    file = "simulations/extrapolation/forces.csv"
+    forces = results.forces("extrapolation").set_index("point_id")
+    point = results.row(forces, "operating_point", file)
     if results.exists("profile/summary.json"):
         noise = results.summary("profile/summary.json").get("largest_force_noise_share", 0.0)
+    if not config["paper"]:
+        columns = ("space", "model", "validation_error", "force_n")
+        recommended = results.table("models/recommended.csv", *columns).dropna(subset="model")
     return {
-        "h0_um": f"{1e6 * row['h0_m']:g}",
-        "hv_um": f"{1e6 * row['hv_m']:g}",
-        "force": with_error(row["force_n"], row["force_error_n"]),
+        "study": config["study"],
+        "point": point,
+        "force": with_error(point["force_n"], point["force_error_n"]),
         "noise": noise,
-    }
-
-
-def _five_points(results: Results) -> dict[str, Any] | None:
-    """How far off the fit to the design is."""
-    validation = "validation/two_factor_design_on_screen.json"
-    if not results.exists(validation, "fits/two_factor_design.json"):
-        return None
-    errors = results.validation("two_factor_design", "screen")
-    return {
         "fitted": results.fit("two_factor_design").points,
-        "points": round(errors["points"]),
-        "error": errors["global_error"],
+        "judged": results.validation("two_factor_design", "screen"),
+        "claims": _claims(results) if config["paper"] else None,
+        "recommended": recommended,
+        "band": config["validation"]["relative_error_band"],
+        "amplitudes": None if recommended is None else _amplitudes(recommended),
+        "wanted": config["extrapolation"],
+        "neglected": _neglected(results),
+        "beyond": results.beyond,
     }
 
 
@@ -140,18 +121,6 @@ def _claims(results: Results) -> dict[str, Any]:
         "agreeing": int((~differs).sum()),
         "differing": shown.assign(verdict=reason).rename(columns={"verdict": "differs because"}),
     }
-
-
-def _best(table: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    """Each space's best model and its errors."""
-    for space, rows in table.groupby("space", sort=False):
-        row = rows.iloc[0]
-        yield {
-            "where": SPACES[str(space)],
-            "validation_points": f"{row['validation_points']:.0f}",
-            "simulations": f"{row['simulations']:.0f}",
-            **row[["model", "validation_error", "worst_error"]],
-        }
 
 
 def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
@@ -171,8 +140,8 @@ def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
 
 def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
     """The finger's positions by name and unit."""
-    shown = {POSITIONS[name]: table[name] for name in form_of(table)}
-    return {name: scale * values for (name, scale), values in shown.items()}
+    shown = {FACTOR_WORDS[name]: table[name] for name in form_of(table)}
+    return {f"{name} ({unit})": scale * values for (name, unit, scale, _), values in shown.items()}
 
 
 def _budget(results: Results) -> pd.DataFrame:
@@ -230,7 +199,6 @@ def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
         **{name: _range(values) for name, values in _positions(table).items()},
         "F (N)": _range(table["force_n"]),
         "largest estimated error of F": rounded_up(largest_error(table)),
-        "what for": PURPOSES.get(plan, ""),
     }
 
 
@@ -254,11 +222,7 @@ def _range(column: pd.Series) -> str:
     return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} – {high:.3g}"
 
 
-def _leaves(place: str, value: Any) -> Iterator[tuple[str, str]]:
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _leaves(f"{place}: {key}", inner)
-    elif isinstance(value, Sequence) and not isinstance(value, str):
-        yield place, ", ".join(map(str, value))
-    else:
-        yield place, f"{value:g}" if isinstance(value, float) else str(value)
+def _setting(value: Any) -> str:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(map(str, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)

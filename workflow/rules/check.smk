@@ -29,11 +29,12 @@ rule compare_with_reference:
         ),
     params:
         study=sections(*CONFIG),
-        reference=lambda wildcards: relative(REFERENCE),
+        page="check",
+        about=lambda wildcards: {"reference": relative(REFERENCE)},
     message:
         "Every number beside its reference"
     script:
-        "../scripts/check.py"
+        "../scripts/page.py"
 
 
 rule check:

@@ -126,36 +126,36 @@ SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
 
 
 PLAN = "<results>/simulations/{plan}"
-# What a plan is made from: a design, or the fits that an extrapolation is beyond.
-SOURCES_OF_PLAN = {
-    "two_factor_design": ["<results>/designs/two_factor.csv"],
-    "four_factor": ["<results>/designs/two_factor.csv"],
-    "four_factor_design": ["<results>/designs/four_factor.csv"],
-    "four_factor_design_distinct": ["<results>/designs/four_factor_distinct.csv"],
-    "extrapolation": ["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
+# The plans: sections of the study that decide their points, and what they are made from beside these,
+# a design, or the fits that an extrapolation is beyond.
+PLANS = {
+    "screen": (["screen"], []),
+    "error_map": (["error_map"], []),
+    "extrapolation": (["extrapolation"], ["fits/screen.json", "fits/two_factor_design.json"]),
+    "two_factor_design": ([], ["designs/two_factor.csv"]),
+    "four_factor": (["positions"], ["designs/two_factor.csv"]),
+    "four_factor_control": (["four_factor_control", "screen", "positions"], []),
+    "four_factor_design": ([], ["designs/four_factor.csv"]),
+    "four_factor_design_distinct": ([], ["designs/four_factor_distinct.csv"]),
+    "validation_two_factor": (["validation", "screen", "positions"], []),
+    "validation_four_factor": (["validation", "screen", "positions"], []),
+    "sweep": (["sweep", "screen", "positions"], []),
 }
-# Sections of the study that decide the points of a plan, besides its sources.
-SECTIONS_OF_PLAN = {
-    "screen": ["screen"],
-    "error_map": ["error_map"],
-    "four_factor_control": ["four_factor_control", "screen", "positions"],
-    "sweep": ["sweep", "screen", "positions"],
-    "validation_two_factor": ["validation", "screen", "positions"],
-    "validation_four_factor": ["validation", "screen", "positions"],
-    "two_factor_design": [],
-    "four_factor": ["positions"],
-    "four_factor_design": [],
-    "four_factor_design_distinct": [],
-    "extrapolation": ["extrapolation"],
+# Spaces, each with one of the paper's models of this name; the plans that it is fitted to, the whole
+# one first, and those that its fits are judged on. A fit bears the name of its plan.
+FITS = {
+    "two_factor": ["screen", "two_factor_design"],
+    "four_factor": ["four_factor", "four_factor_design", "four_factor_design_distinct"],
 }
-# The paper's model that is fitted to a plan; its name is also that of the space.
-MODEL_OF_FIT = {
-    "screen": "two_factor",
-    "two_factor_design": "two_factor",
-    "four_factor": "four_factor",
-    "four_factor_design": "four_factor",
-    "four_factor_design_distinct": "four_factor",
+JUDGED_ON = {
+    "two_factor": ["screen", "error_map", "extrapolation"],
+    "four_factor": ["four_factor", *(["four_factor_control"] if PAPER else [])],
 }
+MODEL_OF_FIT = {fit: space for space, fits in FITS.items() for fit in fits}
+
+
+def sources_of_plan(wildcards):
+    return expand("<results>/{file}", file=PLANS[wildcards.plan][1])
 
 
 def code_of_plan(wildcards):
@@ -176,16 +176,22 @@ def chunk_files(wildcards, kind):
     ]
 
 
-def files_of_plans(plans):
-    """All that a simulated plan leaves but its chunks."""
-    names = ["scenes", "forces", "timings"]
-    return expand("<results>/simulations/{plan}/{name}.csv", plan=plans, name=names)
+def validations(space):
+    """Each fit of one of the paper's models, and each plan that it is judged on."""
+    return expand("{fit}_on_{plan}", fit=FITS[space], plan=JUDGED_ON[space])
 
 
-def files_of_fits(model):
-    """All that the fits of one of the paper's models leave, and their validations."""
-    fits = [fit for fit in MODEL_OF_FIT if MODEL_OF_FIT[fit] == model]
-    return expand(["<results>/fits/{fit}.json", "<results>/fits/{fit}_runs.csv"], fit=fits)
+def files_of_space(space):
+    """All that the plans, fits and validations of one of the paper's models leave."""
+    return [
+        *expand(
+            "<results>/simulations/{plan}/{name}.csv",
+            plan=[*JUDGED_ON[space], *FITS[space], f"validation_{space}"],
+            name=["scenes", "forces", "timings"],
+        ),
+        *expand("<results>/fits/{fit}{end}", fit=FITS[space], end=[".json", "_runs.csv"]),
+        *expand("<results>/validation/{pair}{end}", pair=validations(space), end=[".csv", ".json"]),
+    ]
 
 
 def results_folder(wildcards, output):
@@ -195,7 +201,7 @@ def results_folder(wildcards, output):
 
 def limit_tables(space):
     """The files of what physics says of the points that a space's models are fitted to or judged by."""
-    plans = [FITTED_PLAN[space], f"validation_{space}"]
+    plans = [FITS[space][0], f"validation_{space}"]
     return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
 
 
@@ -210,36 +216,25 @@ def cores_for(searches):
     return max(1, min(4, searches // 4))
 
 
-def validations(model, plans):
-    """The names of a model's validations: each of its fits on each of the plans."""
-    fits = [fit for fit in MODEL_OF_FIT if MODEL_OF_FIT[fit] == model]
-    return [f"{fit}_on_{plan}" for fit in fits for plan in plans]
-
-
-def in_report(place):
-    """A figure's drawing as the report lists it: the paper's by their numbers."""
-    folder, name = place.split("/")
-    labels = {"shows": FIGURES[place]}
-    if folder == "figures":
-        labels = {"figure": name.replace("fig", "Fig. ").replace("_", " "), **labels}
-    caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
-    return report(
-        f"<results>/{place}.svg",
-        category=CATEGORIES[folder],
-        labels=labels,
-        caption=f"../report/captions/{caption.get(folder, name)}.rst",
-    )
-
-
 def listed(file, category, *, caption, **labels):
-    """A page as the report lists it."""
+    """A page or a figure as the report lists it."""
     place = f"../report/captions/{caption}.rst"
     return report(f"<results>/{file}", category=category, labels=labels, caption=place)
 
 
-def numbered(places):
-    """Those of the paper's numbered figures, which keep the table that they draw."""
-    return [place for place in places if place.startswith("figures/fig")]
+def drawing(place):
+    """A figure's drawing as the report lists it, with what is bold in its caption."""
+    folder, name = place.split("/")
+    caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
+    caption = caption.get(folder, name)
+    text = (LIBRARY / f"report/captions/{caption}.rst").read_text(encoding="utf-8")
+    return listed(
+        f"{place}.svg",
+        CATEGORIES[folder],
+        caption=caption,
+        figure=name.replace("fig", "Fig. ").replace("_", " "),
+        shows=text.split("**")[1].rpartition(": ")[2].rstrip("."),
+    )
 
 
 # Put before the command of every job. The library is found installed or not. Threads of BLAS that
@@ -255,7 +250,7 @@ shell.prefix(
 
 
 wildcard_constraints:
-    plan="|".join(SECTIONS_OF_PLAN),
+    plan="|".join(PLANS),
     fit="|".join(MODEL_OF_FIT),
     chunk="[0-9]+",
     chunks="[0-9]+",

@@ -1,18 +1,9 @@
 # The paper's study and the same one with inertia, side by side in both: `make paper-inertia`.
 
-SIDES = {side: f"results/{side}" for side in ("paper", "paper-inertia")}
-COMPARED = [
-    *expand("simulations/{plan}/forces.csv", plan=["screen", "four_factor", "extrapolation"]),
-    *expand("fits/{fit}.json", fit=MODEL_OF_FIT),
-    *expand("designs/{name}.csv", name=["two_factor", "four_factor", "four_factor_distinct"]),
-    *ON_SCREEN,
-    *ON_ERROR_MAP,
-    *OF_PLAN,
-]
+SIDES = ["paper", "paper-inertia"]
+COMPARED = [*OF_THE_PAPER, *ON_ERROR_MAP, "designs/four_factor_distinct.csv"]
 # A run makes the results of one study: those of the other must be there.
-OTHER_TABLES = [
-    f"{results}/{file}" for side, results in SIDES.items() if side != STUDY for file in COMPARED
-]
+OTHER_TABLES = [f"results/{side}/{file}" for side in SIDES if side != STUDY for file in COMPARED]
 BOTH_MADE = PAPER and STUDY in SIDES and all(Path(file).is_file() for file in OTHER_TABLES)
 
 
@@ -20,7 +11,7 @@ if BOTH_MADE:
 
     rule equations:
         input:
-            expand("{results}/{file}", results=SIDES.values(), file=COMPARED),
+            expand("results/{side}/{file}", side=SIDES, file=COMPARED),
         output:
             csv="<results>/tables/equations.csv",
             markdown="<results>/tables/equations.md",
@@ -31,8 +22,9 @@ if BOTH_MADE:
                 caption="equations",
             ),
         params:
-            sides=list(SIDES.values()),
+            page="equations",
+            about={"sides": expand("results/{side}", side=SIDES)},
         message:
             "The paper's equation beside a gas that has inertia"
         script:
-            "../scripts/equations.py"
+            "../scripts/page.py"

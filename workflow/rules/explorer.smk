@@ -1,19 +1,12 @@
 # A page in which the fitted models can be played with.
 
 # The first one is shown first.
-EXPLORER_FITS = [
-    "two_factor_design",
-    "screen",
-    "four_factor",
-    "four_factor_design",
-    "four_factor_design_distinct",
-]
+EXPLORER_FITS = ["two_factor_design", "screen", *FITS["four_factor"]]
 # Physics and the study's own formulas, with the finger anywhere: what has no fit of its own above.
 EXPLORER_CANDIDATES = [
     model for model in CONFIG["comparison"]["four_factor"] if model != "four_factor"
 ]
-EXPLORER_PLANS = ["screen", "error_map", "two_factor_design", "four_factor", "four_factor_design"]
-EXPLORER_PLANS += ["four_factor_design_distinct"]
+EXPLORER_PLANS = ["screen", "error_map", "two_factor_design", *FITS["four_factor"]]
 
 
 rule explorer:

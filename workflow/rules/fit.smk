@@ -16,6 +16,7 @@ rule fit:
         code=CODE["models"],
         study=sections("fit", "models", "screen", "positions", *SHAPES),
         model=lambda wildcards: MODEL_OF_FIT[wildcards.fit],
+        seeds=None,
     message:
         "Fit the {params.model} model to {wildcards.fit}"
     script:

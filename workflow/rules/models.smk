@@ -1,15 +1,17 @@
 # Candidates for the force model, the paper's, physics and your own, side by side: `snakemake models`.
 
-MODEL_SPACES = {"two_factor": "finger centred", "four_factor": "finger anywhere"}
-# The points that candidates are fitted to.
-FITTED_PLAN = {"two_factor": "screen", "four_factor": "four_factor"}
-
 # What the recommended model is judged by; the first has the positions.
-RECOMMENDED_BY = ["four_factor", *(f"validation_{space}" for space in MODEL_SPACES)]
+RECOMMENDED_BY = ["four_factor", *expand("validation_{space}", space=FITS)]
+
+
+def candidate_files(space):
+    """The fits of the models that are compared in a space."""
+    models = CONFIG["comparison"][space]
+    return expand(f"<results>/models/{space}/{{model}}.json", model=models)
 
 
 wildcard_constraints:
-    space="|".join(MODEL_SPACES),
+    space="|".join(FITS),
     model="[a-z][a-z0-9_]*",
 
 
@@ -43,47 +45,47 @@ rule limit_table:
 
 rule fit_candidate:
     input:
-        forces=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/forces.csv",
-        limits=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/limits.csv",
+        forces=lambda wildcards: f"<results>/simulations/{FITS[wildcards.space][0]}/forces.csv",
+        limits=lambda wildcards: f"<results>/simulations/{FITS[wildcards.space][0]}/limits.csv",
         limit_table="<results>/models/limit_table.json",
         sample="<results>/simulations/validation_{space}/forces.csv",
         sample_limits="<results>/simulations/validation_{space}/limits.csv",
         scan=SCAN_SUMMARY,
     output:
-        "<results>/models/{space}/{model}.json",
+        fit="<results>/models/{space}/{model}.json",
     params:
         code=CODE["models"],
         study=sections("fit", "models", "screen", "positions", *SHAPES),
+        model="{model}",
+        seeds=1,
     message:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
     script:
-        "../scripts/fit_candidate.py"
+        "../scripts/fit.py"
 
 
 rule compare:
     input:
-        fits=lambda wildcards: [
-            f"<results>/models/{wildcards.space}/{model}.json"
-            for model in CONFIG["comparison"][wildcards.space]
-        ],
+        fits=lambda wildcards: candidate_files(wildcards.space),
         forces="<results>/simulations/validation_{space}/forces.csv",
         limits="<results>/simulations/validation_{space}/limits.csv",
     output:
         table="<results>/models/{space}.csv",
-        text="<results>/models/{space}.md",
+        markdown="<results>/models/{space}.md",
         errors="<results>/models/{space}_errors.csv",
         page=listed("models/{space}.html", "6 Models", caption="models", shows="table, {space}"),
     params:
         study=sections("comparison", "screen", *FILM),
+        page="models",
     message:
         "Candidates side by side on {wildcards.space} points"
     script:
-        "../scripts/compare_models.py"
+        "../scripts/page.py"
 
 
 rule recommend:
     input:
-        expand("<results>/models/{space}.csv", space=MODEL_SPACES),
+        expand("<results>/models/{space}.csv", space=FITS),
         expand("<results>/simulations/{plan}/forces.csv", plan=RECOMMENDED_BY),
     output:
         "<results>/models/recommended.csv",
@@ -99,19 +101,12 @@ rule models:
     input:
         rules.limit_table.output,
         rules.recommend.output,
-        [limit_tables(space) for space in MODEL_SPACES],
-        [
-            f"<results>/models/{space}/{model}.json"
-            for space in MODEL_SPACES
-            for model in CONFIG["comparison"][space]
-        ],
+        [limit_tables(space) for space in FITS],
+        [candidate_files(space) for space in FITS],
         expand(
-            "<results>/models/{space}.{format}", space=MODEL_SPACES, format=["csv", "md", "html"]
-        ),
-        expand(
-            "<results>/models/{space}_errors.{format}",
-            space=MODEL_SPACES,
-            format=["csv", "png", "svg"],
+            "<results>/models/{space}{end}",
+            space=FITS,
+            end=[".csv", ".md", ".html", "_errors.csv", "_errors.png", "_errors.svg"],
         ),
     message:
         "Candidates for the force model are compared"

@@ -1,28 +1,17 @@
 # Where to simulate, with a certificate: `snakemake optimal`; and the loop closed: `snakemake refine`.
 
-# The fit whose model designs are made for, the forces behind it, and the plans judged beside them.
-OPTIMAL_FIT = {"two_factor": "screen", "four_factor": "four_factor"}
-JUDGED_PLANS = {
-    "two_factor": ["screen", "two_factor_design"],
-    "four_factor": ["four_factor", "four_factor_design", "four_factor_design_distinct"],
-}
-EXTENDED_PLAN = {"two_factor": "two_factor_design", "four_factor": "four_factor_design_distinct"}
 REFINED = ["rounds.csv", "forces.csv", "limits.csv", "where.csv", "fit.json", "verdict.json"]
 
 
 rule optimal_design:
     input:
-        fit=lambda wildcards: f"<results>/fits/{OPTIMAL_FIT[wildcards.space]}.json",
-        forces=lambda wildcards: (
-            f"<results>/simulations/{OPTIMAL_FIT[wildcards.space]}/forces.csv"
-        ),
+        fit=lambda wildcards: f"<results>/fits/{FITS[wildcards.space][0]}.json",
+        forces=lambda wildcards: f"<results>/simulations/{FITS[wildcards.space][0]}/forces.csv",
         patterns="<results>/designs/{space}.json",
-        existing=lambda wildcards: (
-            f"<results>/simulations/{EXTENDED_PLAN[wildcards.space]}/scenes.csv"
+        existing=lambda wildcards: f"<results>/simulations/{FITS[wildcards.space][-1]}/scenes.csv",
+        plans=lambda wildcards: expand(
+            "<results>/simulations/{plan}/scenes.csv", plan=FITS[wildcards.space]
         ),
-        plans=lambda wildcards: [
-            f"<results>/simulations/{plan}/scenes.csv" for plan in JUDGED_PLANS[wildcards.space]
-        ],
     output:
         designs="<results>/designs/optimal_{space}.csv",
         efficiencies="<results>/designs/optimal_{space}_plans.csv",
@@ -40,15 +29,16 @@ rule optimal_design:
 rule optimal:
     input:
         expand(
-            "<results>/designs/optimal_{space}.{format}",
-            space=MODEL_SPACES,
-            format=["csv", "json"],
-        ),
-        expand("<results>/designs/optimal_{space}_plans.csv", space=MODEL_SPACES),
-        expand(
-            "<results>/designs/optimal_{space}_sensitivity.{format}",
-            space=MODEL_SPACES,
-            format=["csv", "png", "svg"],
+            "<results>/designs/optimal_{space}{end}",
+            space=FITS,
+            end=[
+                ".csv",
+                ".json",
+                "_plans.csv",
+                "_sensitivity.csv",
+                "_sensitivity.png",
+                "_sensitivity.svg",
+            ],
         ),
     message:
         "Designs are certified, and other plans judged beside them"
@@ -86,7 +76,7 @@ rule refine_report:
         limits="<results>/simulations/validation_{space}/limits.csv",
     output:
         table="<results>/refine/{space}.csv",
-        text="<results>/refine/{space}.md",
+        markdown="<results>/refine/{space}.md",
         page=listed(
             "refine/{space}.html",
             "7 Designs and refinement",
@@ -95,18 +85,19 @@ rule refine_report:
         ),
     params:
         study=sections("refine", "screen", *FILM),
+        page="refine",
     message:
         "What was estimated over the {wildcards.space} space, and the truth"
     script:
-        "../scripts/refine_report.py"
+        "../scripts/page.py"
 
 
 rule refine:
     input:
-        [refined_files(space) for space in MODEL_SPACES],
+        [refined_files(space) for space in FITS],
         expand(
             "<results>/refine/{space}{file}",
-            space=MODEL_SPACES,
+            space=FITS,
             file=[".csv", ".md", ".html", "_figure.png", "_figure.svg"],
         ),
     message:

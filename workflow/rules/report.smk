@@ -1,23 +1,12 @@
-# Pages for `snakemake --report`, which puts them into one file with the figures.
-#
-# Its categories stand in the order of their names, hence the numbers.
+# Pages for `snakemake --report`, which puts them into one file with the figures. Its categories
+# stand in the order of their names, hence the numbers.
 
-VALIDATIONS = [*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR]
-SUMMARY_PLANS = [
-    "screen",
-    "two_factor_design",
-    "error_map",
-    "extrapolation",
-    "four_factor",
-    *(["four_factor_control"] if PAPER else []),
-    "four_factor_design",
-    "four_factor_design_distinct",
-]
+VALIDATIONS = [pair for space in FITS for pair in validations(space)]
+SUMMARY_PLANS = [*FITS["two_factor"], "error_map", "extrapolation", *JUDGED_ON["four_factor"]]
+SUMMARY_PLANS += FITS["four_factor"][1:]
 
 # What says most at one glance.
-FRONT_PICTURES = (
-    ["overview", "fig08", "error_map"] if PAPER else ["overview", "force_map", "budget"]
-)
+FRONT_PICTURES = ["overview", *(["fig08", "error_map"] if PAPER else ["force_map", "budget"])]
 
 
 rule summary:
@@ -29,7 +18,7 @@ rule summary:
         "<results>/simulations/device.json",
         "<results>/simulations/screen/budget.csv",
         SCAN_SUMMARY,
-        pictures=expand("<results>/figures/{name}.png", name=FRONT_PICTURES),
+        expand("<results>/figures/{name}.png", name=FRONT_PICTURES),
     output:
         markdown="<results>/summary.md",
         page=listed(
@@ -42,11 +31,38 @@ rule summary:
         front="<results>/report/front.rst",
     params:
         study=sections(*CONFIG),
-        plans=SUMMARY_PLANS,
-        fits=list(MODEL_OF_FIT),
-        pairs=VALIDATIONS,
+        page="summary",
+        about={
+            "plans": SUMMARY_PLANS,
+            "fits": list(MODEL_OF_FIT),
+            "pairs": VALIDATIONS,
+            "pictures": FRONT_PICTURES,
+        },
         paper=PAPER,
     message:
         "The study on one page, and the report's first page"
     script:
-        "../scripts/summary.py"
+        "../scripts/page.py"
+
+
+if PAPER:
+
+    rule uncertainty_table:
+        input:
+            kernels="<results>/simulations/device.json",
+        output:
+            csv="<results>/tables/uncertainty.csv",
+            markdown="<results>/tables/uncertainty.md",
+            page=listed(
+                "report/uncertainty.html",
+                SUMMARY,
+                page="3 Uncertainty: what would explain a difference from the paper",
+                caption="uncertainty",
+            ),
+        params:
+            study=sections("solver", "screen", "extrapolation", *FILM),
+            page="uncertainty",
+        message:
+            "What would explain the differences from the paper"
+        script:
+            "../scripts/page.py"

@@ -1,7 +1,9 @@
 # From a plan to its forces. As CSV, or for a sweep's many rows as Parquet.
 
+# What films do besides giving a force.
+FILM_TABLES = ["budget", "gains", "levitation", "response"]
 # Plans that are simulated by several jobs; all others by one that makes the plan too.
-DIVIDED = [plan for plan in SECTIONS_OF_PLAN if CHUNKS.get(plan, 1) > 1]
+DIVIDED = [plan for plan in PLANS if CHUNKS.get(plan, 1) > 1]
 
 
 # Compiled kernels go to the caches, so that jobs that start side by side find them there. On
@@ -22,71 +24,58 @@ rule compile_kernels:
 
 rule simulate_plan:
     input:
-        sources=lambda wildcards: SOURCES_OF_PLAN.get(wildcards.plan, []),
+        sources=sources_of_plan,
         kernels=rules.compile_kernels.output,
     output:
         scenes=f"{PLAN}/scenes.{{suffix}}",
         forces=f"{PLAN}/forces.{{suffix}}",
         timings=f"{PLAN}/timings.{{suffix}}",
-    log:
-        "<logs>/simulate/{plan}.{suffix}.log",
-    benchmark:
-        "<benchmarks>/simulate/{plan}.{suffix}.tsv"
     wildcard_constraints:
-        plan="|".join(plan for plan in SECTIONS_OF_PLAN if plan not in DIVIDED),
+        plan="|".join(plan for plan in PLANS if plan not in DIVIDED),
     resources:
         mem_mb=lambda wildcards, attempt: 2000 * attempt,
         runtime=lambda wildcards, attempt: 30 * attempt,
     params:
         code=code_of_plan,
-        study=lambda wildcards: sections(
-            "solver", "outputs", *FILM, *SECTIONS_OF_PLAN[wildcards.plan]
-        ),
+        study=lambda wildcards: sections("solver", "outputs", *FILM, *PLANS[wildcards.plan][0]),
         keep_failed=keep_failed,
     message:
         "Simulate {wildcards.plan}"
     script:
-        "../scripts/simulate_plan.py"
+        "../scripts/simulate.py"
 
 
 rule plan:
     input:
         profile=SMOOTHED,
-        sources=lambda wildcards: SOURCES_OF_PLAN.get(wildcards.plan, []),
+        sources=sources_of_plan,
     output:
         f"{PLAN}/scenes.{{suffix}}",
     wildcard_constraints:
         plan="|".join(DIVIDED) or "(?!)",
     params:
         code=code_of_plan,
-        study=lambda wildcards: sections(*FILM, *SECTIONS_OF_PLAN[wildcards.plan]),
+        study=lambda wildcards: sections(*FILM, *PLANS[wildcards.plan][0]),
     message:
         "Points to simulate: {wildcards.plan}"
     script:
         "../scripts/plan.py"
 
 
-rule simulate:
+use rule simulate_plan as simulate with:
     input:
         scenes=f"{PLAN}/scenes.{{suffix}}",
         kernels=rules.compile_kernels.output,
     output:
         forces=f"{PLAN}/chunks/{{chunk}}-of-{{chunks}}.{{suffix}}",
         timings=f"{PLAN}/chunks/{{chunk}}-of-{{chunks}}.timings.{{suffix}}",
-    log:
-        "<logs>/simulate/{plan}/{chunk}-of-{chunks}.{suffix}.log",
-    benchmark:
-        "<benchmarks>/simulate/{plan}/{chunk}-of-{chunks}.{suffix}.tsv"
-    resources:
-        mem_mb=lambda wildcards, attempt: 2000 * attempt,
-        runtime=lambda wildcards, attempt: 30 * attempt,
+    wildcard_constraints:
+        plan="|".join(PLANS),
     params:
         code=CODE["solver"],
         study=sections("solver", "outputs", *FILM),
     message:
         "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
-    script:
-        "../scripts/simulate.py"
 
 
 rule merge:
@@ -115,50 +104,37 @@ rule sweep:
         "Every scene of the sweep has its force"
 
 
-rule plan_budget:
+rule film_table:
     input:
-        scenes=f"{PLAN}/scenes.csv",
-        kernels="<results>/simulations/device.json",
+        points=lambda wildcards: (
+            f"{PLAN}/{'forces' if wildcards.table == 'levitation' else 'scenes'}.csv"
+        ),
+        kernels=rules.compile_kernels.output,
     output:
-        f"{PLAN}/budget.csv",
+        f"{PLAN}/{{table}}.csv",
+    wildcard_constraints:
+        table="|".join(FILM_TABLES),
     params:
         code=CODE["solver"],
         study=sections("solver", *FILM),
     message:
-        "What the film equation leaves out of the forces of {wildcards.plan}"
+        "What the films of {wildcards.plan} do besides: {wildcards.table}"
     script:
-        "../scripts/budget.py"
+        "../scripts/film_table.py"
 
 
-rule plan_response:
+rule cross_section:
     input:
-        scenes=f"{PLAN}/scenes.csv",
-        kernels="<results>/simulations/device.json",
+        scenes="<results>/simulations/extrapolation/scenes.csv",
+        kernels=rules.compile_kernels.output,
     output:
-        response=f"{PLAN}/response.csv",
-        gains=f"{PLAN}/gains.csv",
+        "<results>/simulations/extrapolation/film.csv",
     params:
-        code=CODE["solver"],
         study=sections("solver", *FILM),
     message:
-        "How the forces of {wildcards.plan} follow a changing amplitude"
+        "Gap and pressure under the finger over a period"
     script:
-        "../scripts/response.py"
-
-
-rule plan_levitation:
-    input:
-        forces=f"{PLAN}/forces.csv",
-        kernels="<results>/simulations/device.json",
-    output:
-        f"{PLAN}/levitation.csv",
-    params:
-        code=CODE["solver"],
-        study=sections("solver", *FILM),
-    message:
-        "The gaps that carry loads as in {wildcards.plan}"
-    script:
-        "../scripts/levitation.py"
+        "../scripts/cross_section.py"
 
 
 rule film_tables:
@@ -167,7 +143,7 @@ rule film_tables:
         "<results>/simulations/extrapolation/film.csv",
         expand(
             "<results>/simulations/screen/{table}.csv",
-            table=["budget", "gains", "levitation", "response"],
+            table=FILM_TABLES,
         ),
         expand(f"{PLAN}/budget.csv", plan=["four_factor", "extrapolation"]),
     message:

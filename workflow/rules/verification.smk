@@ -56,11 +56,7 @@ rule ablation:
 
 rule verification:
     input:
-        expand(
-            "<results>/{place}.{format}",
-            place=["numerics/work_precision", "numerics/stability"],
-            format=["csv", "png", "svg"],
-        ),
-        "<results>/numerics/ablation.csv",
+        expand("<results>/numerics/work_precision.{format}", format=["csv", "png", "svg"]),
+        expand("<results>/numerics/{table}.csv", table=["ablation", "stability"]),
     message:
         "Accuracy, run time and stability of the solver are known"

@@ -1,10 +1,10 @@
 """Search the paper's D-optimal points of a fitted model, for two factors or for four."""
 
-from scripts.job import begin_with_study
+from scripts.job import begin_with_study, write
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
-from squeezefilm.tables import write_json, write_table
+from squeezefilm.tables import write_table
 
 snakemake, config = begin_with_study()
 fit, output = read_fit(snakemake.input.fit), snakemake.output
@@ -13,5 +13,4 @@ with naming(snakemake.input.fit):
     designs = designs_of(fit, config, processes=snakemake.threads)
 for path, table in zip(output.designs, designs.tables, strict=True):
     write_table(table, path)
-write_table(designs.searches, output.searches)
-write_json(designs.summary, output.summary)
+write(output, searches=designs.searches, summary=designs.summary)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from plotly.offline import get_plotlyjs
 
-from reporting.explorer import explorer_page, models_of, modulation_of
+from reporting.explorer import explorer_page, modulation_of
 from reporting.results import Results
 from scripts.job import begin_with_study
 from squeezefilm.files import write_text
@@ -15,9 +15,10 @@ results = Results(Path(params.results), config)
 films = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
 gains = results.table("simulations/screen/gains.csv", "h0_m", "hv_m", "frequency_hz", "gain")
 page = explorer_page(
-    config,
-    models_of(results, fits=params.fits, candidates=params.candidates),
-    {plan: results.forces(plan) for plan in params.plans},
+    results,
+    fits=params.fits,
+    candidates=params.candidates,
+    forces={plan: results.forces(plan) for plan in params.plans},
     drawing_library=get_plotlyjs(),
     modulation=modulation_of(films, gains),
 )

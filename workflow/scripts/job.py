@@ -6,8 +6,12 @@ import traceback
 from types import TracebackType
 from typing import Any
 
+import pandas as pd
+
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.files import write_text
+from squeezefilm.tables import write_json, write_table
 
 
 def begin() -> Any:
@@ -36,6 +40,17 @@ def begin() -> Any:
 
     sys.excepthook = tell
     return job
+
+
+def write(output: Any, **values: pd.DataFrame | dict[str, Any] | str) -> None:
+    """Write values by the names of a rule's outputs: tables, JSON objects, texts."""
+    for name, value in values.items():
+        if isinstance(value, pd.DataFrame):
+            write_table(value, output[name])
+        elif isinstance(value, str):
+            write_text(value, output[name])
+        else:
+            write_json(value, output[name])
 
 
 def begin_with_study() -> tuple[Any, Config]:

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from scripts.job import begin_with_study
+from scripts.job import begin_with_study, write
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
-from squeezefilm.tables import read_json, read_ok_forces, read_scenes, write_json, write_table
+from squeezefilm.tables import read_json, read_ok_forces, read_scenes
 
 snakemake, config = begin_with_study()
-files, output = snakemake.input, snakemake.output
+files = snakemake.input
 with naming(files.fit):
     found = designs_of_fit(
         read_fit(files.fit),
@@ -19,7 +19,4 @@ with naming(files.fit):
         plans={Path(path).parent.name: read_scenes(path) for path in files.plans},
         patterns=read_json(files.patterns),
     )
-write_table(found.designs, output.designs)
-write_table(found.efficiencies, output.efficiencies)
-write_table(found.sensitivity, output.sensitivity)
-write_json(found.summary, output.summary)
+write(snakemake.output, **vars(found))

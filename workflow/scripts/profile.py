@@ -1,13 +1,9 @@
 """Write what a smooth profile leaves open of its scan, and of forces simulated with it."""
 
-from scripts.job import begin_with_study
+from scripts.job import begin_with_study, write
 from squeezefilm.studies.tasks.scan_errors import scan_report
-from squeezefilm.tables import write_json, write_table
 
 snakemake, config = begin_with_study()
-output = snakemake.output
 report = scan_report(config)
-write_table(report.forces, output.forces)
-write_table(report.profile, output.figure)
-write_json(report.summary, output.summary)
+write(snakemake.output, forces=report.forces, figure=report.profile, summary=report.summary)
 print(report.text)

@@ -1,13 +1,13 @@
 """Simulate, fit, judge, design, simulate …, until a model is good enough or cannot be."""
 
-from scripts.job import begin_with_study
+from scripts.job import begin_with_study, write
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import profile_uncertainty
 from squeezefilm.studies.tasks.refined_model import refine
-from squeezefilm.tables import read_forces, write_json, write_table
+from squeezefilm.tables import read_forces
 
 snakemake, config = begin_with_study()
-files, output = snakemake.input, snakemake.output
+files = snakemake.input
 found = refine(
     get_model(snakemake.wildcards.model, config["models"], place=config.path),
     config,
@@ -16,7 +16,4 @@ found = refine(
     sample_limits=files.sample_limits,
     uncertainty=profile_uncertainty(config, summary=files.scan),
 )
-for name, table in found.tables.items():
-    write_table(table, getattr(output, name))
-write_json(found.fit, output.fit)
-write_json(found.verdict, output.verdict)
+write(snakemake.output, **found.tables, fit=found.fit, verdict=found.verdict)

@@ -1,16 +1,24 @@
-"""Simulate one of the parts of a plan; every scene keeps its row."""
+"""Simulate a plan, whose scenes are written first, or a part of one; every scene keeps its row."""
 
 from scripts.job import begin_with_study
-from squeezefilm.api.simulation import simulate_table
+from squeezefilm.api.simulation import no_force, simulate_table
+from squeezefilm.errors import RunError
+from squeezefilm.studies.plans import write_scenes
 from squeezefilm.studies.solver_settings import solver_settings
 
 snakemake, config = begin_with_study()
+wildcards, output = snakemake.wildcards, snakemake.output
+scenes = output.get("scenes")
+if scenes:
+    write_scenes(wildcards.plan, config, sources=snakemake.input.sources, output=scenes)
 failures, _ = simulate_table(
-    snakemake.input.scenes,
+    scenes or snakemake.input.scenes,
     config,
     settings=solver_settings(config),
-    output=snakemake.output.forces,
-    timings=snakemake.output.timings,
-    chunk=(int(snakemake.wildcards.chunk), int(snakemake.wildcards.chunks)),
+    output=output.forces,
+    timings=output.timings,
+    chunk=(int(wildcards.get("chunk", 1)), int(wildcards.get("chunks", 1))),
 )
+if scenes and failures and not snakemake.params.keep_failed:
+    raise RunError(no_force(failures, wildcards.plan))
 print(*failures, sep="\n")

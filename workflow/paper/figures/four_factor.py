@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from paper.figures.vibration import centre_limit_mm
 from reporting.figures import style
 from reporting.figures.axes import beside, dots, set_up_plane, set_up_positions
-from reporting.figures.tables import add_limits, plane_table
+from reporting.figures.tables import plane_table
 from reporting.results import Results
 
 _LOOKS: tuple[dict[str, Any], ...] = (
@@ -68,10 +68,7 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
         )
         for form, design in designs.items()
     ]
-    data = add_limits(pd.concat(parts, ignore_index=True), screen)
-    data = data.assign(
-        phi_r_max_mm=round(float(plan["phi_r_m"].max()) * 1e3, 9), phi_max_deg=plan["phi_deg"].max()
-    )
+    data = pd.concat(parts, ignore_index=True)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
     left, right = figure.subplots(1, 2)
     for look, (form, points) in zip(_LOOKS, data.groupby("form", sort=False), strict=True):
@@ -80,10 +77,10 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
             usual = {"linestyle": "none", "clip_on": False, "zorder": 3}
             axes.plot(points[x], points[y], label=label, **usual, **look)
             _number(axes, points, x=x, y=y, above=look is _LOOKS[0], colour=look["color"])
-    set_up_plane(left, data)
+    set_up_plane(left, screen)
     left.set_title("(a)")
-    radius = float(data["phi_r_max_mm"].iloc[0])
-    set_up_positions(right, data["phi_max_deg"], margin=0.1)
+    radius = 1e3 * float(plan["phi_r_m"].max())
+    set_up_positions(right, plan["phi_deg"], margin=0.1)
     right.set_ylim(-0.13 * radius, 1.15 * radius)
     right.set_title("(b)")
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.3)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures import style
 from reporting.figures.axes import dots, label_points, set_up_plane
-from reporting.figures.tables import add_limits, in_micrometres, micrometres
+from reporting.figures.tables import in_micrometres
 from reporting.notes import one_digit
 from reporting.results import Results
 
@@ -27,13 +27,12 @@ _TITLES = {
 
 def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     """A panel for each scaling of the factors; a triangle of three dots for each search."""
-    summary = results.searches()
+    summary, screen = results.searches(), results.scenes("screen")
     columns = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
     points = in_micrometres(results.table("designs/two_factor_searches.csv", *columns))
     data = points[["scaling", "search", "pattern", "h0_um", "hv_um", "objective"]].sort_values(
         "scaling", key=lambda names: names != summary["scaling"], kind="stable"
     )
-    data = add_limits(data, results.scenes("screen"))
     scalings = data["scaling"].unique()
     wide = len(scalings) > 1
     width = style.DOUBLE_COLUMN_IN if wide else style.SINGLE_COLUMN_IN
@@ -41,7 +40,7 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     panels = figure.subplots(1, len(scalings), squeeze=False, sharey=True)[0]
     for letter, axes, scaling in zip("abcdefgh", panels, scalings, strict=False):
         _draw_searches(axes, data[data["scaling"] == scaling])
-        set_up_plane(axes, data)
+        set_up_plane(axes, screen)
         axes.set_title(f"({letter}) " * wide + _TITLES[scaling])
         axes.label_outer()
     note = f"{summary['searches']} searches in each unit of the distances in criterion (12)."
@@ -81,32 +80,45 @@ def fig11(results: Results) -> tuple[Figure, pd.DataFrame]:
     return _pattern(results, order=1)
 
 
-def pattern_table(results: Results, *, order: int) -> tuple[pd.DataFrame, str]:
-    """Data of one pattern of the study's own scaling, the best being of order 0, and a note.
+def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
+    """Three dots and the lines of equal hv/h0 through them, along which the model is the same.
 
-    Layers design (its points) and ridge (equal hv/h0 through a point, within the space); where
-    there are fewer patterns, a row of layer absent.
+    Its table has the layers design (the points) and ridge (equal hv/h0 through a point, within the
+    space); where there are fewer patterns, the best being of order 0, a row of layer absent.
     """
-    screen = results.scenes("screen")
-    summary = results.searches()
+    screen, summary = results.scenes("screen"), results.searches()
     number, patterns = summary["searches"], summary["scalings"][summary["scaling"]]
-    columns = ["layer", "epsilon", "h0_um", "hv_um"]
+    figure = style.new_figure()
+    axes = figure.subplots()
+    set_up_plane(axes, screen, headroom=0.3)
     if order >= len(patterns):
         found = ", ".join(f"{each['pattern']} ({each['count']})" for each in patterns)
-        absent = pd.DataFrame([{"layer": "absent"}], columns=columns)
         note = f"All {number} searches ended in other patterns: {found}."
-        return add_limits(absent, screen), note
-    pattern = patterns[order]
-    rows = []
+        style.add_note(figure, note, results.beyond)
+        text = "no such pattern:\nall searches ended in the\npatterns shown before"
+        axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
+        absent = pd.DataFrame([{"layer": "absent"}])
+        return figure, absent.reindex(columns=["layer", "epsilon", "h0_um", "hv_um"])
+    pattern, layers = patterns[order], []
     for point in pattern["points"]:
         epsilon = point["hv_m"] / point["h0_m"]
-        rows.append(("design", epsilon, point["h0_m"], point["hv_m"]))
         lowest = max(screen["h0_m"].min(), screen["hv_m"].min() / epsilon)
         highest = min(screen["h0_m"].max(), screen["hv_m"].max() / epsilon)
-        ridge = np.linspace(lowest, highest, 11)
-        rows += [("ridge", epsilon, h0_m, epsilon * h0_m) for h0_m in ridge]
-    data = pd.DataFrame(rows, columns=columns)
-    data["h0_um"], data["hv_um"] = micrometres(data["h0_um"]), micrometres(data["hv_um"])
+        h0_m = np.array([point["h0_m"], *np.linspace(lowest, highest, 11)])
+        line = pd.DataFrame({"layer": "ridge", "epsilon": epsilon, "h0_m": h0_m})
+        line.loc[0, "layer"] = "design"
+        layers.append(in_micrometres(line.assign(hv_m=epsilon * h0_m)))
+        ridge = layers[-1][1:]
+        dashed = (0, (4, 2))
+        axes.plot(ridge["h0_um"], ridge["hv_um"], color="0.55", linestyle=dashed, linewidth=0.9)
+    data = pd.concat(layers, ignore_index=True)[["layer", "epsilon", "h0_um", "hv_um"]]
+    design = style.rows(data, "design")
+    dots(axes, design, fill="black", markersize=6, zorder=3)
+    labels = [
+        f"({row.h0_um:.3g}, {row.hv_um:.3g}) µm\n$h_v/h_0$ = {row.epsilon:.3f}"
+        for row in design.itertuples()
+    ]
+    label_points(axes, design, labels=labels)
     note = (
         f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches; O = "
         f"{pattern['objective']:.7g}"
@@ -114,26 +126,5 @@ def pattern_table(results: Results, *, order: int) -> tuple[pd.DataFrame, str]:
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]
         note += f", {one_digit(behind)} above A in proportion"
-    return add_limits(data, screen), f"{note}."
-
-
-def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
-    """Three dots and the lines of equal hv/h0 through them, along which the model is the same."""
-    data, note = pattern_table(results, order=order)
-    figure = style.new_figure()
-    axes = figure.subplots()
-    for _, line in style.rows(data, "ridge").groupby("epsilon"):
-        axes.plot(line["h0_um"], line["hv_um"], color="0.55", linestyle=(0, (4, 2)), linewidth=0.9)
-    design = style.rows(data, "design")
-    dots(axes, design, fill="black", markersize=6, zorder=3)
-    set_up_plane(axes, data, headroom=0.3)
-    labels = [
-        f"({h0:.3g}, {hv:.3g}) µm\n$h_v/h_0$ = {epsilon:.3f}"
-        for h0, hv, epsilon in zip(design["h0_um"], design["hv_um"], design["epsilon"], strict=True)
-    ]
-    label_points(axes, design, labels=labels)
-    if design.empty:
-        text = "no such pattern:\nall searches ended in the\npatterns shown before"
-        axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
-    style.add_note(figure, note, results.beyond)
+    style.add_note(figure, f"{note}.", results.beyond)
     return figure, data

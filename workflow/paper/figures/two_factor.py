@@ -19,7 +19,6 @@ from reporting.figures.axes import (
     set_up_plane,
 )
 from reporting.figures.tables import (
-    add_limits,
     error_note,
     error_table,
     model_mesh,
@@ -35,11 +34,11 @@ AUGMENTATION = "augmentation"
 def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The screen: one dot per simulation."""
     screen = results.scenes("screen")
-    data = add_limits(plane_table(screen, layer="screen"), screen)
+    data = plane_table(screen, layer="screen")
     figure = style.new_figure()
     axes = figure.subplots()
     dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
-    set_up_plane(axes, data)
+    set_up_plane(axes, screen)
     gaps, amplitudes = screen["h0_m"].nunique(), screen["hv_m"].nunique()
     note = f"{len(screen)} simulations: {gaps} gaps × {amplitudes} amplitudes."
     style.add_note(figure, note, results.beyond)
@@ -61,7 +60,6 @@ def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
     labels = design["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
     points = plane_table(design, layer="design").assign(label=labels)
     data = pd.concat([plane_table(screen, layer="screen"), points], ignore_index=True)
-    data = add_limits(data, screen)
     figure = style.new_figure()
     axes = figure.subplots()
     label = f"screen, {len(screen)} points"
@@ -69,7 +67,7 @@ def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
     dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
     label = f"optimal design, {len(design)} points"
     dots(axes, points, fill="black", markersize=6, label=label)
-    set_up_plane(axes, data)
+    set_up_plane(axes, screen)
     label_points(axes, points, labels=points["label"])
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
     note = "Letters: a point's patterns; +: added by best augmentation."

@@ -14,26 +14,20 @@ from reporting.results import Results
 from squeezefilm.config.loading import Config
 from squeezefilm.studies.study import finger_of, profile_of
 
+DIGITS = {"radius_mm": 9, "x_mm": 9, "y_mm": 9, "amplitude_ratio": 12}
+"""Of a table: the last ones differ from machine to machine."""
+
 
 def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The profile seen from above; layers surface, centre_limit (dashed) and finger."""
     config = results.config
     finger, limit_mm = finger_of(config), centre_limit_mm(config)
-    rim = np.round(finger.outline() * 1e3, 9)
-    closed = np.vstack([rim, rim[:1]])
-    outline = pd.DataFrame({"layer": "finger", "x_mm": closed[:, 0], "y_mm": closed[:, 1]})
-    angle_deg = np.linspace(0, 360, 121)
-    circle = pd.DataFrame(
-        {
-            "layer": "centre_limit",
-            "radius_mm": limit_mm,
-            "angle_deg": angle_deg,
-            "x_mm": np.round(limit_mm * np.cos(np.radians(angle_deg)), 9),
-            "y_mm": np.round(limit_mm * np.sin(np.radians(angle_deg)), 9),
-        }
-    )
+    rim = 1e3 * finger.outline()
+    outline = pd.DataFrame(np.vstack([rim, rim[:1]]), columns=["x_mm", "y_mm"])
+    circle = _polar_table(np.array([limit_mm]), np.linspace(0, 360, 121))
     surface = profile_table(config, radii=41, angles=61)
-    data = pd.concat([surface, circle, outline], ignore_index=True)
+    layers = {"surface": surface, "centre_limit": circle, "finger": outline}
+    data = pd.concat([table.assign(layer=layer) for layer, table in layers.items()])
     figure = style.new_figure(height_in=3.5)
     axes = figure.subplots()
     x, y, amplitude = _polar_grid(surface)
@@ -57,7 +51,7 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     figure.legend(loc="outside upper center", ncols=2, handlelength=1.8, columnspacing=1.0)
     note = f"The finger's centre may be up to {limit_mm:.2f} mm off."
     style.add_note(figure, note, results.beyond)
-    return figure, data
+    return figure, data.round(DIGITS)
 
 
 def fig06(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -71,7 +65,7 @@ def fig06(results: Results) -> tuple[Figure, pd.DataFrame]:
         bottom=style.add_note(figure, results.beyond),
     )
     drawing.mesh(axes, *_polar_grid(data))
-    return figure, data
+    return figure, data.assign(layer="surface").round(DIGITS)
 
 
 def _polar_grid(surface: pd.DataFrame) -> list[np.ndarray]:
@@ -83,23 +77,18 @@ def _polar_grid(surface: pd.DataFrame) -> list[np.ndarray]:
 
 
 def profile_table(config: Config, *, radii: int, angles: int) -> pd.DataFrame:
-    """The profile on a polar grid over the disc, as layer ``surface``."""
+    """The profile on a polar grid over the disc."""
     radius_m = np.linspace(0, config["actuator"]["surface_radius_m"], radii)
-    angle_deg = np.linspace(0, 360, angles)
-    radius_m, angle_deg = (v.ravel() for v in np.meshgrid(radius_m, angle_deg, indexing="ij"))
-    x_m, y_m = radius_m * np.cos(np.radians(angle_deg)), radius_m * np.sin(np.radians(angle_deg))
-    s = profile_of(config).amplitude(x_m=x_m, y_m=y_m)
-    shown = np.abs(s) if np.iscomplexobj(s) else s
-    return pd.DataFrame(
-        {
-            "layer": "surface",
-            "radius_mm": np.round(radius_m * 1e3, 9),
-            "angle_deg": angle_deg,
-            "x_mm": np.round(x_m * 1e3, 9),
-            "y_mm": np.round(y_m * 1e3, 9),
-            "amplitude_ratio": np.round(shown, 12),
-        }
-    )
+    table = _polar_table(1e3 * radius_m, np.linspace(0, 360, angles))
+    places = {f"{name}_m": table[f"{name}_mm"].to_numpy() / 1e3 for name in "xy"}
+    s = profile_of(config).amplitude(**places)
+    return table.assign(amplitude_ratio=np.abs(s) if np.iscomplexobj(s) else s)
+
+
+def _polar_table(radius_mm: np.ndarray, angle_deg: np.ndarray) -> pd.DataFrame:
+    radius, angle = (each.ravel() for each in np.meshgrid(radius_mm, angle_deg, indexing="ij"))
+    x_mm, y_mm = radius * np.cos(np.radians(angle)), radius * np.sin(np.radians(angle))
+    return pd.DataFrame({"radius_mm": radius, "angle_deg": angle, "x_mm": x_mm, "y_mm": y_mm})
 
 
 def centre_limit_mm(config: Config) -> float:

@@ -14,29 +14,25 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reporting.check.compare import SAME, UNREADABLE, Close, Quantity
-from reporting.check.pictures import BY_CHANCE, PLACE_OF_PICTURES, RMS, apart, pictures_of
+from reporting.check.compare import (
+    BY_CHANCE,
+    PLACE_OF_PICTURES,
+    SAME,
+    Close,
+    Quantity,
+    compare,
+    on_screen,
+    picture_quantities,
+    read_reference,
+    summary,
+)
+from reporting.pages import Page
 from reporting.results import Results
 from squeezefilm.columns import form_of
-from squeezefilm.errors import InputError
 from squeezefilm.models.data import factors_of
 
 SAMPLE = 25
 """Rows of a table that a reference keeps; least, mean and largest stand for the others."""
-NOT_DECIDING = {
-    *("study", "paper", "numerics", "simulation", "outputs"),
-    *("sweep", "models", "comparison", "optimal", "refine"),  # not the paper's
-}
-"""Sections of a study that decide nothing which is compared."""
-TWO_FACTOR_PLANS = ("screen", "error_map", "extrapolation")
-FITS = {
-    "screen": TWO_FACTOR_PLANS,
-    "two_factor_design": TWO_FACTOR_PLANS,
-    "four_factor": ("four_factor", "four_factor_control"),
-    "four_factor_design": ("four_factor", "four_factor_control"),
-    "four_factor_design_distinct": ("four_factor", "four_factor_control"),
-}
-"""Each fit, which has the name of its plan, and the plans that it is validated on."""
 FIT_OF_DESIGN = {
     "two_factor": "screen",
     "four_factor": "four_factor",
@@ -51,7 +47,6 @@ RESULTS = {
     "simulations/extrapolation/film": "phase_deg|x_mm|surface_um|finger_um|overpressure_kpa",
     "validation/two_factor_design_on_error_map": "h0_m|hv_m|relative_error",
     "tables/uncertainty": "assumption|force_(low|high)_n|ours_n|verdict",
-    "tables/uncertainty_curves": "assumption|change_percent|plausible|force_n",
 }
 """Tables that the study's figures are drawn from, and their columns that are compared."""
 GIVEN_PLAN = "(screen|error_map|four_factor_control)"
@@ -91,60 +86,49 @@ def tolerances(solver: float) -> dict[str, Close]:
         "shown": Close(relative=20 * solver, digits=1),
         # A plan's smallest forces are hundreds of times smaller than the largest.
         "relative error": Close(of_largest=min(0.05, 1e4 * solver)),
-        # A point at the very edge of the band may change sides.
-        "count": Close(absolute=0.01),
     }
+
+
+def check_page(results: Results, *, reference: str) -> Page:
+    """Every quantity of a study beside those of the reference in a folder."""
+    folder = Path(reference)
+    table = compare(study_quantities(results, folder), read_reference(folder))
+    shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
+    values = {"summary": summary(table), "table": shown}
+    return Page(values, {"csv": table, "text": f"{on_screen(table)}\n"})
 
 
 def study_quantities(results: Results, reference: Path) -> list[Quantity]:
     """All quantities of a finished study, in the order in which they are judged.
 
+    A file that is missing has none; those that a reference has of it then fail.
+
+    Raises InputError naming a file that cannot be read or lacks what it must have.
+
     Args:
         reference: the folder with the pictures to compare the study's with.
     """
-    config, paper = results.config, bool(results.config["paper"])
+    config, folder = results.config, results.folder
+
+    def names(pattern: str) -> list[str]:
+        return sorted(path.stem for path in folder.glob(pattern))
+
     close = tolerances(float(config["solver"]["tolerance"]))
-    figures = sorted((results.folder / "figures").glob("fig*.csv"))
+    plans = sorted(path.parent.name for path in folder.glob("simulations/*/forces.csv"))
     items = [
-        *(("figure data", path.stem, _table) for path in figures if path.stem != BY_CHANCE),
-        *(("results", name, _table) for name in RESULTS if paper or name[:6] != "tables"),
-        *(("tables", f"table{number}", _table) for number in (1, 2, 3) if paper),
-        *([("claims", "claims.csv", _claims)] if paper else []),
-        *(("simulations", plan, _simulations) for plan in _plans(paper)),
-        *(("fits", name, _fit) for name in FITS),
+        *(("figure data", name, _table) for name in names("figures/fig*.csv") if name != BY_CHANCE),
+        *(("results", name, _table) for name in RESULTS if results.exists(f"{name}.csv")),
+        *(("tables", name, _table) for name in names("tables/table*.csv")),
+        *(("claims", name, _claims) for name in names("claims.csv")),
+        *(("simulations", plan, _simulations) for plan in plans if plan[:10] != "validation"),
+        *(("fits", name, _fit) for name in names("fits/*.json")),
         *(("designs", name, _design) for name in FIT_OF_DESIGN),
-        *(
-            ("validation", f"{fit}_on_{plan}", _validation)
-            for fit, plans in FITS.items()
-            for plan in plans
-            if plan in _plans(paper)
-        ),
     ]
     # A reference has a sample of the films; all of them take minutes.
     if config["numerics"]["extent"] == "sample" and results.exists("numerics/stability.csv"):
         items.append(("numerics", "stability", _stability))
-    quantities = [
-        Quantity("settings", section, "keys", _keys(section, config[section]))
-        for section in config
-        if section not in NOT_DECIDING
-    ]
-    for part, item, make in items:
-        try:
-            quantities += list(make(results, close, part, item))
-        except InputError as error:
-            quantities.append(Quantity(part, item, UNREADABLE, {"a file": str(error)}))
-    pictures = results.folder / PLACE_OF_PICTURES
-    keys = sorted(pictures_of(pictures) | pictures_of(reference))
-    quantities += [
-        Quantity(*key, apart(key, pictures, reference), Close(absolute=RMS)) for key in keys
-    ]
-    return quantities
-
-
-def _plans(paper: bool) -> list[str]:
-    """All plans of a study; only the paper's have a control of the four factors."""
-    plans = [*TWO_FACTOR_PLANS, *FITS, *(["four_factor_control"] if paper else [])]
-    return list(dict.fromkeys(plans))
+    quantities = [each for part, item, make in items for each in make(results, close, part, item)]
+    return [*quantities, *picture_quantities(folder / PLACE_OF_PICTURES, reference)]
 
 
 def text_of(value: Any) -> str:
@@ -179,12 +163,6 @@ def _sample(column: pd.Series) -> dict[str, str]:
     return {f"row {row + 1}": text_of(column.iloc[row]) for row in kept}
 
 
-def _keys(section: str, values: Any) -> dict[str, str]:
-    """Every key that decides a result; a study is the same on every device."""
-    keys = pd.json_normalize({section: values}).iloc[0]
-    return {str(name): text_of(value) for name, value in keys.items() if name != "solver.device"}
-
-
 Made = Iterator[Quantity]
 Kinds = Mapping[str, Close]
 
@@ -199,7 +177,7 @@ def _table(results: Results, close: Kinds, part: str, item: str) -> Made:
 
 def _claims(results: Results, close: Kinds, part: str, item: str) -> Made:
     """Every claim's verdict and our value; of the run time, the verdict alone."""
-    table = results.table(item, "claim_id", "claim", "paper", "ours", "unit", "verdict")
+    table = results.table(f"{item}.csv", "claim_id", "claim", "paper", "ours", "unit", "verdict")
     for claim in table.fillna("").astype(str).to_dict("records"):
         name = claim["claim_id"]
         agrees = claim["verdict"].partition(" ")[0]
@@ -236,17 +214,6 @@ def _design(results: Results, close: Kinds, part: str, item: str) -> Made:
     sign, logarithm = np.linalg.slogdet(slopes.T @ slopes / len(slopes))
     worth = {"det(F'F/N)^(1/p)": text_of(sign * np.exp(logarithm / len(fit.theta)))}
     yield Quantity(part, item, "D-efficiency", worth, close["design"])
-
-
-def _validation(results: Results, close: Kinds, part: str, item: str) -> Made:
-    """The errors of a fit on a plan."""
-    fit, _, plan = item.partition("_on_")
-    errors = results.validation(fit, plan)
-    cells = {"|η − y|/|y|": text_of(errors["global_error"])}
-    yield Quantity(part, item, "global error", cells, close["residual"])
-    inside = errors["share_within_band"] * errors["points"]
-    cells = {"points": text_of(errors["points"]), "within the band": text_of(inside)}
-    yield Quantity(part, item, "points", cells, close["count"])
 
 
 def _stability(results: Results, close: Kinds, part: str, item: str) -> Made:

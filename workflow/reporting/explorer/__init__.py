@@ -8,8 +8,8 @@ model.js what ``squeezefilm.models.fit_file`` does with it, modulation.js reads 
 
 import json
 import re
-from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from math import isnan
 from pathlib import Path
 from typing import Any
@@ -19,9 +19,8 @@ import pandas as pd
 from reporting.notes import Inertia
 from reporting.results import Results
 from squeezefilm.columns import as_in, form_of
-from squeezefilm.errors import InputError
 from squeezefilm.models.export import source
-from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.fit_file import FittedModel, fit_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
 HERE = Path(__file__).parent
@@ -37,61 +36,39 @@ WORDS = {"two_factor": "two factors", "four_factor": "four factors"}
 FILM = ["h0_m", "hv_m"]
 
 
-@dataclass(frozen=True)
-class Models:
-    """The models on the page, by their names there.
-
-    Attributes:
-        fits: fitted models; the first is shown first.
-        plans: of each fit, the plan that it was fitted on.
-        left_out: names of models that could not be fitted, with the reason.
-    """
-
-    fits: dict[str, FittedModel] = field(default_factory=dict)
-    plans: dict[str, str] = field(default_factory=dict)
-    left_out: dict[str, str] = field(default_factory=dict)
-
-
-def models_of(results: Results, *, fits: Sequence[str], candidates: Sequence[str]) -> Models:
-    """The study's fits, each of its plan, and candidates with the finger anywhere."""
-    models = Models()
-    for name in fits:
-        models.fits[name], models.plans[name] = results.fit(name), name
-    for name in candidates:
-        path = results.folder / f"models/four_factor/{name}.json"
-        values = read_json(path)
-        if "refused" in values:
-            models.left_out[name] = str(values["refused"])
-            continue
-        key = f"{name} on four_factor"
-        models.fits[key], models.plans[key] = read_fit(path), "four_factor"
-    return models
-
-
 def explorer_page(
-    config: Mapping[str, Any],
-    models: Models,
-    forces: Mapping[str, pd.DataFrame],
+    results: Results,
     *,
+    fits: Sequence[str],
+    candidates: Sequence[str],
+    forces: Mapping[str, pd.DataFrame],
     drawing_library: str,
     modulation: Mapping[str, Any] | None = None,
 ) -> str:
     """The page as text.
 
     Args:
-        config: the study: its name, gas and actuator, and the point to begin with.
+        fits: names of the study's fits, each of its plan; the first is shown first.
+        candidates: names of models with the finger anywhere.
         forces: simulated forces, by the name of their plan, for the drawings.
         drawing_library: plotly.js as text.
         modulation: how films follow a changing amplitude (see modulation_of), if known.
 
-    Raises InputError without fits or forces, or for a fit that the page cannot compute with.
+    Raises InputError for a fit that is missing or that the page cannot compute with.
     """
-    if not models.fits or not forces:
-        raise InputError("explorer: give at least one fit and one table of forces")
+    config, left_out = results.config, {}
+    models = {name: (results.fit(name), name) for name in fits}
+    for name in candidates:
+        path = results.folder / f"models/four_factor/{name}.json"
+        values = read_json(path)
+        if "refused" in values:
+            left_out[name] = str(values["refused"])
+        else:
+            models[f"{name} on four_factor"] = fit_of(values, place=path), "four_factor"
     start = config["extrapolation"]
     data = {
-        "fits": [_fit(name, fit, models.plans[name]) for name, fit in models.fits.items()],
-        "left_out": models.left_out,
+        "fits": [_fit(name, fit, plan) for name, (fit, plan) in models.items()],
+        "left_out": left_out,
         "plans": list(forces),
         "simulations": [
             [index, *(float(value) for value in row)]
@@ -103,22 +80,21 @@ def explorer_page(
         "modulation": modulation,
         "start": {name: start[name] for name in ("h0_m", "hv_m", "force_n")},
     }
+    # In full double precision, and so that no text ends the script it stands in.
+    shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
     parts = {name: (HERE / file).read_text(encoding="utf-8") for name, file in PARTS.items()}
-    parts |= {"LIBRARY": drawing_library, "DATA": _json(data), "STUDY": config["study"]}
-    parts["MODELS"] = "\n".join(_code(name, fit) for name, fit in models.fits.items())
+    parts |= {"LIBRARY": drawing_library, "DATA": shown, "STUDY": config["study"]}
+    parts["MODELS"] = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
     page = (HERE / PAGE).read_text(encoding="utf-8")
     return re.sub(r"\{\{(\w+)\}\}", lambda marker: parts[marker[1]], page)
 
 
 def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
-    model = fit.force_model
-    label = f"{WORDS.get(fit.model, fit.model)}, nothing fitted"
-    if fit.theta:
-        of = "its plan" if plan == fit.model else plan.replace("_", " ")
-        label = f"{WORDS.get(fit.model, fit.model)}, {fit.points} simulations ({of})"
+    model, of = fit.force_model, plan.replace("_", " ")
+    on = f"{fit.points} simulations ({of})" if fit.theta else "nothing fitted"
     return {
         "name": name,
-        "label": label,
+        "label": f"{WORDS.get(fit.model, fit.model)}, {on}",
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
@@ -134,35 +110,25 @@ def _code(name: str, fit: FittedModel) -> str:
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
 
 
-def _json(values: Mapping[str, Any]) -> str:
-    """JSON with full double precision that cannot end the script it stands in."""
-    return json.dumps(values, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
-
-
 def modulation_of(response: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
     """How the force follows a modulated amplitude: films on a grid of gap and amplitude.
 
     From the two tables of ``squeezefilm response`` for one plan of a centred finger. The page
     shows, at a point, what lies between the films around it.
-
-    Raises InputError for tables of different films.
     """
     by_film: dict[Any, pd.DataFrame] = dict(iter(gains.groupby(FILM)))
-    rows = response.to_dict(orient="records")
-    places = [(row["h0_m"], row["hv_m"]) for row in rows]
-    if set(by_film) != set(places):
-        raise InputError("explorer: response and gains are of different films")
+    films = [
+        {name: row[name] for name in FILM} | _film(row, by_film[row["h0_m"], row["hv_m"]])
+        for row in response.to_dict(orient="records")
+    ]
     return {
         **{name: sorted(set(response[name])) for name in FILM},
-        "frequency_hz": list(by_film[places[0]]["frequency_hz"]),
-        "films": [
-            dict(zip(FILM, place, strict=True)) | _film(row, by_film[place])
-            for place, row in zip(places, rows, strict=True)
-        ],
+        "frequency_hz": sorted(set(gains["frequency_hz"])),
+        "films": films,
     }
 
 
-def _film(row: Mapping[Hashable, Any], gains: pd.DataFrame) -> dict[str, Any]:
+def _film(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
     """One film's numbers, None where a modulation is too fast, or why it has none."""
     if row["status"] != "ok":
         return {"why": row["status"]}

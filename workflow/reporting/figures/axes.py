@@ -19,7 +19,6 @@ from reporting.figures import style
 
 H0_LABEL = r"mean gap $h_0$ (µm)"
 HV_LABEL = r"amplitude $h_v$ (µm)"
-LIMIT_COLUMNS = ("h0_min_um", "h0_max_um", "hv_min_um", "hv_max_um")
 
 
 def label_plane(axes: Axes) -> None:
@@ -27,16 +26,18 @@ def label_plane(axes: Axes) -> None:
     axes.set(xlabel=H0_LABEL, ylabel=HV_LABEL)
 
 
-def set_up_plane(axes: Axes, data: pd.DataFrame, *, headroom: float = 0.15) -> None:
-    """Label the axes and leave room around the experimental space, whose limits the table has.
+def set_up_plane(axes: Axes, screen: pd.DataFrame, *, headroom: float = 0.15) -> None:
+    """Label the axes and leave room around the experimental space, that of the screen's scenes.
 
     headroom is the room above the space, as a share of its height.
     """
-    low_h0, high_h0, low_hv, high_hv = (float(data[name].iloc[0]) for name in LIMIT_COLUMNS)
-    width, height = high_h0 - low_h0, high_hv - low_hv
     label_plane(axes)
-    axes.set_xlim(low_h0 - 0.1 * width, high_h0 + 0.1 * width)
-    axes.set_ylim(low_hv - 0.13 * height, high_hv + headroom * height)
+    for set_limits, name, below, above in (
+        (axes.set_xlim, "h0_m", 0.1, 0.1),
+        (axes.set_ylim, "hv_m", 0.13, headroom),
+    ):
+        low, high = 1e6 * float(screen[name].min()), 1e6 * float(screen[name].max())
+        set_limits(low - below * (high - low), high + above * (high - low))
     axes.grid(True)
 
 
@@ -77,8 +78,10 @@ def beside(
 
 
 def not_known(axes: Axes) -> None:
-    """Say in the middle of the axes that there is nothing to be drawn."""
+    """Say so in the middle of the axes: an empty scale would look like a result."""
     axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
+    axes.set(xticks=[], yticks=[])
+    axes.grid(False)
 
 
 def error_contours(

@@ -1,5 +1,7 @@
 """Maps over gap and amplitude: the error of the five-point model, and the force."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -34,16 +36,8 @@ def error_map(results: Results) -> Figure:
         axes, grid, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
     )
     axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
-    dots(
-        axes,
-        design,
-        fill="black",
-        markersize=6,
-        markeredgecolor="white",
-        markeredgewidth=0.7,
-        zorder=4,
-        label="design point",
-    )
+    look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
+    dots(axes, design, fill="black", markersize=6, label="design point", **look)
     label_plane(axes)
     figure.colorbar(filled, ax=axes, pad=0.02, label="relative error (%)")
     figure.legend(loc="outside upper center", handletextpad=0.2)

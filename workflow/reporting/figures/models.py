@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from reporting.figures import style
 from reporting.figures.axes import label_plane
 from reporting.figures.tables import in_micrometres
-from reporting.notes import VERDICTS
+from reporting.notes import VERDICTS, percent
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
 from squeezefilm.tables import ROUND_COLUMNS, WHERE_COLUMNS
@@ -36,21 +36,22 @@ def _without_anything(text: str) -> Figure:
 
 def model_errors(results: Results, space: str) -> Figure:
     """A panel for each model: errors on the validation sample, larger ones over smaller ones."""
-    if results.table(f"models/{space}.csv", "validation_error")["validation_error"].isna().all():
+    table = results.table(f"models/{space}.csv", "model", "parameters", "validation_error")
+    judged = table[table["validation_error"].notna()]
+    if judged.empty:
         return _without_anything("no model can be judged on these points")
-    data = results.table(f"models/{space}_errors.csv", "model", "relative_error_percent")
-    models = list(dict.fromkeys(data["model"]))
-    across = min(ACROSS, len(models))
-    down = ceil(len(models) / across)
+    data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
+    data = in_micrometres(data).assign(size=100 * data["relative_error"].abs())
+    across = min(ACROSS, len(judged))
+    down = ceil(len(judged) / across)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 1.85 * down)
     panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
-    size = data["relative_error_percent"].abs()
-    top = max(float(size.max()), 1e-10)
+    top = max(float(data["size"].max()), 1e-10)
     lowest = top * 10.0**-DECADES
-    for axes in panels[len(models) :]:
+    for axes in panels[len(judged) :]:
         axes.set_visible(False)
-    for number, (axes, model) in enumerate(zip(panels, models, strict=False)):
-        rows = data[data["model"] == model].assign(size=size).sort_values("size", kind="stable")
+    for number, (axes, model) in enumerate(zip(panels, judged.to_dict("records"), strict=False)):
+        rows = data[data["model"] == model["model"]].sort_values("size", kind="stable")
         dots = axes.scatter(
             rows["h0_um"],
             rows["hv_um"],
@@ -60,12 +61,9 @@ def model_errors(results: Results, space: str) -> Figure:
             s=5,
             linewidths=0,
         )
-        first = rows.iloc[0]
-        axes.set_title(
-            f"{model} ({first['parameters']:.0f})\n{first['validation_error_percent']:.3g} %",
-            fontsize=7,
-        )
-        lowest_of_column = number >= len(models) - across
+        share = percent(model["validation_error"])
+        axes.set_title(f"{model['model']} ({model['parameters']:.0f})\n{share}", fontsize=7)
+        lowest_of_column = number >= len(judged) - across
         label_plane(axes)
         axes.yaxis.label.set_visible(number % across == 0)
         axes.xaxis.label.set_visible(lowest_of_column)

@@ -24,6 +24,7 @@ Rectangle = tuple[float, float, float, float]
 
 LABEL_SIZE, TICK_SIZE = 6.5, 6
 DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
+PLANE = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
 SCREEN = {"markeredgecolor": "0.55", "markersize": 2.6}
 
 
@@ -58,26 +59,26 @@ def overview(results: Results) -> Figure:
         middle = left + width / 2
         figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
         figure.text(middle, 0.87, caption, ha="center", fontsize=LABEL_SIZE, color="0.25")
-    height = TOP - bottom
-    _film(figure, film, bottom=bottom)
-    left, width = PLACES[1]
-    rectangle = (left, bottom - 0.12, width, TOP + 0.14 - bottom)
+    rectangles = [(left, bottom, width, TOP - bottom) for left, width in PLACES]
     points, few = (plane_table(table, layer="") for table in (screen, design))
-    _model(figure, model_mesh(fit, screen), points, rectangle=rectangle)
-    _design(figure.add_axes((PLACES[2][0], bottom, PLACES[2][1], height)), points, few)
+    _film(figure, film, rectangles[0])
+    left, _, width, height = rectangles[1]
+    _model(figure, model_mesh(fit, screen), points, (left, bottom - 0.12, width, height + 0.14))
+    axes = figure.add_axes(rectangles[2])
+    dots(axes, points, fill="white", **DOTS | SCREEN)
+    dots(axes, few, fill="black", **DOTS, markersize=6)
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+    _label(axes, *PLANE)
+    axes = figure.add_axes(rectangles[3])
     grid = error_table(results, "two_factor_design", "error_map", layer="map")
-    _errors(figure, (PLACES[3][0], bottom, PLACES[3][1], height), grid, few)
+    filled, _ = error_contours(axes, grid, bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3)
+    dots(axes, few, fill="black", **DOTS, markersize=4.5)
+    _label(axes, *PLANE)
+    box = axes.get_position()
+    bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
+    bar.ax.tick_params(labelsize=TICK_SIZE, direction="out", pad=1, length=2)
+    bar.set_label("error (%)", fontsize=LABEL_SIZE, labelpad=0)
     return figure
-
-
-def _film(figure: Figure, film: pd.DataFrame, *, bottom: float) -> None:
-    """Above, the pressure at times of the period and its mean, if it is known; below, the gap."""
-    left, width = PLACES[0]
-    height = TOP - bottom
-    if film["overpressure_kpa"].notna().all():
-        height = (height - 0.04) / 2
-        _pressure(figure.add_axes((left, bottom + height + 0.04, width, height)), film)
-    _gap(figure.add_axes((left, bottom, width, height)), film)
 
 
 def _curves(axes: Axes, film: pd.DataFrame, column: str) -> None:
@@ -97,35 +98,34 @@ def _label(axes: Axes, x: str, y: str) -> None:
     axes.tick_params(labelsize=TICK_SIZE)
 
 
-def _pressure(above: Axes, film: pd.DataFrame) -> None:
-    _curves(above, film, "overpressure_kpa")
-    mean = film.groupby("x_mm", as_index=False)["overpressure_kpa"].mean()
-    above.plot(mean["x_mm"], mean["overpressure_kpa"], color="black", linewidth=1.6)
-    above.axhline(0, color="0.5", linewidth=0.4)
-    above.tick_params(labelbottom=False)
-    _label(above, "", "p − p₀ (kPa)")
-
-
-def _gap(below: Axes, film: pd.DataFrame) -> None:
+def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
+    """Above, the pressure at times of the period and its mean, if it is known; below, the gap."""
+    left, bottom, width, height = rectangle
+    if film["overpressure_kpa"].notna().all():
+        height = (height - 0.04) / 2
+        above = figure.add_axes((left, bottom + height + 0.04, width, height))
+        _curves(above, film, "overpressure_kpa")
+        mean = film.groupby("x_mm", as_index=False)["overpressure_kpa"].mean()
+        above.plot(mean["x_mm"], mean["overpressure_kpa"], color="black", linewidth=1.6)
+        above.axhline(0, color="0.5", linewidth=0.4)
+        above.tick_params(labelbottom=False)
+        _label(above, "", "p − p₀ (kPa)")
+    below = figure.add_axes((left, bottom, width, height))
     _curves(below, film, "surface_um")
-    mean = film.groupby("x_mm", as_index=False)["finger_um"].mean()
-    top = 1.35 * mean["finger_um"].max()
-    lowest = film.groupby("x_mm")["surface_um"].min().to_numpy()
-    below.fill_between(mean["x_mm"], lowest, mean["finger_um"], color="#e3eff7", linewidth=0)
-    below.fill_between(mean["x_mm"], mean["finger_um"], top, color="#e8c4ac", linewidth=0)
-    below.plot(mean["x_mm"], mean["finger_um"], color="#9c5b36")
-    for height, text in (
-        ((mean["finger_um"].max() + top) / 2, "finger"),
-        (mean["finger_um"].min() * 0.73, "film of air"),
-    ):
-        below.text(0, height, text, ha="center", va="center", size=TICK_SIZE)
+    finger = film.groupby("x_mm")["finger_um"].mean()
+    lowest = film.groupby("x_mm")["surface_um"].min()
+    top = 1.35 * finger.max()
+    below.fill_between(finger.index, lowest, finger, color="#e3eff7", linewidth=0)
+    below.fill_between(finger.index, finger, top, color="#e8c4ac", linewidth=0)
+    below.plot(finger.index, finger, color="#9c5b36")
+    look: dict[str, Any] = {"ha": "center", "va": "center", "size": TICK_SIZE}
+    below.text(0, (finger.max() + top) / 2, "finger", **look)
+    below.text(0, finger.min() * 0.73, "film of air", **look)
     below.set_ylim(-1.3 * film["surface_um"].abs().max(), top)
     _label(below, "place under the finger (mm)", "height (µm)")
 
 
-def _model(
-    figure: Figure, model: pd.DataFrame, points: pd.DataFrame, *, rectangle: Rectangle
-) -> None:
+def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, rectangle: Rectangle) -> None:
     axes = add_force_space(figure, bottom=0)
     axes.set_position(rectangle)
     axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
@@ -142,22 +142,3 @@ def _model(
     figure.text(left - 0.005, low + 0.76 * height, "force (N)", fontsize=LABEL_SIZE)
     force_mesh(axes, model)
     force_points(axes, points, color=style.VERMILLION, label="simulation", s=5)
-
-
-def _design(axes: Axes, screen: pd.DataFrame, design: pd.DataFrame) -> None:
-    dots(axes, screen, fill="white", **DOTS | SCREEN)
-    dots(axes, design, fill="black", **DOTS, markersize=6)
-    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
-    _label(axes, r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
-
-
-def _errors(figure: Figure, place: Rectangle, grid: pd.DataFrame, design: pd.DataFrame) -> None:
-    axes = figure.add_axes(place)
-    filled, _ = error_contours(axes, grid, bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3)
-    dots(axes, design, fill="black", **DOTS, markersize=4.5)
-    _label(axes, r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
-
-    box = axes.get_position()
-    bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
-    bar.ax.tick_params(labelsize=TICK_SIZE, direction="out", pad=1, length=2)
-    bar.set_label("error (%)", fontsize=LABEL_SIZE, labelpad=0)

@@ -1,5 +1,7 @@
 """The measured profile and what it does not explain of the scan."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -71,31 +73,20 @@ def _draw_lines(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
         for layer, colour in (("points", style.BLUE), ("outliers", style.VERMILLION)):
             points = style.rows(data, layer)
             if len(points):
-                label = f"{layer} ({len(points)})"
-                axes.plot(
-                    points["r_mm"], points[column], ".", color=colour, markersize=2.5, label=label
-                )
+                x, y, label = points["r_mm"], points[column], f"{layer} ({len(points)})"
+                axes.plot(x, y, ".", color=colour, markersize=2.5, label=label)
         axes.axhline(0, color="black", linewidth=0.6)
         axes.set_xlabel("distance from the centre $r$ (mm)")
         axes.set_xlim(0, 1.02 * float(profile["r_mm"].max()))
-    angles = not profile["lowest_um"].equals(profile["highest_um"])
-    lowest, highest, error = (profile[name] for name in ("lowest_um", "highest_um", "error_um"))
-    amplitude.fill_between(
-        profile["r_mm"],
-        lowest - 2 * error,
-        highest + 2 * error,
-        color=style.ORANGE,
-        alpha=0.4,
-        linewidth=0,
-        label="range ± 2 st. errors" if angles else "± 2 standard errors",
-    )
-    amplitude.plot(
-        profile["r_mm"],
-        highest,
-        color="black",
-        label="profile, least and largest" if angles else "profile",
-    )
-    amplitude.plot(profile["r_mm"], lowest, color="black")
+    r_mm, lowest, highest = (profile[name] for name in ("r_mm", "lowest_um", "highest_um"))
+    names = ("range ± 2 st. errors", "profile, least and largest")
+    if lowest.equals(highest):
+        names = ("± 2 standard errors", "profile")
+    band = (lowest - 2 * profile["error_um"], highest + 2 * profile["error_um"])
+    look: dict[str, Any] = {"color": style.ORANGE, "alpha": 0.4, "linewidth": 0}
+    amplitude.fill_between(r_mm, *band, label=names[0], **look)
+    amplitude.plot(r_mm, highest, color="black", label=names[1])
+    amplitude.plot(r_mm, lowest, color="black")
     amplitude.set(title="(a) measured and smoothed", ylabel="amplitude (µm)")
     amplitude.legend(loc="upper right")
     residual.axhspan(-2 * noise, 2 * noise, color="0.9", zorder=0, label="± 2 σ of the noise")

@@ -38,9 +38,7 @@ _NOTE_INDENT_IN = 0.05
 # DejaVu comes with matplotlib, so figures are the same on every machine; a viewer of the SVG that
 # lacks it falls back to narrower fonts, which still fit.
 _SETTINGS: dict[str, Any] = {
-    "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "Helvetica"],
-    "mathtext.fontset": "dejavusans",
     "font.size": 8,
     "axes.labelsize": 8,
     "axes.titlesize": 8,

@@ -28,14 +28,6 @@ def micrometres(metres: pd.Series) -> np.ndarray:
     return np.round(metres.to_numpy(dtype=float) * 1e6, 9)
 
 
-def add_limits(data: pd.DataFrame, screen: pd.DataFrame) -> pd.DataFrame:
-    """The table with the limits of the experimental space, those of the screen, in each row."""
-    h0_um, hv_um = micrometres(screen["h0_m"]), micrometres(screen["hv_m"])
-    return data.assign(
-        h0_min_um=h0_um.min(), h0_max_um=h0_um.max(), hv_min_um=hv_um.min(), hv_max_um=hv_um.max()
-    )
-
-
 def model_mesh(fit: FittedModel, screen: pd.DataFrame) -> pd.DataFrame:
     """The fitted force of a centred finger on a mesh over the experimental space."""
     h0_m = np.linspace(screen["h0_m"].min(), screen["h0_m"].max(), MESH_LINES)

@@ -1,0 +1,235 @@
+"""What films do besides giving a force: what the equation leaves out of it, loads, modulation."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from reporting.figures import style
+from reporting.figures.axes import beside, grid_of, label_plane, not_known, show_grid
+from reporting.figures.tables import in_micrometres, micrometres
+from reporting.notes import percent, reynolds_limit
+from reporting.results import Results
+from squeezefilm.columns import form_of
+
+EFFECTS = {
+    "inertia": (style.BLUE, "inertia"),
+    "slip": (style.VERMILLION, "slip"),
+    "heat": (style.ORANGE, "heat"),
+    "rim": (style.GREEN, "rim, C = 1"),
+    "left_out": (style.GREY, "left out in all"),
+}
+EDGE = 0.04
+"""Contours nearer to the least or the largest value, as a share of the range, have no room."""
+LABEL_SHARE = 0.065
+"""Height of a label, as a share of the axes."""
+ON_DISC, ON_RECTANGLE = ("phi_r_mm", "phi_deg"), ("x_mm", "y_mm")
+MAPS = {
+    "corner_hz": "(a) corner frequency (Hz)",
+    "prompt_percent": "(b) force at once (%)",
+}
+LINES = {
+    "gain": ("(c) gain", "change of the force, relative,\nper that of the amplitude (–)"),
+    "phase_deg": ("(d) phase", "force behind amplitude (°)"),
+}
+COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
+MOST_ERROR = 0.03
+"""Of a gain that is drawn."""
+MOST_REYNOLDS = reynolds_limit("inertia neglected").not_above
+
+
+def budget(results: Results) -> Figure:
+    """A map for each effect and for their sum, and lines over the position."""
+    screen = _budgets(results, "screen")
+    positions = _budgets(results, "four_factor")
+    largest = positions["hv_um"] / positions["h0_um"]
+    along = positions[largest >= largest.max() * (1 - 1e-9)]
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.3)
+    panels = list(figure.subplots(2, 3).flat)
+    for letter, axes, name in zip("abcde", panels, EFFECTS, strict=False):
+        colour, label = EFFECTS[name]
+        above = screen["above_range"].str.split("; ").map(lambda names, name=name: name in names)
+        look = {"colors": colour, "linestyles": "dashed" if above.any() else "solid"}
+        levels = _inner_levels(screen[f"{name}_percent"])
+        _draw_map(axes, screen, f"{name}_percent", levels=levels, form=_signed, **look)
+        axes.set_title(f"({letter}) {label} (%)")
+    places = ON_DISC if "phi_deg" in positions else ON_RECTANGLE
+    _draw_effects(panels[-1], along, places)
+    panels[-1].set_title(f"(f) along {'the radius' if 'phi_deg' in places else 'x'}")
+    present = screen["in_force"].iloc[0]
+    note = f"(f): h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm."
+    if isinstance(present, str):
+        note += f" In the forces already: {present}."
+    style.add_note(figure, note, results.beyond)
+    return figure
+
+
+def _budgets(results: Results, plan: str) -> pd.DataFrame:
+    file = f"simulations/{plan}/budget.csv"
+    columns = ("h0_m", "hv_m", "phi_r_m", "phi_deg", "above_range", "in_force")
+    table = results.table(file, *columns)
+    lengths = [name for name in form_of(table) if name.endswith("_m")]
+    middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
+    return in_micrometres(table).assign(
+        **{f"{name[:-1]}mm": micrometres(table[name]) / 1e3 for name in lengths},
+        left_out_percent=middle,
+        above_range=table["above_range"].fillna(""),
+    )
+
+
+def _inner_levels(values: pd.Series) -> list[float]:
+    """Levels of contours with room for them between the least and the largest value."""
+    low, high = values.min(), values.max()
+    edge = EDGE * (high - low)
+    ticks = MaxNLocator(nbins=8).tick_values(low, high) if len(values.dropna()) else []
+    return [level for level in ticks if low + edge <= level <= high - edge] or [low]
+
+
+def _signed(level: float) -> str:
+    return f"{level:+.3g}".replace("-", "−")
+
+
+def _draw_effects(axes: Axes, rows: pd.DataFrame, places: tuple[str, str]) -> None:
+    """Each effect over the first coordinate, for the least of the other and for the largest."""
+    place, other = places
+    rows = rows.drop_duplicates(list(places)).sort_values(place)
+    off = rows[rows[place] != 0]
+    least, farthest = min(0.0, float(rows[place].min())), float(rows[place].max())
+    ends: list[tuple[float, str, str]] = []
+    for marker, value in (("o", off[other].min()), ("s", off[other].max())):
+        at_centre = (rows[place] == 0) & (other == "phi_deg")
+        along = rows[at_centre | (rows[other] == value)].drop_duplicates(place)
+        for name, (colour, label) in EFFECTS.items():
+            values = along[f"{name}_percent"]
+            axes.plot(
+                along[place],
+                values,
+                marker + "-",
+                color=colour,
+                markersize=6 if marker == "o" else 3,
+                markerfacecolor="white" if marker == "o" else colour,
+            )
+            if marker == "s" and np.isfinite(values.iloc[-1]):
+                text = label.removesuffix(", C = 1").removesuffix(" in all")
+                ends.append((float(values.iloc[-1]), text, colour))
+    # From the lowest up and none over another.
+    low, high = axes.get_ylim()
+    last = -np.inf
+    for value, text, colour in sorted(ends):
+        last = max(value, last + LABEL_SHARE * (high - low))
+        beside(axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6)
+    axes.set_xlim(least - 0.05 * farthest, farthest + 0.35 * (farthest - least) or 1.0)
+    axes.axhline(0, color="black", linewidth=0.5)
+    label = r"radial position $\phi_r$ (mm)" if other == "phi_deg" else "$x$ (mm)"
+    axes.set(xlabel=label, ylabel="change of the force (%)")
+    axes.grid(True)
+
+
+def response(results: Results) -> Figure:
+    """Two maps of gap and amplitude above lines over the frequency of modulation."""
+    table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
+    for name in ("corner_hz", "prompt_share"):
+        table[name] = table.get(name, np.nan)
+    maps = in_micrometres(table).assign(prompt_percent=100 * table["prompt_share"])
+    columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
+    lines = in_micrometres(results.table("simulations/screen/gains.csv", *columns))
+    lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.6)
+    panels = list(figure.subplots(2, 2).flat)
+    for axes, (name, title) in zip(panels[:2], MAPS.items(), strict=True):
+        _draw_map(axes, maps, name, colors="black")
+        axes.set_title(title)
+    for axes, (name, (title, label)) in zip(panels[2:], LINES.items(), strict=True):
+        _draw_lines(axes, lines, name)
+        axes.set(title=title, ylabel=label)
+    unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.removeprefix("not supported: ")
+    note = ""
+    if len(unknown):
+        reason = unknown.iloc[0].split(" (")[0]
+        note = f"Not known of {len(unknown)} of {len(maps)} films: {reason}."
+    style.add_note(figure, note, results.beyond)
+    return figure
+
+
+def _draw_map(
+    axes: Axes,
+    maps: pd.DataFrame,
+    name: str,
+    *,
+    levels: Any = 7,
+    form: str | Callable[[float], str] = "%.4g",
+    **look: Any,
+) -> None:
+    """Contour lines of a quantity of the films; numbers where lines would have no room."""
+    grid = grid_of(maps, name)
+    label_plane(axes)
+    show_grid(axes, grid)
+    known = maps[maps[name].notna()]
+    if known.empty:
+        not_known(axes)
+        return
+    if min(known["h0_um"].nunique(), known["hv_um"].nunique()) < 2:  # no lines between films
+        axes.plot(known["h0_um"], known["hv_um"], "k.", markersize=3)
+        for h0_um, hv_um, value in known[["h0_um", "hv_um", name]].to_numpy():
+            axes.text(h0_um, hv_um, f"  {value:.3g}", fontsize=6, va="center")
+        axes.margins(0.05)
+        axes.autoscale()
+        return
+    lines = axes.contour(
+        *grid[:2], np.ma.masked_invalid(grid[2]), levels=levels, linewidths=0.9, **look
+    )
+    axes.clabel(lines, fontsize=6, fmt=form)
+
+
+def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str) -> None:
+    """One line for each of three gaps, named at its end."""
+    gaps = sorted(lines["h0_um"].unique())
+    if not gaps:
+        not_known(axes)
+        return
+    axes.set(xscale="log", xlabel="frequency of modulation (Hz)")
+    axes.grid(True)
+    chosen = dict.fromkeys(gaps[index] for index in (0, len(gaps) // 2, -1))
+    for gap, colour in zip(chosen, COLOURS, strict=False):
+        line = lines[lines["h0_um"] == gap].sort_values("frequency_hz")
+        axes.plot(line["frequency_hz"], line[name], color=colour, label=f"{gap:.3g} µm")
+    if name == "gain":
+        axes.legend(title="$h_0$", fontsize=6, title_fontsize=6)
+
+
+def levitation(results: Results) -> Figure:
+    """Gap and stiffness over the load, for each amplitude; hollow beyond Re 10."""
+    table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
+    gaps_um = micrometres(results.scenes("screen")["h0_m"])
+    data = in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
+    gap, stiffness = figure.subplots(1, 2)
+    gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
+    for amplitude, colour in zip(sorted(data["hv_um"].unique()), COLOURS, strict=False):
+        rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")
+        within = rows["modified_reynolds"] <= MOST_REYNOLDS
+        label = f"$h_v$ = {amplitude:.3g} µm"
+        for axes, name in ((gap, "h0_um"), (stiffness, "stiffness_n_per_um")):
+            axes.plot(rows["load_n"], rows[name], color=colour, label=label)
+            for fill, some in ((colour, rows[within]), ("white", rows[~within])):
+                axes.plot(some["load_n"], some[name], "o", color=colour, markerfacecolor=fill, ms=4)
+        gap.axhline(amplitude, color=colour, linestyle=":", linewidth=0.8)
+    gap.set(title="(a) gap", ylabel="gap $h_0$ (µm)")
+    stiffness.set(title="(b) stiffness", ylabel="stiffness (N/µm)")
+    for axes in (gap, stiffness):
+        axes.set(xscale="log", yscale="log", xlabel="load (N)")
+        style.plain_numbers(axes.xaxis)
+        style.plain_numbers(axes.yaxis)
+        axes.grid(True)
+    stiffness.legend(fontsize=6)
+    known = table[table["h0_m"].notna()]
+    note = f"A gap is given for {len(known)} of {len(table)} loads"
+    ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
+    if (shares := (ends / known["h0_m"]).dropna()).size:
+        note += f"; modelling error up to {percent(float(shares.max()))} of a gap"
+    style.add_note(figure, f"{note}.", results.beyond)
+    return figure
