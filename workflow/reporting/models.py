@@ -12,7 +12,6 @@ import pandas as pd
 
 from reporting.notes import percent
 from reporting.results import Results
-from squeezefilm.columns import form_of
 from squeezefilm.errors import InputError
 from squeezefilm.models.amplitude_for_force import working_point
 from squeezefilm.models.cross_validation import error_sizes, relative_errors
@@ -20,6 +19,7 @@ from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import SPACES, check_columns
 from squeezefilm.models.prediction_interval import QUANTITIES, ranking_half
+from squeezefilm.solution import form_of
 from squeezefilm.tables import read_forces, read_json
 
 COLUMNS = (

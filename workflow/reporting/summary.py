@@ -8,7 +8,7 @@ import pandas as pd
 
 from reporting.notes import largest_error, percent, rounded_up
 from reporting.results import Results
-from squeezefilm.columns import POLAR, form_of
+from squeezefilm.solution import POLAR, form_of
 from squeezefilm.units import to_its_error, with_error
 
 PURPOSES = {

@@ -16,10 +16,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import CARTESIAN, POLAR, as_in
 from squeezefilm.errors import InputError, needing
 from squeezefilm.files import read_text, whole_file, write_text
-from squeezefilm.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
+from squeezefilm.solution import (
+    CARTESIAN,
+    OUTPUTS,
+    POLAR,
+    SOLUTION_COLUMNS,
+    Derivatives,
+    Outputs,
+    as_in,
+)
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""

@@ -17,9 +17,9 @@ import pandas as pd
 from reporting.check.compare import SAME, UNREADABLE, Close, Quantity
 from reporting.check.pictures import BY_CHANCE, PLACE_OF_PICTURES, RMS, apart, pictures_of
 from reporting.results import Results
-from squeezefilm.columns import form_of
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import factors_of
+from squeezefilm.solution import form_of
 
 SAMPLE = 25
 """Rows of a table that a reference keeps; least, mean and largest stand for the others."""

@@ -18,10 +18,10 @@ import pandas as pd
 
 from reporting.notes import Inertia
 from reporting.results import Results
-from squeezefilm.columns import as_in, form_of
 from squeezefilm.errors import InputError
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
 HERE = Path(__file__).parent

@@ -11,12 +11,12 @@ import pandas as pd
 
 from squeezefilm.api.points import COLUMNS as FACTOR_COLUMNS
 from squeezefilm.api.points import Position, Values, points_of
-from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError, naming
 from squeezefilm.models.amplitude_for_force import working_point
 from squeezefilm.models.data import COLUMNS, Factors
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.solution import CARTESIAN, POLAR
 from squeezefilm.tables import write_json
 from squeezefilm.units import quantity
 

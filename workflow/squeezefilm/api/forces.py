@@ -1,8 +1,8 @@
-"""Forces of scenes with all that is known of their errors, for people."""
+"""Forces of scenes with all that is known of their errors, and how they would be solved."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
@@ -14,7 +14,7 @@ from squeezefilm.errors import RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK, validity
-from squeezefilm.quantities.derivatives import derivatives_text, with_derivatives
+from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
     budget_row,
@@ -22,40 +22,20 @@ from squeezefilm.quantities.model_error import (
     error_budgets,
     excluded_terms,
 )
-from squeezefilm.quantities.outputs import outputs_text, with_outputs
+from squeezefilm.quantities.outputs import refusals, with_outputs
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.plan import Preview, previews
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.scan_errors import scan_errors
-from squeezefilm.units import with_error
+from squeezefilm.units import in_lines
 
-# Motion out of phase is spoken of where it is more than this share of the noise.
-LEAST_OUT_OF_PHASE = 0.01
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
 NOT_ASKED = "not asked for"
-
-
-@dataclass(frozen=True)
-class ScanPart:
-    """What the scan of a measured profile leaves open in one force, in newtons.
-
-    Attributes:
-        noise_n: half of the interval that holds the noise's part in 95 % of all scans.
-        out_of_phase_n: by what the force is low without the motion out of phase, an estimate.
-        warnings: what was seen of the scan that these do not hold, a line each.
-    """
-
-    noise_n: float
-    out_of_phase_n: float
-    warnings: tuple[str, ...] = ()
-
-    @property
-    def total_n(self) -> float:
-        """All that the scan leaves open."""
-        return self.noise_n + self.out_of_phase_n
+ALIKE = ["method", "domain", "terms", "left_out"]
 
 
 @dataclass(frozen=True)
@@ -69,9 +49,11 @@ class Force:
         solution: the force and how it was obtained; its error is the solver's alone.
         budget: what the film equation leaves out of the force, effect by effect; its
             status says where it was not asked for.
-        scan: what the scan of a measured profile leaves open; None without one.
+        scan: what the scan of a measured profile leaves open: ``noise_n``, half of the interval
+            that holds the noise's part in 95 % of all scans; ``out_of_phase_n``, by what the force
+            is low without the motion out of phase; ``scan_error_n``, both. None without a scan.
         device: the name of the OpenCL device.
-        kept_out: which terms ``auto`` could not include, and why.
+        notes: which terms ``auto`` could not include and why, and what was seen of the scan.
 
     Answers beside the force that were asked for are ``solution.outputs``.
     """
@@ -79,9 +61,9 @@ class Force:
     scene: Scene
     solution: Solution
     budget: ErrorBudget
-    scan: ScanPart | None
+    scan: Mapping[str, float] | None
     device: str
-    kept_out: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def force_n(self) -> float:
@@ -94,8 +76,7 @@ class Force:
 
         What the film equation itself leaves out is not in it: see ``left_out_percent``.
         """
-        scan = self.scan
-        return self.solution.force_error_n + (scan.total_n if scan else 0.0)
+        return self.solution.force_error_n + (self.scan["scan_error_n"] if self.scan else 0.0)
 
     @property
     def left_out_percent(self) -> tuple[float, float]:
@@ -121,37 +102,28 @@ class Force:
 
     def __str__(self) -> str:
         scene, found = self.scene, self.solution
-        notes = (*self.kept_out, *notes_of(scene), *([self.status] * (self.status != OK)))
-        lines = [
-            *self._force(),
-            f"h0 {1e6 * scene.h0_m:g} µm, hv {1e6 * scene.hv_m:g} µm, "
-            f"x {_tidy(1e3 * scene.x_m)} mm, y {_tidy(1e3 * scene.y_m)} mm; "
-            f"epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}",
-            f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
-            f"{found.krylov_iterations} Krylov iterations, on {self.device}; "
-            f"left out: {found.left_out}",
-            f"validity  {self.validity}",
-            f"beyond the equation: {budget_text(self.budget)}",
-        ]
-        if found.derivatives:
-            lines.append(derivatives_text(found.derivatives))
-        if found.outputs:
-            lines += outputs_text(found.outputs)
-            if self.scan is not None:
-                lines.append("note: errors of these are without the scan's noise")
-        return "\n".join([*lines, *(f"note: {note}" for note in notes)])
+        parts: dict[str, float] = {}
+        if self.scan is not None:
+            parts = {f"scan's {name}": self.scan[name] for name in ("noise_n", "out_of_phase_n")}
+            parts["solver's error_n"] = found.force_error_n
+        row = {
+            "force_n": self.force_n,
+            "force_error_n": self.error_n,
+            **parts,
+            **{name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")},
+            "epsilon": scene.epsilon,
+            "sigma": scene.sigma,
+            "method": f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
+            f"{found.krylov_iterations} Krylov iterations, on {self.device}",
+            "left out": found.left_out,
+            "validity": self.validity,
+            "beyond the equation": budget_text(self.budget),
+            **found.asked_columns,
+        }
+        notes = (*self.notes, *notes_of(scene), *([self.status] * (self.status != OK)))
+        return "\n".join([in_lines(row), *(f"note: {note}" for note in notes)])
 
     __repr__ = __str__
-
-    def _force(self) -> list[str]:
-        text = f"force {with_error(self.force_n, self.error_n)}"
-        if self.scan is None:
-            return [text]
-        parts = [f"scan's noise {self.scan.noise_n:.1g} N at 95 %"]
-        if self.scan.out_of_phase_n > LEAST_OUT_OF_PHASE * self.scan.noise_n:
-            parts.append(f"motion out of phase, left out, about {self.scan.out_of_phase_n:.2g} N")
-        parts.append(f"solver {self.solution.force_error_n:.1g} N")
-        return [f"{text} ({', '.join(parts)})", *self.scan.warnings]
 
 
 def force_of(scene: Scene, **how: Any) -> Force:
@@ -181,7 +153,7 @@ def forces_of(
         smoothed: the scan that their profile was measured in.
         budget: whether what the film equation leaves out is asked for too: states of their own.
     """
-    kept_out = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
+    notes = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
     scenes = settings.resolved(scenes, device)
     solutions = solved_with(scenes, settings=settings, device=device, derivatives=derivatives)
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
@@ -190,11 +162,14 @@ def forces_of(
     beyond = dict.fromkeys(range(len(scenes)), ErrorBudget(status=reason))
     if budget:
         beyond |= dict(zip(known, error_budgets(with_force, device=device), strict=True))
-    scans: dict[int, ScanPart] = {}
+    scans: dict[int, Mapping[str, float]] = {}
+    warnings: tuple[str, ...] = ()
     if smoothed is not None and known:
-        scans = dict(zip(known, scan_parts(with_force, smoothed, device=device), strict=True))
+        errors = scan_errors(with_force, smoothed, device=device).to_dict("records")
+        scans = dict(zip(known, errors, strict=True))  # type: ignore[arg-type]
+        warnings = smoothed.warnings
     return [
-        Force(scene, solutions[k], beyond[k], scans.get(k), device.name, kept_out[k])
+        Force(scene, solutions[k], beyond[k], scans.get(k), device.name, (*warnings, *notes[k]))
         for k, scene in enumerate(scenes)
     ]
 
@@ -204,7 +179,7 @@ def solved_with(
     *,
     settings: SolverSettings,
     device: Device,
-    derivatives: bool,
+    derivatives: bool = False,
     report: Callable[[int], object] = lambda solved: None,
 ) -> Sequence[Solution]:
     """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
@@ -224,25 +199,13 @@ def solved_with(
     return found
 
 
-def scan_parts(
-    scenes: Sequence[Scene], smoothed: SmoothedScan, *, device: Device
-) -> list[ScanPart]:
-    """What the scan leaves open in the force of each scene.
-
-    Raises RunError naming a scene that has no force with a profile of other noise.
-    """
-    errors = scan_errors(scenes, smoothed, device=device)
-    return [
-        ScanPart(float(noise), float(dropped), smoothed.warnings)
-        for noise, dropped in zip(errors.noise_n, errors.out_of_phase_n, strict=True)
-    ]
-
-
 def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[[Scene], float]:
     """What a scan leaves open in a scene's force, in newtons: nothing where there is none."""
     if smoothed is None:
         return lambda scene: 0.0
-    return lambda scene: scan_parts([scene], smoothed, device=device)[0].total_n
+    return lambda scene: float(
+        scan_errors([scene], smoothed, device=device)["scan_error_n"].iloc[0]
+    )
 
 
 def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
@@ -254,7 +217,16 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     with a budget, ``left_out_least_percent`` and ``…_most_percent``, what the film equation leaves
     out, first orders and what higher ones may add.
     """
-    columns = pd.DataFrame([_row(force) for force in forces], index=points.index)
+    rows = []
+    for force in forces:
+        shared = ("force_n", "force_error_n", "method", "status", "validity")
+        row = {name: getattr(force.solution, name) for name in shared}
+        row |= {"force_error_n": force.error_n, **force.solution.asked_columns}
+        if force.budget.status != NOT_ASKED:
+            least, most = force.left_out_percent
+            row |= {"left_out_least_percent": least, "left_out_most_percent": most}
+        rows.append(row)
+    columns = pd.DataFrame(rows, index=points.index)
     return points.assign(**{name: columns[name] for name in map(str, columns)})
 
 
@@ -271,20 +243,56 @@ def budget_table(
     return pd.concat([table, pd.DataFrame(rows)], axis=1)
 
 
-def _row(force: Force) -> dict[str, float | str]:
-    least, most = force.left_out_percent
-    asked = force.budget.status != NOT_ASKED
-    return {
-        "force_n": force.force_n,
-        "force_error_n": force.error_n,
-        "method": force.solution.method,
-        "status": force.status,
-        "validity": force.validity,
-        **force.solution.asked_columns,
-        **({"left_out_least_percent": least, "left_out_most_percent": most} if asked else {}),
+def preview_table(
+    scenes: Sequence[Scene], *, settings: SolverSettings, device: Device
+) -> pd.DataFrame:
+    """A row for each scene: its numbers, method, domain, terms and first grid, nothing solved.
+
+    But for what decides on terms that are ``auto``: a state on a coarse grid.
+    """
+    scenes = settings.resolved(scenes, device)
+    found = previews(scenes, tolerance=settings.tolerance, method=settings.method)
+    return pd.DataFrame(
+        [_preview_row(*each, settings=settings) for each in zip(scenes, found, strict=True)]
+    )
+
+
+def _preview_row(scene: Scene, preview: Preview, *, settings: SolverSettings) -> dict[str, object]:
+    numbers = ("point_id", "epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
+    row = {
+        **{name: getattr(scene, name) for name in numbers},
+        "method": preview.method,
+        "status": preview.status,
+        "validity": validity(scene),
+        "domain": preview.domain,
+        "terms": "; ".join(preview.terms),
+        **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
+        "left_out": "; ".join(part.what for part in preview.left_out),
+        "why": "; ".join(f"{part.what}: {part.why}" for part in preview.left_out),
+        "expected_error": preview.expected_error,
+        "expected_mflop": preview.expected_mflop,
+        "notes": "; ".join(notes_of(scene)),
     }
+    if not settings.outputs:
+        return row
+    refused = refusals(scene, tolerance=settings.tolerance)
+    lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
+    return row | {"outputs_refused": "; ".join(lacking)}
 
 
-def _tidy(value: float) -> str:
-    """A coordinate without what its way through polar ones has added."""
-    return f"{round(value, 9) + 0.0:g}"
+def preview_text(table: pd.DataFrame, *, tolerance: float) -> str:
+    """A table of previews in words: one scene by itself, several by how they are treated."""
+    if len(table) == 1:
+        return in_lines(table.drop(columns=["point_id", "left_out"]).to_dict("records")[0])
+    largest = {name: (name, "max") for name in ("nx", "ny", "nt", "expected_error")}
+    summary = table.groupby(ALIKE, sort=False, as_index=False).agg(
+        scenes=("point_id", "size"), **largest, expected_mflop=("expected_mflop", "sum")
+    )
+    lines = [f"{len(table)} scenes at tolerance {tolerance:g}:", ""]
+    lines.append(summary.to_string(index=False, float_format="{:.3g}".format))
+    for column in ("status", "validity", "outputs_refused", "notes"):
+        for words, alike in table.groupby(column, sort=False) if column in table else ():
+            if words not in ("", OK):
+                first = alike["point_id"].iloc[0]
+                lines.append(f"{column} of {len(alike)} scenes, such as point {first}: {words}")
+    return "\n".join(lines)

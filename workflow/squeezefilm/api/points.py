@@ -11,8 +11,8 @@ from typing import TypedDict
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError
+from squeezefilm.solution import CARTESIAN, POLAR
 from squeezefilm.units import quantities
 
 Values = str | float | Sequence[float] | np.ndarray

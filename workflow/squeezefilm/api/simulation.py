@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.api.forces import solved_with
-from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.scene import Scene, Scenes
@@ -21,7 +20,7 @@ from squeezefilm.quantities.model_error import excluded_terms
 from squeezefilm.reynolds import Solution, node_cache
 from squeezefilm.reynolds.device import Device, describe
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.solution import Solutions
+from squeezefilm.solution import Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
 from squeezefilm.studies.study import film_in, scenes_in
 from squeezefilm.tables import (

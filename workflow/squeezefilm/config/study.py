@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
-from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.config.film import (
     DERIVED,
     Count,
@@ -27,6 +26,7 @@ from squeezefilm.config.film import (
     key_of,
     mistake,
 )
+from squeezefilm.solution import CARTESIAN, POLAR
 
 FACTORS = ("h0", "hv")
 FINER, MOST_LEVELS = 2, 1000

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 
-from squeezefilm.columns import CARTESIAN, POLAR, form_of
 from squeezefilm.errors import InputError
 from squeezefilm.formulas.expressions import Name, Node, Number
 from squeezefilm.models.data import COLUMNS, FACTORS, POSITION
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.limit_table import SLACK, LimitTable
+from squeezefilm.solution import CARTESIAN, POLAR, form_of
 
 FOLDER = Path(__file__).with_name("templates")
 WIDTH, LARGEST = 96, 1e300

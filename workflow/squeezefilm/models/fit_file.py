@@ -21,7 +21,6 @@ from pydantic import (
     ValidationError,
 )
 
-from squeezefilm.columns import POLAR
 from squeezefilm.config.film import key_of
 from squeezefilm.errors import InputError
 from squeezefilm.film.finger import Finger, GapShape
@@ -40,6 +39,7 @@ from squeezefilm.models.prediction_interval import (
     error_scale,
     measured_interval,
 )
+from squeezefilm.solution import POLAR
 from squeezefilm.tables import read_json
 
 Array = NDArray[np.float64]

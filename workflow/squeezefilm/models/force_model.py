@@ -20,11 +20,11 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError, naming
 from squeezefilm.formulas.dimensions import parameter_units
 from squeezefilm.formulas.expressions import Expression, Name, Node, Number, parse
 from squeezefilm.models.data import COLUMNS, FACTORS, Factors
+from squeezefilm.solution import CARTESIAN, POLAR
 
 Array = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
-from squeezefilm.columns import form_of
 from squeezefilm.models.data import Factors
+from squeezefilm.solution import form_of
 
 Array = NDArray[np.float64]
 

@@ -5,10 +5,10 @@ Only the configuration is asked: the number of jobs is known before any plan is 
 
 from math import ceil
 
-from squeezefilm.columns import form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.plan import previews
+from squeezefilm.solution import form_of
 from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
 from squeezefilm.studies.study import planned_profile_of, scenes_in
 

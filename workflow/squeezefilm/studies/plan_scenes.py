@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import naming
 from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.solution import as_in
 from squeezefilm.studies.plans import (
     VALIDATION_SAMPLES,
     box_of,

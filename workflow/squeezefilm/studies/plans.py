@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import POLAR, as_in, form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box
 from squeezefilm.film.symmetry import Symmetry
+from squeezefilm.solution import POLAR, as_in, form_of
 from squeezefilm.studies.study import surface_of, symmetry_of
 from squeezefilm.tables import FACTOR_COLUMNS
 

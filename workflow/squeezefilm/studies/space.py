@@ -13,12 +13,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from squeezefilm.columns import POLAR, cartesian, form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates, grid
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Film
 from squeezefilm.film.validity import exist
+from squeezefilm.solution import POLAR, cartesian, form_of
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import film_in, surface_of
 

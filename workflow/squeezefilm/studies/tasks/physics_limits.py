@@ -14,7 +14,6 @@ import numpy as np
 import pandas as pd
 from numpy.polynomial import chebyshev
 
-from squeezefilm.columns import form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
@@ -36,6 +35,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
 )
 from squeezefilm.reynolds.asymptotics.scenes import expanded, not_derived_for
 from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.solution import form_of
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import film_in, scenes_in
 
