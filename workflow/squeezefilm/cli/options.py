@@ -13,7 +13,8 @@ import pandas as pd
 
 from squeezefilm.api.film import Film
 from squeezefilm.api.points import Values, points_of
-from squeezefilm.config.loading import load_film
+from squeezefilm.config.film import FilmSections
+from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.plan import METHODS
 from squeezefilm.tables import write_table
@@ -88,11 +89,11 @@ OUTPUT = option("--output", "TABLE.csv", "table to write, else it is shown")
 def film_at(path: str | None) -> Film:
     """The film of a study, of which no section is checked that film and solver do not need.
 
-    Raises InputError where none is named and there is none, and as ``load_film`` does.
+    Raises InputError where none is named and there is none, and as ``load_config`` does.
     """
     if path is None and not PAPER_CONFIG.exists():
         raise InputError("give a study by --config CONFIG.yaml")
-    return Film(load_film(path or PAPER_CONFIG))
+    return Film(load_config(path or PAPER_CONFIG, model=FilmSections))
 
 
 def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:

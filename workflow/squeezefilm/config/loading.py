@@ -54,32 +54,27 @@ class Config(Mapping[str, Any]):
         return len(self.sections)
 
 
-def load_config(path: Path | str) -> Config:
+def load_config(path: Path | str, *, model: type[FilmSections] = Study) -> Config:
     """Read and validate a configuration file; what it lacks has its default.
+
+    Args:
+        model: of FilmSections, sections that only a study has are not checked and may be missing.
 
     Raises InputError naming the file, line and key, what is wrong with it and what is allowed.
     """
-    return parse_config(read_text(path, what="configuration file"), path=Path(path))
+    text = read_text(path, what="configuration file")
+    return parse_config(text, path=Path(path), model=model)
 
 
-def parse_config(text: str, *, path: Path) -> Config:
+def parse_config(text: str, *, path: Path, model: type[FilmSections] = Study) -> Config:
     """Validate the text of a configuration file, which is or will be at ``path``.
 
     Raises InputError as ``load_config`` does.
     """
     values, lines = _read(text, path=path)
-    return config_of(values, path=path, lines=lines)
-
-
-def load_film(path: Path | str) -> Config:
-    """Read the sections of a film from a configuration; others are not checked and may be missing.
-
-    Raises InputError as ``load_config`` does.
-    """
-    values, lines = _read(read_text(path, what="configuration file"), path=Path(path))
-    others = Study.model_fields.keys() - FilmSections.model_fields.keys()
-    film = {name: value for name, value in values.items() if name not in others}
-    return config_of(film, path=Path(path), lines=lines, model=FilmSections)
+    for name in Study.model_fields.keys() - model.model_fields.keys():
+        values.pop(name, None)
+    return config_of(values, path=path, lines=lines, model=model)
 
 
 def config_of(
