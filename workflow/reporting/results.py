@@ -8,8 +8,7 @@ from typing import Any
 import pandas as pd
 
 from reporting.notes import Inertia
-from squeezefilm.config.loading import Config, load_config
-from squeezefilm.config.written import NAME as STUDY
+from squeezefilm.config.loading import STUDY_FILE, Config, load_config
 from squeezefilm.errors import InputError
 from squeezefilm.models.fit_file import FittedModel, number, read_fit
 from squeezefilm.tables import read_columns, read_design, read_json, read_ok_forces, read_scenes
@@ -33,7 +32,7 @@ class Results:
     @classmethod
     def of(cls, folder: Path, study: Path | str | None = None) -> "Results":
         """The results in a folder, of a study's file, or else of the one that was left there."""
-        return cls(folder, load_config(study or folder / STUDY))
+        return cls(folder, load_config(study or folder / STUDY_FILE))
 
     def forces(self, plan: str) -> pd.DataFrame:
         """The simulated forces of a plan, of which none may be missing."""

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from squeezefilm.cli.options import command, flag, option
-from squeezefilm.config.loading import load_config
+from squeezefilm.config.loading import effective_text, load_config
 from squeezefilm.config.study import Study
-from squeezefilm.config.written import effective_text
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
 from squeezefilm.models.force_model import check_models
