@@ -14,7 +14,7 @@ from films import H0_M, LENGTH_M, PISTON, PRESSURE_PA, film
 from physics_facts import piston_response
 from random_scenes import random_films, shares
 
-from squeezefilm.api.simulation import merge_forces
+from squeezefilm.api.forces import merge_forces
 from squeezefilm.cli.main import main
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import StandingWave, make_profile

@@ -1,7 +1,7 @@
 """Simulate one of the parts of a plan; every scene keeps its row."""
 
 from scripts.job import begin_with_study
-from squeezefilm.api.simulation import simulate_table
+from squeezefilm.api.forces import simulate_table
 from squeezefilm.studies.solver_settings import solver_settings
 
 snakemake, config = begin_with_study()

@@ -1,7 +1,7 @@
 """Write the scenes of a plan and simulate all of them."""
 
 from scripts.job import begin_with_study
-from squeezefilm.api.simulation import no_force, simulate_table
+from squeezefilm.api.forces import no_force, simulate_table
 from squeezefilm.errors import RunError
 from squeezefilm.studies.plan_scenes import write_scenes
 from squeezefilm.studies.solver_settings import solver_settings

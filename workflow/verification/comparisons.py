@@ -18,7 +18,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from squeezefilm.api.forces import Force, forces_of, forces_table
-from squeezefilm.api.study import Study
+from squeezefilm.api.models import Study
 from squeezefilm.dynamics.averaged_film import averaged_film_of
 from squeezefilm.dynamics.levitation import levitate, resonance
 from squeezefilm.dynamics.response import response

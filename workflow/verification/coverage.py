@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import betabinom
 
-from squeezefilm.api.study import Study
+from squeezefilm.api.models import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
 from squeezefilm.studies.space import Space

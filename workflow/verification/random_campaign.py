@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 import pandas as pd
 
-from squeezefilm.api.study import Study
+from squeezefilm.api.models import Study
 from squeezefilm.errors import InputError
 from squeezefilm.tables import write_table
 from verification.comparisons import OUTCOMES, Comparison, compared

@@ -5,8 +5,7 @@ import sys
 
 import numpy as np
 
-from squeezefilm.api.forces import scan_error_of
-from squeezefilm.api.simulation import scenes_of_table
+from squeezefilm.api.forces import scan_error_of, scenes_of_table
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,

@@ -18,10 +18,12 @@ from squeezefilm.api.forces import (
     force_of,
     forces_of,
     forces_table,
+    missing_of,
     preview_table,
     preview_text,
+    scenes_of_table,
+    simulate_table,
 )
-from squeezefilm.api.simulation import missing_of, scenes_of_table, simulate_table
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,

@@ -12,10 +12,10 @@ import signal
 import sys
 import textwrap
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
@@ -92,48 +92,51 @@ def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> 
 
 
 def _run(words: Sequence[str], *, groups: Groups) -> int:
-    commands = commands_of(groups)
-    chosen = words[0] if words else ""
+    commands, chosen = commands_of(groups), words[0] if words else ""
+    if chosen not in commands:
+        _explain(words, commands, overview=overview(groups))
+    # No module is garbage before the process ends, and a search for it takes a quarter of the time
+    # of a small command.
+    gc.disable()
+    with _ending_at_once():
+        command = loaded(chosen, commands[chosen])
+    gc.freeze()
+    gc.enable()
+    parser = argparse.ArgumentParser(
+        prog=f"squeezefilm {chosen}",
+        description=inspect.cleandoc(command.run.__doc__ or command.__doc__),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_arguments(parser)
+    options, unknown = parser.parse_known_args(words[1:])
+    if unknown:
+        known = [name for action in parser._actions for name in action.option_strings]
+        hint = _nearest(unknown[0].partition("=")[0], known)
+        what = f"takes no {unknown[0]!r}; {hint}`{parser.prog} --help` explains what it takes"
+        parser.error(what)
+    return int(command.run(options) or 0)
+
+
+def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
+    """What stands instead of a command: --help, --version, or a mistake."""
     parser = argparse.ArgumentParser(
         prog="squeezefilm",
-        usage=None if chosen in commands else "squeezefilm COMMAND …",
+        usage="squeezefilm COMMAND …",
         description="Squeeze-film forces from the Reynolds equation, and empirical models of them.",
-        epilog=None if chosen in commands else overview(groups),
+        epilog=overview,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
-    asked = parser
-    if chosen in commands:
-        # No module is garbage before the process ends, and a search for it takes a quarter of the
-        # time of a small command.
-        gc.disable()
-        with _ending_at_once():
-            command = loaded(chosen, commands[chosen])
-        gc.freeze()
-        gc.enable()
-        asked = parser.add_subparsers(dest="command", metavar="COMMAND").add_parser(
-            chosen,
-            description=inspect.cleandoc(command.run.__doc__ or command.__doc__),
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        command.add_arguments(asked)
-        asked.set_defaults(run=command.run)
-    elif not chosen:
-        parser.error("which command? `squeezefilm --help` names them")
-    elif not chosen.startswith("-"):
-        near = difflib.get_close_matches(chosen, commands, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        parser.error(f"there is no command {chosen!r}; {hint}`squeezefilm --help` names all")
-    options, unknown = parser.parse_known_args(words)
-    if unknown:
-        known = [name for action in asked._actions for name in action.option_strings]
-        near = difflib.get_close_matches(unknown[0].partition("=")[0], known, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        parser.error(
-            f"{asked.prog} takes no {unknown[0]!r}; {hint}`{asked.prog} --help` explains what it "
-            "takes"
-        )
-    return int(options.run(options) or 0)
+    if words and not words[0].startswith("-"):
+        hint = _nearest(words[0], commands)
+        parser.error(f"there is no command {words[0]!r}; {hint}`squeezefilm --help` names all")
+    parser.parse_args(words)
+    parser.error("which command? `squeezefilm --help` names them")
+
+
+def _nearest(word: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(word, [*known], n=1)
+    return f"did you mean {near[0]!r}? " if near else ""
 
 
 def loaded(name: str, place: str) -> Any:

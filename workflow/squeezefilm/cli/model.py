@@ -4,8 +4,8 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm.api.fit import Fit, newtons
-from squeezefilm.api.points import COLUMNS as FACTORS
+from squeezefilm.api.film import COLUMNS as FACTORS
+from squeezefilm.api.models import Fit, newtons
 from squeezefilm.cli.options import FIT, OUTPUT, command, option, points, points_in, write_rows
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text

@@ -11,8 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.api.film import Film
-from squeezefilm.api.points import Values, points_of
+from squeezefilm.api.film import Film, Values, points_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
