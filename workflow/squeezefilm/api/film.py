@@ -74,45 +74,42 @@ def _shown_whole() -> AbstractContextManager[None]:
     return pd.option_context(*whole, "display.float_format", number)
 
 
-def points_of(
-    *,
-    h0: Values | None = None,
-    hv: Values | None = None,
-    x: Values | None = None,
-    y: Values | None = None,
-    phi_r: Values | None = None,
-    phi: Values | None = None,
-    option: str = "{}",
-) -> Points:
+def points_of(*, option: str = "{}", **given: Values | None) -> Points:
     """Every combination of the values given, a column for each factor given.
 
     What is added to it, such as forces, is a table of Points again.
 
     Args:
         option: how a factor's name is written in messages.
+        given: by the names in COLUMNS.
 
     Raises InputError for a value without its unit or no finite number, for a position in both
     forms, for too many points.
     """
-    given = {"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi}
-    called = {name: option.format(name.replace("_", "-")) for name in given}
-    levels = {
-        COLUMNS[name]: _levels(values, called=called[name], unit="deg" if name == "phi" else "m")
-        for name, values in given.items()
-        if values is not None
+    if unknown := given.keys() - COLUMNS.keys():
+        raise TypeError(f"{min(unknown)!r} is none of {', '.join(COLUMNS)}")
+    called = {name: option.format(name.replace("_", "-")) for name in COLUMNS}
+    values_of = {
+        column: levels(values, called=called[name], unit="deg" if name == "phi" else "m")
+        for name, column in COLUMNS.items()
+        if (values := given.get(name)) is not None
     }
-    if levels.keys() & {*CARTESIAN} and levels.keys() & {*POLAR}:
+    if values_of.keys() & {*CARTESIAN} and values_of.keys() & {*POLAR}:
         message = "give the position as {x} and {y} or as {phi_r} and {phi}, not both"
         raise InputError(message.format(**called))
-    if "phi_deg" in levels and "phi_r_m" not in levels:
+    if "phi_deg" in values_of and "phi_r_m" not in values_of:
         message = "{phi} is a direction; give the distance from the centre by {phi_r} too"
         raise InputError(message.format(**called))
-    if (count := prod(map(len, levels.values()))) > MOST_POINTS:
+    if (count := prod(map(len, values_of.values()))) > MOST_POINTS:
         raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
-    return Points(list(product(*levels.values())), columns=list(levels), dtype=float)
+    return Points(list(product(*values_of.values())), columns=list(values_of), dtype=float)
 
 
-def _levels(values: Values, *, called: str, unit: str) -> list[float]:
+def levels(values: Values, *, called: str, unit: str) -> list[float]:
+    """The numbers that are meant, in SI units or degrees.
+
+    Raises InputError naming what they are called.
+    """
     if isinstance(values, str):
         return quantities(values, option=called, unit=unit)
     try:

@@ -10,7 +10,7 @@ from typing import Any, Unpack
 import numpy as np
 import pandas as pd
 
-from squeezefilm.api.film import COLUMNS, Film, Position, Values, points_of
+from squeezefilm.api.film import COLUMNS, Film, Position, Values, levels, points_of
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import OK
@@ -22,17 +22,12 @@ from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import CARTESIAN, POLAR
-from squeezefilm.studies.plans import (
-    finger_positions,
-    four_factor_plan,
-    level_values,
-)
+from squeezefilm.studies.plan_scenes import scenes_of
+from squeezefilm.studies.plans import VALIDATION_SAMPLES
 from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scenes_in, surface_of
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.fits import fit_with_limits, limit_table_values
-from squeezefilm.tables import FACTOR_COLUMNS, write_json
-from squeezefilm.units import quantity
+from squeezefilm.tables import write_json
 
 GAPS = 6
 """Evenly spaced over the range of the fit, where a working point's gap is not said."""
@@ -121,15 +116,18 @@ class Fit:
         Raises InputError as ``predict`` does.
         """
         points = points_of(h0=self.gaps() if h0 is None else h0, **position)
-        return self.working_points_at(points, force_n=newtons(force))
+        return self.working_points_at(points, force)
 
     def working_points_at(
-        self, points: pd.DataFrame, *, force_n: float, place: object = "working-point"
+        self, points: pd.DataFrame, force: str | float, *, place: object = "working-point"
     ) -> pd.DataFrame:
         """The same for a table of points: h0_m and a position, if any."""
+        forces_n = levels(force, called="force", unit="N")
+        if len(forces_n) != 1:
+            raise InputError(f"force: {force!r} are several; one is asked for")
         factors = factors_of_points(points.assign(hv_m=0.0), place=place)
         rows = [
-            working_point(self.model, factors.take([index]), force_n=force_n)
+            working_point(self.model, factors.take([index]), force_n=forces_n[0])
             for index in range(len(factors))
         ]
         return pd.concat([points, pd.DataFrame(rows)], axis=1)
@@ -173,20 +171,6 @@ class Fit:
     __repr__ = __str__
 
 
-def newtons(force: str | float, *, option: str = "force") -> float:
-    """A wanted force; a plain number is in newtons.
-
-    Raises InputError for one without meaning.
-    """
-    try:
-        value = float(force)
-    except ValueError:
-        return quantity(str(force), option=option, unit="N")
-    if not np.isfinite(value):
-        raise InputError(f"{option} {force!r} must be a finite force, such as 1.0N")
-    return value
-
-
 def factors_of_points(points: pd.DataFrame, *, place: object) -> Factors:
     """The factors of a table of points, with the results of physics that it has.
 
@@ -222,14 +206,8 @@ class Study(Film):
         study's positions too: h0_m, hv_m, and the position in the surface's form, phi_r_m and
         phi_deg or x_m and y_m.
         """
-        levels = (level_values(self.config["screen"][name]) for name in FACTOR_COLUMNS[:2])
-        gaps, amplitudes = np.meshgrid(*levels, indexing="ij")
-        return four_factor_plan(
-            positions=[(0.0, 0.0)] if centred else finger_positions(self.config),
-            h0_m=gaps.ravel(),
-            hv_m=amplitudes.ravel(),
-            position=surface_of(self.config).position,
-        )
+        screen = scenes_of("screen", self.config)
+        return screen if centred else scenes_of("four_factor", self.config, design=screen)
 
     def fit(self, model: str, *, seeds: int = 1, processes: int = 1) -> Fit:
         """Simulate the study's plan, fit a model to the forces and validate it.
@@ -269,12 +247,9 @@ class Study(Film):
     def _simulated(self, *, centred: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
         """The plan and the validation sample with their forces; simulated once for all models."""
         if centred not in self._simulations:
-            drawn, space = self.config["validation"], Space.of(self.config, centred=centred)
-            sample = space.table(space.independent_sample(drawn["points"], seed=drawn["seed"]))
-            self._simulations[centred] = (
-                self._solved(self.plan(centred=centred)),
-                self._solved(sample),
-            )
+            sample = scenes_of(VALIDATION_SAMPLES[0 if centred else 1], self.config)
+            points = self.plan(centred=centred)
+            self._simulations[centred] = self._solved(points), self._solved(sample)
         return self._simulations[centred]
 
     @cached_property

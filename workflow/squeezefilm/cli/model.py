@@ -5,7 +5,7 @@ import argparse
 import pandas as pd
 
 from squeezefilm.api.film import COLUMNS as FACTORS
-from squeezefilm.api.models import Fit, newtons
+from squeezefilm.api.models import Fit
 from squeezefilm.cli.options import FIT, OUTPUT, command, option, points, points_in, write_rows
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
@@ -72,9 +72,8 @@ def working_point(options: argparse.Namespace) -> None:
     force.
     """
     fit = Fit.read(options.fit)
-    force_n = newtons(options.force, option="--force")
     table = points_in(options, **({} if options.h0 else {"h0": fit.gaps()}))
-    write_rows(fit.working_points_at(table, force_n=force_n), options.output)
+    write_rows(fit.working_points_at(table, options.force), options.output)
     print(fit.statement)
 
 
