@@ -39,7 +39,7 @@ def test_nothing_is_written_over(there, tmp_path, refused):
 
 @pytest.mark.parametrize("name", ["", "../mine", "a.yaml", "a" * 61, "ä"])
 def test_a_name_is_that_of_a_study(name, tmp_path, refused):
-    assert "is no name of a study" in refused("new", "--folder", str(tmp_path), "--", name)
+    assert ": study: " in refused("new", "--folder", str(tmp_path), "--", name)
     assert not list(tmp_path.iterdir())
 
 

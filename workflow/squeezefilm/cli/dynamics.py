@@ -20,7 +20,7 @@ from squeezefilm.cli.options import (
     write_rows,
 )
 from squeezefilm.dynamics.levitation import trustworthy
-from squeezefilm.dynamics.tables import all_gains, all_steps, levitations, loads_like, responses
+from squeezefilm.dynamics.tables import all_gains, all_steps, levitations, responses
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import GAPS_M, OK
 from squeezefilm.reynolds import node_cache
@@ -36,7 +36,6 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 @command(
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10"),
     option("--mass", "QUANTITY", "that floats, e.g. 50g, for a resonance"),
-    option("--like", "FORCES.csv", "loads and amplitudes of a table"),
     option("--output", "LEVITATION.csv", "table to write, a row a load, else it is shown"),
     *(CONFIG, DEVICE, TOLERANCE, METHOD),
     points("h0"),
@@ -47,7 +46,6 @@ def levitate(options: argparse.Namespace) -> None:
       squeezefilm levitate --load 0.5N --hv 1.5um [--mass 50g]
       squeezefilm levitate --mass 10g --hv 1.5um
       squeezefilm levitate --load 0.1N:1N:10 --hv 1um,2um --output LEVITATION.csv
-      squeezefilm levitate --like FORCES.csv --config CONFIG.yaml --output LEVITATION.csv
 
     Each gap is sought with simulations, at the finger's place. Its modelling error is that of the
     force, by what the film equation neglects, over the stiffness; the numerical error and a
@@ -63,7 +61,6 @@ def levitate(options: argparse.Namespace) -> None:
     `…_most_percent` of the force say what neglected effects are worth, with what higher orders may
     add, and `above_range` names what is too large for a first order. `note` says which terms `auto`
     does not include and why, what stretches an included term, and why there is no resonance.
-    `--like` takes eight loads and three amplitudes over the range of a table of forces.
     """
     film = film_at(options.config)
     settings = solver_settings(film.config, tolerance=options.tolerance, method=options.method)
@@ -94,15 +91,9 @@ def levitate(options: argparse.Namespace) -> None:
 
 
 def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]:
-    """Loads, or the mass's weight; of a table its range, and its amplitudes as options."""
-    if options.like is not None:
-        if options.load is not None or options.hv is not None:
-            raise InputError("give either --like or --load and --hv, not both")
-        loads_n, amplitudes_m = loads_like(options.like)
-        options.hv = ",".join(f"{each!r}m" for each in amplitudes_m)
-        return loads_n
+    """Loads, or the mass's weight."""
     if options.hv is None or (options.load is None and mass_kg is None):
-        raise InputError("give --load and --hv, or --mass and --hv, or --like FORCES.csv")
+        raise InputError("give --load and --hv, or --mass and --hv")
     if options.load is None and mass_kg is not None:
         return [GRAVITY_M_PER_S2 * mass_kg]
     loads_n = quantities(options.load, option="--load", unit="N")

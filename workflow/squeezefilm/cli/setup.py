@@ -3,13 +3,12 @@
 import argparse
 import json
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from squeezefilm.cli.options import command, flag, option
-from squeezefilm.config.loading import effective_text, load_config
+from squeezefilm.config.loading import effective_text, load_config, parse_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
@@ -26,7 +25,6 @@ from squeezefilm.studies.chunks import chunk_counts
 from squeezefilm.studies.study import check_study
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
-LONGEST = 60
 
 
 @command(
@@ -45,19 +43,13 @@ def new(options: argparse.Namespace) -> None:
 
       snakemake --configfile config/my-actuator.yaml
     """
-    name, folder = options.name, Path(options.folder)
-    if not re.fullmatch(r"[a-z0-9][a-z0-9_-]*", name) or len(name) > LONGEST:
-        raise InputError(
-            f"new: {name!r} is no name of a study: it has lower-case letters, digits, - and _, "
-            f"begins with a letter or digit and has at most {LONGEST} characters"
-        )
+    name, folder, example = options.name, Path(options.folder), EXAMPLE.name
     config, scan = folder / f"{name}.yaml", folder / f"{name}.csv"
     for path in (config, scan):
         if path.exists():
             raise InputError(f"{path}: is there already; choose another name, or remove it")
-    if not EXAMPLE.with_suffix(".yaml").exists():
-        raise InputError(f"{EXAMPLE}.yaml: `squeezefilm new` needs a checkout of the workflow")
-    text, example = read_text(f"{EXAMPLE}.yaml", what="example"), EXAMPLE.name
+    what = "example; `squeezefilm new` needs a checkout of the workflow"
+    text = read_text(f"{EXAMPLE}.yaml", what=what)
     for old, named in (
         (f"{example}.csv", f"{name}.csv"),
         (f"study: {example} ", f"study: {name} "),
@@ -65,8 +57,9 @@ def new(options: argparse.Namespace) -> None:
         ("THIS_FILE", f"config/{name}.yaml"),
     ):
         text = text.replace(old, named)
+    parse_config(text, path=config)  # refuses a name that is none
     write_text(text, config)
-    write_text(read_text(f"{EXAMPLE}.csv", what="example"), scan)
+    write_text(read_text(f"{EXAMPLE}.csv", what=what), scan)
     print(
         f"{config}: the study; change what is yours\n"
         f"{scan}: an example of a vibrometer's table; replace it by yours\n"

@@ -369,7 +369,7 @@ class Numerics(Section):
 class Header(Section):
     """What a study begins with."""
 
-    study: Annotated[str, Field(pattern="^[a-z0-9][a-z0-9_-]*$")]
+    study: Annotated[str, Field(pattern="^[a-z0-9][a-z0-9_-]{0,59}$")]
     paper: StrictBool = False
 
 
