@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 from films import PISTON, SINC, film
 
-from squeezefilm.columns import cartesian
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.solution import Derivatives, Outputs
+from squeezefilm.solution import Derivatives, Outputs, cartesian
 
 H0_M = (1e-6, 30e-6)
 FREQUENCY_HZ = (5e3, 1e5)

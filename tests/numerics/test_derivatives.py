@@ -18,7 +18,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import Derivatives
-from squeezefilm.tables import DERIVATIVE_COLUMNS, read_forces, write_table
+from squeezefilm.tables import read_forces, write_table
 
 
 def derivatives(scene: Scene, *, tolerance: float) -> Derivatives:
@@ -154,7 +154,7 @@ def test_a_table_of_forces_takes_them_and_stages_that_need_none_read_it(
     command = ["simulate", str(plan), "--tolerance=1e-4", f"--output={output}", "--derivatives"]
     assert main(command) == 0
     table, forces = pd.read_csv(output), read_forces(output)
-    assert list(table)[len(forces.columns) :] == list(DERIVATIVE_COLUMNS)
+    assert list(table)[len(forces.columns) :] == list(Derivatives(status="").columns())
     assert (table["dforce_dh0_n_per_m"] < 0).all()
     message = refused(*command, "--config", edited("paper", gas={"inertia": "included"}), status=1)
     assert "no force or no derivatives for point 1: derivatives are not known with" in message

@@ -11,7 +11,6 @@ from physics_facts import fast_piston
 from scipy.special import ellipe, iv
 from skfem import MeshTri2
 
-from squeezefilm.columns import cartesian
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import StandingWave
@@ -22,6 +21,7 @@ from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.solver import solve
+from squeezefilm.solution import cartesian
 from verification import finite_elements
 
 TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, bulge_m=-0.2e-6)

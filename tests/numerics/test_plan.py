@@ -96,7 +96,7 @@ def test_a_dry_run_writes_a_row_per_scene(dry_run, capsys):
 def test_a_dry_run_names_the_scenes_that_will_have_no_force(dry_run, capsys):
     statuses = dry_run("--method", "composite")["status"]
     assert all("the composite expansion is good to" in each for each in statuses)
-    assert "1 scenes end otherwise than ok, such as point 1" in capsys.readouterr().out
+    assert "status of 1 scenes, such as point 1" in capsys.readouterr().out
 
 
 def test_a_dry_run_of_one_point_shows_what_is_not_needed_and_why(capsys):

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from squeezefilm.api import simulation
+from squeezefilm.api import forces as simulation
 from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import chunk_counts, expected_seconds
 

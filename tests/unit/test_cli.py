@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm.api.simulation import merge_forces
+from squeezefilm.api.forces import merge_forces
 from squeezefilm.cli.main import commands_of, main
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.tables import FORCE_COLUMNS, read_forces, write_table

@@ -74,7 +74,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("", "study: other\n", "line 3: the key 'study' stands twice"),
     ("", "a: &x [1]\nb: *x\n", "line 1: an alias is not allowed"),
     ("", "a: [\n", "not valid YAML"),
-    ("stop: 2 µm", "stop: 5 µm", "screen: the largest hv must stay below the smallest h0"),
+    ("stop: 2 µm", "stop: 5 µm", "hv_m = 5e-06 reaches h0_m = 5e-06: surface and finger touch"),
     ("h0: {levels: 41}", "h0: {stop: 12 µm}", "error_map.h0.stop: 1.2e-05 does not suit screen.h0"),
     ("2.9 mm]", "3.1 mm]", "off the actuator's 10.00 mm disc"),
     (SINC, "kind: formula, expression: open('x')", "actuator.profile.expression: column 1"),
@@ -119,7 +119,7 @@ models: {own: {expression: t0, parameters: 3}}
     assert said["actuator.profile"].startswith("missing 'kind' (`sinc`, `piston`")
     assert "did you mean 'length_x'?" in said["finger"]
     assert "did you mean 'ellipse'?" in said["finger.shape"]
-    assert said["screen.h0"] == "missing 'stop' (1e-9 … 0.001 m)"
+    assert said["screen.h0"] == "missing 'stop' (1e-9 … 0.001 m): the last"
     assert said["solver.tolerance"].endswith("; allowed: 1e-10 … 0.1")
 
 

@@ -5,8 +5,7 @@ import pytest
 from example_outline import OVAL, STUDY, TURN, write_outline
 
 import squeezefilm as sf
-from squeezefilm.config.loading import parse_config
-from squeezefilm.config.written import effective_text
+from squeezefilm.config.loading import effective_text, parse_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.pad import Finger

@@ -8,8 +8,14 @@ import pytest
 import yaml
 
 from squeezefilm.cli.main import main
-from squeezefilm.config.loading import Config, load_config, parse_config
-from squeezefilm.config.written import effective_text, origin, write_effective
+from squeezefilm.config.loading import (
+    Config,
+    effective_text,
+    load_config,
+    origin,
+    parse_config,
+    write_effective,
+)
 from squeezefilm.errors import InputError
 from squeezefilm.studies.plans import plan_sizes
 from squeezefilm.studies.space import finger_positions

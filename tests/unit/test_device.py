@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.api.simulation import compile_kernels
+from squeezefilm.api.forces import compile_kernels
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError

@@ -39,7 +39,7 @@ def test_nothing_is_written_over(there, tmp_path, refused):
 
 @pytest.mark.parametrize("name", ["", "../mine", "a.yaml", "a" * 61, "ä"])
 def test_a_name_is_that_of_a_study(name, tmp_path, refused):
-    assert "is no name of a study" in refused("new", "--folder", str(tmp_path), "--", name)
+    assert ": study: " in refused("new", "--folder", str(tmp_path), "--", name)
     assert not list(tmp_path.iterdir())
 
 
@@ -86,5 +86,5 @@ def test_the_forces_of_the_walk_through_are_those_of_its_commands(
     for command, force in zip(commands, (example, exact), strict=True):
         words = command.replace("config/paper", f"{repository}/config/paper").split()
         assert cli.main(words) == 0
-        found = float(re.match(r"force (\S+) N", capsys.readouterr().out).group(1))
+        found = float(re.match(r"force +(\S+) ", capsys.readouterr().out).group(1))
         assert f"{found:.{len(force) - 2}f}" == force, command

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.columns import cartesian
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Piston, Sinc, make_profile
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import check_scene
+from squeezefilm.solution import cartesian
 from squeezefilm.studies.study import scene_of, scenes_in
 
 

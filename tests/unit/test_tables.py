@@ -57,7 +57,7 @@ WRONG = {
     "a missing column": ("point_id,h0_m\n1,5e-6\n", "column 'hv_m' is missing"),
     "a short row": (f"{HEADER}\n{ROW}\n2,5e-6\n", "line 3: 2 cells where the header has 5"),
     "semicolons": (HEADER.replace(",", ";") + "\n", "separated by semicolons"),
-    "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "'x_m' beside 'phi_r_m': a position is"),
+    "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "unknown column 'x_m'; a position is"),
     "text for a number": (f"{HEADER}\n1,5um,1e-6,0,0\n", "line 2: h0_m is '5um'"),
     "infinity": (f"{HEADER}\n1,5e-6,1e-6,0,-inf\n", "line 2: phi_deg is '-inf'"),
     "a name twice": (f"{HEADER}\n{ROW}\n\n{ROW}\n", "line 4: point_id '1' stands in line 2"),

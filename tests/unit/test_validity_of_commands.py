@@ -13,7 +13,7 @@ THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
 @pytest.mark.parametrize(
     ("point", "pad_m", "force", "words"),
     [
-        (("1nm", "0.1nm"), 0.01, "force 0.0", THIN),
+        (("1nm", "0.1nm"), 0.01, "force                0.0", THIN),
     ],
 )
 def test_one_force_outside_is_printed_with_exit_status_1(
@@ -59,9 +59,7 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
     assert [each == "ok" for each in pd.read_csv(output)["validity"]] == [True, False]
     write_json({key: each for key, each in values.items() if key != "film"}, path)
     assert main([*point, "20um"]) == 0
-    assert (
-        "validity  not known: the fit's file does not describe its film" in capsys.readouterr().out
-    )
+    assert "not known: the fit's file does not describe its film" in capsys.readouterr().out
     write_json(values | {"film": {"gas": {}}}, path)
     assert main([*point, "20um"]) == 2
     assert "fit.json: film.gas: " in capsys.readouterr().err

@@ -12,7 +12,6 @@ import pandas as pd
 
 from reporting.pages import Page, readable
 from reporting.results import Results
-from squeezefilm.columns import as_in, form_of
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import read_fit, working_point
@@ -23,6 +22,7 @@ from squeezefilm.models.prediction_interval import (
     ranking_half,
     relative_errors,
 )
+from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json
 
 COLUMNS = (

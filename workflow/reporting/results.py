@@ -8,8 +8,7 @@ from typing import Any
 import pandas as pd
 
 from reporting.notes import Inertia
-from squeezefilm.config.loading import Config, load_config
-from squeezefilm.config.written import NAME as STUDY
+from squeezefilm.config.loading import STUDY_FILE, Config, load_config
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
@@ -36,7 +35,7 @@ class Results:
     @classmethod
     def of(cls, folder: Path, study: Path | str | None = None) -> "Results":
         """The results in a folder, of a study's file, or else of the one that was left there."""
-        return cls(folder, load_config(study or folder / STUDY))
+        return cls(folder, load_config(study or folder / STUDY_FILE))
 
     def forces(self, plan: str) -> pd.DataFrame:
         """The simulated forces of a plan, of which none may be missing."""

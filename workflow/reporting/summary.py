@@ -9,8 +9,8 @@ import pandas as pd
 from reporting.notes import largest_error, percent, rounded_up
 from reporting.pages import Page, front_page, render
 from reporting.results import Results
-from squeezefilm.columns import POLAR, form_of
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
+from squeezefilm.solution import POLAR, form_of
 from squeezefilm.units import to_its_error, with_error
 
 EFFECTS = {

@@ -13,9 +13,7 @@ sys.path.insert(0, str(LIBRARY))
 from squeezefilm.files import digest as file_digest, remove_parts, write_text
 from squeezefilm.errors import InputError
 from squeezefilm.provenance import SOURCES, code_digest
-from squeezefilm.config import written
-from squeezefilm.config.loading import load_config
-from squeezefilm.config.written import write_effective
+from squeezefilm.config.loading import configfiles_in, load_config, write_effective, written_study
 
 
 def refuse(message):
@@ -42,13 +40,13 @@ def config_path():
     module of another workflow: the file into which the module's config is written.
     """
     if IS_MODULE:
-        return relative(written.written_study(config, results=Path("results")))
+        return relative(written_study(config, results=Path("results")))
     if workflow.config_settings.config:
         raise InputError(
             "--config sets single keys past the file's checks; write a file and give --configfile"
         )
     named = workflow.overwrite_configfiles
-    if len(several := max(named, written.configfiles_in(sys.argv[1:]), key=len)) > 1:
+    if len(several := max(named, configfiles_in(sys.argv[1:]), key=len)) > 1:
         raise InputError(
             f"--configfile names {' and '.join(map(str, several))}: give one, for a mixture would "
             "be a study that nobody wrote down"

@@ -1,7 +1,7 @@
 """Simulate a plan, whose scenes are written first, or a part of one; every scene keeps its row."""
 
 from scripts.job import begin_with_study
-from squeezefilm.api.simulation import no_force, simulate_table
+from squeezefilm.api.forces import no_force, simulate_table
 from squeezefilm.errors import RunError
 from squeezefilm.studies.plans import write_scenes
 from squeezefilm.studies.solver_settings import solver_settings

@@ -20,13 +20,13 @@ __all__ = ["Film", "Fit", "Force", "InputError", "RunError", "Scene", "Study", "
 # Also in __init__.pyi, which tells type checkers.
 _PLACES = {
     "Film": "api.film",
-    "Fit": "api.fit",
+    "Fit": "api.models",
     "Force": "api.forces",
     "InputError": "errors",
     "RunError": "errors",
     "Scene": "film.scene",
-    "Study": "api.study",
-    "load": "api.study",
+    "Study": "api.models",
+    "load": "api.models",
 }
 
 

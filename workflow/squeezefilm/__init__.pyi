@@ -1,8 +1,8 @@
 from squeezefilm.api.film import Film as Film
-from squeezefilm.api.fit import Fit as Fit
 from squeezefilm.api.forces import Force as Force
-from squeezefilm.api.study import Study as Study
-from squeezefilm.api.study import load as load
+from squeezefilm.api.models import Fit as Fit
+from squeezefilm.api.models import Study as Study
+from squeezefilm.api.models import load as load
 from squeezefilm.errors import InputError as InputError
 from squeezefilm.errors import RunError as RunError
 from squeezefilm.film.scene import Scene as Scene

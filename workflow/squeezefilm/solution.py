@@ -1,4 +1,4 @@
-"""What solving a scene gives, whatever the method: the columns of a table of forces."""
+"""The columns of tables: positions in their two forms, and what solving a scene gives."""
 
 from __future__ import annotations
 
@@ -8,11 +8,16 @@ from math import nan
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from squeezefilm.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
+"""The two forms in which a finger's position stands in tables."""
 
 
 @dataclass(kw_only=True, slots=True)  # not frozen, which takes three times as long to make
@@ -144,21 +149,20 @@ SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )
 
-# What the force is differentiated to: its name and the derivative's unit, in columns and in words.
+# What the force is differentiated to: its name and the derivative's unit in columns.
 DERIVATIVES = {
-    "h0_m": ("h0", "n_per_m", "N/m"),
-    "hv_m": ("hv", "n_per_m", "N/m"),
-    "x_m": ("x", "n_per_m", "N/m"),
-    "y_m": ("y", "n_per_m", "N/m"),
-    "viscosity_pa_s": ("viscosity", "n_per_pa_s", "N/(Pa s)"),
-    "ambient_pressure_pa": ("ambient_pressure", "n_per_pa", "N/Pa"),
-    "density_kg_per_m3": ("density", "n_m3_per_kg", "N m³/kg"),
-    "mean_free_path_m": ("mean_free_path", "n_per_m", "N/m"),
-    "polytropic_exponent": ("polytropic_exponent", "n", "N"),
-    "prandtl": ("prandtl", "n", "N"),
-    "heat_capacity_ratio": ("heat_capacity_ratio", "n", "N"),
-    "viscosity_exponent": ("viscosity_exponent", "n", "N"),
-    "slip_coefficient": ("slip_coefficient", "n", "N"),
+    **{name: (name.removesuffix("_m"), "n_per_m") for name in ("h0_m", "hv_m", "x_m", "y_m")},
+    "viscosity_pa_s": ("viscosity", "n_per_pa_s"),
+    "ambient_pressure_pa": ("ambient_pressure", "n_per_pa"),
+    "density_kg_per_m3": ("density", "n_m3_per_kg"),
+    "mean_free_path_m": ("mean_free_path", "n_per_m"),
+    **{
+        name: (name, "n")
+        for name in (
+            *("polytropic_exponent", "prandtl", "heat_capacity_ratio"),
+            *("viscosity_exponent", "slip_coefficient"),
+        )
+    },
 }
 
 
@@ -183,34 +187,27 @@ class Derivatives:
     def columns(self) -> dict[str, float | str]:
         """A row of a table of forces: ``dforce_dNAME_UNIT``, ``dforce_dNAME_error_UNIT``."""
         row: dict[str, float | str] = {}
-        for number, (name, unit, _) in DERIVATIVES.items():
+        for number, (name, unit) in DERIVATIVES.items():
             row[f"dforce_d{name}_{unit}"] = self.value[number]
             row[f"dforce_d{name}_error_{unit}"] = self.error[number]
         return row | {"derivatives_status": self.status}
 
 
-# What may be asked for beside the mean force: each output's numbers with their units, in columns
-# and in words. docs/outputs.md has their signs and formulas.
-OUTPUTS: dict[str, dict[str, tuple[str, str]]] = {
+# What may be asked for beside the mean force: each output's numbers with their units in columns.
+# docs/outputs.md has their signs and formulas.
+OUTPUTS: dict[str, dict[str, str]] = {
     "harmonics": {
-        "force_sin": ("n", "N"),
-        "force_cos": ("n", "N"),
-        "film_stiffness": ("n_per_m", "N/m"),
-        "film_damping": ("n_s_per_m", "N s/m"),
+        "force_sin": "n",
+        "force_cos": "n",
+        "film_stiffness": "n_per_m",
+        "film_damping": "n_s_per_m",
     },
-    "power": {"power": ("w", "W")},
-    "centre": {"centre_x": ("m", "m"), "centre_y": ("m", "m")},
-    "moments": {"moment_x": ("n_m", "N m"), "moment_y": ("n_m", "N m")},
-    "thrust": {
-        "thrust_x": ("n", "N"),
-        "thrust_y": ("n", "N"),
-        "sliding_friction": ("n", "N"),
-    },
-    "extremes": {
-        "largest_overpressure": ("pa", "Pa"),
-        "least_overpressure": ("pa", "Pa"),
-    },
-    "static_stiffness": {"static_stiffness": ("n_per_m", "N/m")},
+    "power": {"power": "w"},
+    "centre": {"centre_x": "m", "centre_y": "m"},
+    "moments": {"moment_x": "n_m", "moment_y": "n_m"},
+    "thrust": {"thrust_x": "n", "thrust_y": "n", "sliding_friction": "n"},
+    "extremes": {"largest_overpressure": "pa", "least_overpressure": "pa"},
+    "static_stiffness": {"static_stiffness": "n_per_m"},
 }
 
 
@@ -268,7 +265,25 @@ class Outputs:
         """A row of a table of forces: ``NAME_UNIT``, ``NAME_error_UNIT``, ``outputs_status``."""
         row: dict[str, float | str] = {}
         for output in self.asked:
-            for name, (unit, _) in OUTPUTS[output].items():
+            for name, unit in OUTPUTS[output].items():
                 row[f"{name}_{unit}"] = self.value.get(name, nan)
                 row[f"{name}_error_{unit}"] = self.error.get(name, nan)
         return row | {"outputs_status": self.status}
+
+
+def form_of(columns: Iterable[object]) -> tuple[str, str]:
+    """The form of a table's position: polar, unless the Cartesian one alone is there."""
+    names = set(columns)
+    return CARTESIAN if names & set(CARTESIAN) and not names & set(POLAR) else POLAR
+
+
+def as_in(columns: Iterable[str], table: Iterable[object]) -> list[str]:
+    """Columns that are named for polar positions, in the form that a table has them in."""
+    form = dict(zip(POLAR, form_of(table), strict=True))
+    return [form.get(name, name) for name in columns]
+
+
+def cartesian(phi_r_m: ArrayLike, phi_deg: ArrayLike) -> dict[str, Any]:
+    """The Cartesian position of a polar one, or of many as columns."""
+    angle = np.radians(phi_deg)
+    return {"x_m": phi_r_m * np.cos(angle), "y_m": phi_r_m * np.sin(angle)}

@@ -11,15 +11,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from math import nan
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import CARTESIAN, POLAR, as_in
 from squeezefilm.errors import InputError, needing
 from squeezefilm.files import read_text, whole_file, write_text
-from squeezefilm.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
+from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""
@@ -34,18 +33,16 @@ TEXT_COLUMNS = {
     *("point_id", "origin", "status", "validity", "method", "left_out"),
     *("derivatives_status", "outputs_status"),
 }
-EITHER_FORM = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
 PARQUET = ".parquet"
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 # What a budget is of, where it is of the scene itself.
 THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
-# A table of forces may have these too; stages that need none of them leave them out.
-DERIVATIVE_COLUMNS = tuple(Derivatives(status="").columns())
-OUTPUT_COLUMNS = tuple(Outputs(asked=tuple(OUTPUTS)).columns())
+"""Of forces; derivatives and outputs stand behind them."""
 
-
+Others = Literal["refused", "left out", "kept"]
+"""What becomes of columns that a table has beside those that are read."""
 Rows = Callable[[int], slice]
 """Which rows of a table, given how many there are; ``slice`` is all of them."""
 
@@ -85,19 +82,15 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    more = (*DERIVATIVE_COLUMNS, *OUTPUT_COLUMNS)
-    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, more=more, whole=whole)
+    beside: Others = "kept" if whole else "left out"
+    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, others=beside)
     for name in map(str, table):
-        if name in more and name not in TEXT_COLUMNS:
+        if name in ("force_n", "force_error_n") or name not in {*FORCE_COLUMNS, *TEXT_COLUMNS}:
             table[name] = pd.to_numeric(table[name], errors="coerce").astype(float)
     for name in ("force_n", "force_error_n"):
-        values = pd.to_numeric(table[name], errors="coerce")
-        bad = table[(table["status"] == "ok") & ~np.isfinite(values)]
+        bad = table.loc[(table["status"] == "ok") & ~np.isfinite(table[name]), "point_id"]
         if len(bad):
-            raise InputError(
-                f"{path}: point {bad['point_id'].iloc[0]}: {name} is not a finite number"
-            )
-        table[name] = values
+            raise InputError(f"{path}: point {bad.iloc[0]}: {name} is not a finite number")
     return table
 
 
@@ -119,18 +112,17 @@ def _read(
     *,
     columns: Sequence[str],
     numbers: Sequence[str],
-    more: Sequence[str] = (),
-    whole: bool = False,
+    others: Others = "refused",
     rows: Rows = slice,
 ) -> pd.DataFrame:
-    """The columns of a table, which may have ``more`` that are left out, unless it is ``whole``."""
+    """The columns of a table, and what becomes of others that it has."""
     path = Path(path)
 
     def wanted(header: Sequence[str]) -> list[str]:
         """The columns of a table with this header that are read."""
         named = as_in(columns, header)
-        _check_header(header, columns=named, more=more, path=path)
-        return [*named, *(name for name in header if whole and name in more)]
+        _check_header(header, columns=named, refused=others == "refused", path=path)
+        return [*named, *(name for name in header if others == "kept" and name not in named)]
 
     table, lines = (
         _parquet_rows(path, wanted=wanted, rows=rows)
@@ -222,24 +214,21 @@ def _number(cell: str | float) -> float:
 
 
 def _check_header(
-    header: Sequence[str], *, columns: Sequence[str], more: Sequence[str], path: Path
+    header: Sequence[str], *, columns: Sequence[str], refused: bool, path: Path
 ) -> None:
+    """Refuse a header that lacks a column or has it twice, others where they are ``refused``."""
     if len(header) == 1 and ";" in header[0]:
         raise InputError(f"{path}: cells are separated by semicolons; a table has commas")
+    either = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
     for name in columns:
-        if header.count(name) == 0:
-            known = f"column {name!r} is missing; it has {', '.join(header)}"
-            other = f" ({EITHER_FORM})" if name in (*POLAR, *CARTESIAN) else ""
-            raise InputError(f"{path}: {known}{other}")
-        if header.count(name) > 1:
-            raise InputError(f"{path}: column {name!r} stands twice")
-    unknown = [name for name in header if name not in (*columns, *more)]
-    if unknown and unknown[0] in CARTESIAN:
-        raise InputError(f"{path}: {unknown[0]!r} beside {POLAR[0]!r}: {EITHER_FORM}")
-    if unknown:
-        raise InputError(
-            f"{path}: unknown column {unknown[0]!r}; the columns are {', '.join(columns)}"
-        )
+        if header.count(name) != 1:
+            how = "stands twice" if name in header else f"is missing; it has {', '.join(header)}"
+            other = f" ({either})" if name in (*POLAR, *CARTESIAN) else ""
+            raise InputError(f"{path}: column {name!r} {how}{other}")
+    for name in header:
+        if name not in columns and (refused or name in CARTESIAN):
+            also = either if name in CARTESIAN else f"the columns are {', '.join(columns)}"
+            raise InputError(f"{path}: unknown column {name!r}; {also}")
 
 
 def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:

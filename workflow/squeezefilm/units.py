@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from squeezefilm.errors import InputError
 
@@ -17,6 +17,7 @@ BASES = ("N", "m", "s", "deg")
 NONE: Dimension = {}
 EXAMPLES = {"deg": "45deg", "N": "0.5N", "Hz": "300Hz", "kg": "50g"}
 MOST_LEVELS = 10_000
+MILLI = 1e-3
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -29,6 +30,22 @@ FACTOR = re.compile(
 )
 PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "m": 1e-3, "c": 1e-2, "h": 1e2, "k": 1e3, "M": 1e6}
 PREFIXES |= dict.fromkeys("µμu", 1e-6)
+IN_NAMES = {
+    "n": "N",
+    "m": "m",
+    "m3": "m³",
+    "s": "s",
+    "hz": "Hz",
+    "deg": "°",
+    "rad": "rad",
+    "pa": "Pa",
+    "w": "W",
+    "kg": "kg",
+    "percent": "%",
+}
+"""How units are called at the end of a column's name: ``stiffness_n_per_m``."""
+_SEVERAL = rf"(?:{'|'.join(IN_NAMES)})(?:_(?:{'|'.join(IN_NAMES)}))*"
+WITH_UNIT = re.compile(rf"(.+?)_({_SEVERAL}(?:_per_{_SEVERAL})?)")
 
 
 class Unit(NamedTuple):
@@ -163,3 +180,43 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
     # A film that bears next to nothing, or an error above 10: as many digits as that makes.
     digits = math.floor(math.log10(abs(value))) + places if value else 0
     return f"{value:.{max(digits, 0)}e}", shown
+
+
+def unit_of_column(name: str) -> tuple[str, str]:
+    """What a column is of, and the unit that its name ends in: ``power_w`` in ``W``."""
+    match = WITH_UNIT.fullmatch(name)
+    if match is None:
+        return name, ""
+    above, *below = (
+        " ".join(IN_NAMES[each] for each in part.split("_")) for part in match[2].split("_per_")
+    )
+    return match[1], above + "".join(f"/({each})" if " " in each else f"/{each}" for each in below)
+
+
+def error_column(name: str, names: Any) -> str | None:
+    """The column of a value's error among those of a table: ``h0_error_m`` that of ``h0_m``."""
+    end = f"_{match[2]}" if (match := WITH_UNIT.fullmatch(name)) else ""
+    start = name.removesuffix(end)
+    known = (f"{start}_error{end}", f"{start}_error_95{end}", *["error_95_n"] * (name == "force_n"))
+    return next((each for each in known if each in names), None)
+
+
+def in_lines(row: Mapping[Any, Any]) -> str:
+    """A row of a table for people: a line for each value that there is, with unit and error."""
+    errors = {error for name in row if (error := error_column(name, row))}
+    shown: dict[str, str] = {}
+    for name, value in row.items():
+        if name in errors or value is None or value == "" or value != value:
+            continue
+        label, unit = unit_of_column(name)
+        size = 1.0
+        if unit in ("m", "s") and 0 < abs(value) < 1:
+            prefix, size = ("m", 1e3) if abs(value) >= MILLI else ("µ", 1e6)
+            unit = prefix + unit
+        digits = 6 if unit.endswith("m") else 4  # a length may be what was asked for
+        text = f"{value * size:.{digits}g}" if isinstance(value, float) else str(value)
+        if error := error_column(name, row):
+            text = " ± ".join(to_its_error(size * value, size * row[error]))
+        shown[label] = f"{text} {unit}".strip()
+    wide = max(map(len, shown))
+    return "\n".join(f"{label:{wide}}  {text}" for label, text in shown.items())

@@ -20,7 +20,7 @@ from scipy.optimize import brentq, newton
 from scipy.stats import betabinom
 
 from squeezefilm.api.forces import Force, forces_of
-from squeezefilm.api.study import Study
+from squeezefilm.api.models import Study
 from squeezefilm.dynamics.averaged_film import averaged_film_of
 from squeezefilm.dynamics.levitation import Levitation, Resonance, levitate, resonance
 from squeezefilm.dynamics.response import response

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.api.study import Study
+from squeezefilm.api.models import Study
 from squeezefilm.config.loading import parse_config
 from squeezefilm.studies.study import profile_of, surface_of
 

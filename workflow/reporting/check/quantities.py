@@ -28,8 +28,8 @@ from reporting.check.compare import (
 )
 from reporting.pages import Page
 from reporting.results import Results
-from squeezefilm.columns import form_of
 from squeezefilm.models.data import factors_of
+from squeezefilm.solution import form_of
 
 SAMPLE = 25
 """Rows of a table that a reference keeps; least, mean and largest stand for the others."""

@@ -18,9 +18,9 @@ import pandas as pd
 
 from reporting.notes import Inertia
 from reporting.results import Results
-from squeezefilm.columns import as_in, form_of
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, fit_of
+from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
 HERE = Path(__file__).parent

@@ -14,7 +14,7 @@ from reporting.figures.axes import beside, grid_of, label_plane, not_known, show
 from reporting.figures.tables import in_micrometres, micrometres
 from reporting.notes import percent, reynolds_limit
 from reporting.results import Results
-from squeezefilm.columns import form_of
+from squeezefilm.solution import form_of
 
 EFFECTS = {
     "inertia": (style.BLUE, "inertia"),

@@ -3,26 +3,139 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from itertools import product
+from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
+import numpy as np
 import pandas as pd
 
-from squeezefilm.api.field import TOLERANCE, field_of
 from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
-from squeezefilm.api.points import Position, Values, points_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import Config, config_of
-from squeezefilm.errors import InputError
+from squeezefilm.errors import InputError, needing
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.quantities.model_error import resolve_auto_terms
+from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
+from squeezefilm.solution import CARTESIAN, POLAR
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scenes_in, smoothed_scan_of
+from squeezefilm.units import quantities
 
 if TYPE_CHECKING:
     import xarray
+
+Values = str | float | Sequence[float] | np.ndarray
+"""Values of one factor: a number in SI units (degrees for angles), several of them, or a text with
+units such as ``"5 um"``, ``"5 um, 6 um"``, ``"0.5:2.5:9 um"`` (first:last:count)."""
+COLUMNS = {"h0": "h0_m", "hv": "hv_m", "x": "x_m", "y": "y_m", "phi_r": "phi_r_m", "phi": "phi_deg"}
+"""What the factors are called where they are asked for, and their columns."""
+MOST_POINTS = 1_000_000
+WIDTH = 80
+
+
+class Position(TypedDict, total=False):
+    """The finger's centre from the actuator's: Cartesian, or polar with phi in degrees."""
+
+    x: Values | None
+    y: Values | None
+    phi_r: Values | None
+    phi: Values | None
+
+
+class Points(pd.DataFrame):
+    """A table with a row for each point, as pandas has it, which shows what it holds.
+
+    All columns, and 2.2e-06 for what pandas shows as 0.000002 where no other format is set.
+    """
+
+    @property
+    def _constructor(self) -> type[Points]:
+        return Points
+
+    def __repr__(self) -> str:
+        with _shown_whole():
+            return str(super().__repr__())
+
+    def _repr_html_(self) -> str | None:
+        with _shown_whole():
+            html: str | None = super()._repr_html_()  # type: ignore[misc]
+            return html
+
+
+def _shown_whole() -> AbstractContextManager[None]:
+    number = pd.get_option("display.float_format") or "{:.6g}".format
+    whole = ("display.width", WIDTH, "display.max_columns", None)
+    return pd.option_context(*whole, "display.float_format", number)
+
+
+def points_of(*, option: str = "{}", **given: Values | None) -> Points:
+    """Every combination of the values given, a column for each factor given.
+
+    What is added to it, such as forces, is a table of Points again.
+
+    Args:
+        option: how a factor's name is written in messages.
+        given: by the names in COLUMNS.
+
+    Raises InputError for a value without its unit or no finite number, for a position in both
+    forms, for too many points.
+    """
+    if unknown := given.keys() - COLUMNS.keys():
+        raise TypeError(f"{min(unknown)!r} is none of {', '.join(COLUMNS)}")
+    called = {name: option.format(name.replace("_", "-")) for name in COLUMNS}
+    values_of = {
+        column: levels(values, called=called[name], unit="deg" if name == "phi" else "m")
+        for name, column in COLUMNS.items()
+        if (values := given.get(name)) is not None
+    }
+    if values_of.keys() & {*CARTESIAN} and values_of.keys() & {*POLAR}:
+        message = "give the position as {x} and {y} or as {phi_r} and {phi}, not both"
+        raise InputError(message.format(**called))
+    if "phi_deg" in values_of and "phi_r_m" not in values_of:
+        message = "{phi} is a direction; give the distance from the centre by {phi_r} too"
+        raise InputError(message.format(**called))
+    if (count := prod(map(len, values_of.values()))) > MOST_POINTS:
+        raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
+    return Points(list(product(*values_of.values())), columns=list(values_of), dtype=float)
+
+
+def levels(values: Values, *, called: str, unit: str) -> list[float]:
+    """The numbers that are meant, in SI units or degrees.
+
+    Raises InputError naming what they are called.
+    """
+    if isinstance(values, str):
+        return quantities(values, option=called, unit=unit)
+    try:
+        numbers = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+    except (TypeError, ValueError):
+        numbers = np.array([np.nan])
+    if not len(numbers) or not np.isfinite(numbers).all():
+        raise InputError(
+            f"{called}: {values!r} is no finite number in {unit}, nor several of them, nor a text "
+            "with units"
+        )
+    return [float(value) for value in numbers]
+
+
+LEAST_PLACES, MOST_PLACES = 3, 1001
+LEAST_INSTANTS, MOST_INSTANTS = 4, 1024
+DESCRIBED = {
+    "overpressure": ("Pa", "pressure above ambient"),
+    "gap": ("m", "gap between surface and finger"),
+    "phase": ("degree", "phase"),
+    "y": ("m", "from the finger's centre along its own y axis"),
+    "x": ("m", "from the finger's centre along its own x axis"),
+    "time": ("s", "time"),
+}
+TOLERANCE = 1e-4
+"""Of the largest overpressure, where none is given."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -179,16 +292,61 @@ class Film:
             instants: over the period; even.
             tolerance: by which no value changes any more as grids are refined, of the largest.
 
-        Raises InputError as ``scene`` does and without xarray, RunError where there is no state.
+        Raises InputError as ``scene`` does, for numbers out of range and without xarray, RunError
+        where there is no state.
         """
-        return field_of(
-            self.scene(h0, hv, **position),
+        with needing("fields", what="a pressure field"):
+            import xarray
+        for name, value, least, most in (
+            ("places", places, LEAST_PLACES, MOST_PLACES),
+            ("instants", instants, LEAST_INSTANTS, MOST_INSTANTS),
+        ):
+            if not least <= value <= most:
+                raise InputError(f"{name}: {value} must lie within {least} … {most}")
+        if instants % 2:
+            raise InputError(f"instants: {instants} must be even")
+        if not 1e-8 <= tolerance <= 0.1:
+            raise InputError(f"tolerance: {tolerance:g} must lie between 1e-8 and 0.1")
+        (scene,) = resolve_auto_terms(
+            [self.scene(h0, hv, **position)],
             model_tolerance=self.config["solver"]["model_tolerance"],
+            method="periodic",
             device=self.device,
-            places=places,
-            instants=instants,
-            tolerance=tolerance,
         )
+        across = np.linspace(0.0, 1.0, places)
+        found = pressure(
+            scene, x=across, y=across, instants=instants, tolerance=tolerance, device=self.device
+        )
+        phase = 2 * np.pi * np.arange(instants) / instants
+        gap_m = scene.h0_m * np.moveaxis(scene.gap(*np.meshgrid(across, across), phase), -1, 0)
+        ambient, finger, axes = scene.gas.ambient_pressure_pa, scene.finger, ("phase", "y", "x")
+        field = xarray.Dataset(
+            {
+                "overpressure": (axes, ambient * found.values),
+                "gap": (axes, np.where(np.isnan(found.values), np.nan, gap_m)),
+            },
+            coords={
+                "phase": np.degrees(phase),
+                "y": finger.length_y_m * (across - 0.5),
+                "x": finger.length_x_m * (across - 0.5),
+                "time": ("phase", phase / scene.actuator.angular_frequency_rad_per_s),
+            },
+            attrs={
+                "title": "pressure of a squeeze film over one period",
+                "h0_m": scene.h0_m,
+                "hv_m": scene.hv_m,
+                "finger_x_m": scene.x_m,
+                "finger_y_m": scene.y_m,
+                "frequency_hz": scene.actuator.frequency_hz,
+                "ambient_pressure_pa": ambient,
+                "inertia": scene.gas.inertia,
+                "change_pa": ambient * found.change,
+                "comment": "change_pa: most that a pressure changed by in the last refinement",
+            },
+        )
+        for name, (unit, words) in DESCRIBED.items():
+            field[name].attrs |= {"units": unit, "long_name": words}
+        return field
 
     def __repr__(self) -> str:
         actuator, finger = self.config["actuator"], self.config["finger"]

@@ -1,20 +1,27 @@
-"""Forces of scenes with all that is known of their errors, for people."""
+"""Forces of scenes with all that is known of their errors, and how they would be solved."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from squeezefilm.config.loading import Config
-from squeezefilm.errors import RunError
+from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK, validity
-from squeezefilm.quantities.derivatives import derivatives_text, with_derivatives
+from squeezefilm.parallel import progress_bar
+from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
     budget_row,
@@ -22,40 +29,30 @@ from squeezefilm.quantities.model_error import (
     error_budgets,
     excluded_terms,
 )
-from squeezefilm.quantities.outputs import outputs_text, with_outputs
+from squeezefilm.quantities.outputs import refusals, with_outputs
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
+from squeezefilm.reynolds.periodic.launch import warm
+from squeezefilm.reynolds.solver import Preview, previews
 from squeezefilm.reynolds.terms import notes_of
+from squeezefilm.solution import Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.study import film_in, scenes_in
 from squeezefilm.studies.tasks.scan_errors import scan_errors
-from squeezefilm.units import with_error
+from squeezefilm.tables import (
+    SCENE_COLUMNS,
+    TIMING_COLUMNS,
+    read_forces,
+    read_scenes,
+    read_timings,
+    table_writer,
+)
+from squeezefilm.units import in_lines
 
-# Motion out of phase is spoken of where it is more than this share of the noise.
-LEAST_OUT_OF_PHASE = 0.01
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
 NOT_ASKED = "not asked for"
-
-
-@dataclass(frozen=True)
-class ScanPart:
-    """What the scan of a measured profile leaves open in one force, in newtons.
-
-    Attributes:
-        noise_n: half of the interval that holds the noise's part in 95 % of all scans.
-        out_of_phase_n: by what the force is low without the motion out of phase, an estimate.
-        warnings: what was seen of the scan that these do not hold, a line each.
-    """
-
-    noise_n: float
-    out_of_phase_n: float
-    warnings: tuple[str, ...] = ()
-
-    @property
-    def total_n(self) -> float:
-        """All that the scan leaves open."""
-        return self.noise_n + self.out_of_phase_n
+ALIKE = ["method", "domain", "terms", "left_out"]
 
 
 @dataclass(frozen=True)
@@ -69,9 +66,11 @@ class Force:
         solution: the force and how it was obtained; its error is the solver's alone.
         budget: what the film equation leaves out of the force, effect by effect; its
             status says where it was not asked for.
-        scan: what the scan of a measured profile leaves open; None without one.
+        scan: what the scan of a measured profile leaves open: ``noise_n``, half of the interval
+            that holds the noise's part in 95 % of all scans; ``out_of_phase_n``, by what the force
+            is low without the motion out of phase; ``scan_error_n``, both. None without a scan.
         device: the name of the OpenCL device.
-        kept_out: which terms ``auto`` could not include, and why.
+        notes: which terms ``auto`` could not include and why, and what was seen of the scan.
 
     Answers beside the force that were asked for are ``solution.outputs``.
     """
@@ -79,9 +78,9 @@ class Force:
     scene: Scene
     solution: Solution
     budget: ErrorBudget
-    scan: ScanPart | None
+    scan: Mapping[str, float] | None
     device: str
-    kept_out: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def force_n(self) -> float:
@@ -94,8 +93,7 @@ class Force:
 
         What the film equation itself leaves out is not in it: see ``left_out_percent``.
         """
-        scan = self.scan
-        return self.solution.force_error_n + (scan.total_n if scan else 0.0)
+        return self.solution.force_error_n + (self.scan["scan_error_n"] if self.scan else 0.0)
 
     @property
     def left_out_percent(self) -> tuple[float, float]:
@@ -121,37 +119,28 @@ class Force:
 
     def __str__(self) -> str:
         scene, found = self.scene, self.solution
-        notes = (*self.kept_out, *notes_of(scene), *([self.status] * (self.status != OK)))
-        lines = [
-            *self._force(),
-            f"h0 {1e6 * scene.h0_m:g} µm, hv {1e6 * scene.hv_m:g} µm, "
-            f"x {_tidy(1e3 * scene.x_m)} mm, y {_tidy(1e3 * scene.y_m)} mm; "
-            f"epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}",
-            f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
-            f"{found.krylov_iterations} Krylov iterations, on {self.device}; "
-            f"left out: {found.left_out}",
-            f"validity  {self.validity}",
-            f"beyond the equation: {budget_text(self.budget)}",
-        ]
-        if found.derivatives:
-            lines.append(derivatives_text(found.derivatives))
-        if found.outputs:
-            lines += outputs_text(found.outputs)
-            if self.scan is not None:
-                lines.append("note: errors of these are without the scan's noise")
-        return "\n".join([*lines, *(f"note: {note}" for note in notes)])
+        parts: dict[str, float] = {}
+        if self.scan is not None:
+            parts = {f"scan's {name}": self.scan[name] for name in ("noise_n", "out_of_phase_n")}
+            parts["solver's error_n"] = found.force_error_n
+        row = {
+            "force_n": self.force_n,
+            "force_error_n": self.error_n,
+            **parts,
+            **{name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")},
+            "epsilon": scene.epsilon,
+            "sigma": scene.sigma,
+            "method": f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
+            f"{found.krylov_iterations} Krylov iterations, on {self.device}",
+            "left out": found.left_out,
+            "validity": self.validity,
+            "beyond the equation": budget_text(self.budget),
+            **found.asked_columns,
+        }
+        notes = (*self.notes, *notes_of(scene), *([self.status] * (self.status != OK)))
+        return "\n".join([in_lines(row), *(f"note: {note}" for note in notes)])
 
     __repr__ = __str__
-
-    def _force(self) -> list[str]:
-        text = f"force {with_error(self.force_n, self.error_n)}"
-        if self.scan is None:
-            return [text]
-        parts = [f"scan's noise {self.scan.noise_n:.1g} N at 95 %"]
-        if self.scan.out_of_phase_n > LEAST_OUT_OF_PHASE * self.scan.noise_n:
-            parts.append(f"motion out of phase, left out, about {self.scan.out_of_phase_n:.2g} N")
-        parts.append(f"solver {self.solution.force_error_n:.1g} N")
-        return [f"{text} ({', '.join(parts)})", *self.scan.warnings]
 
 
 def force_of(scene: Scene, **how: Any) -> Force:
@@ -181,7 +170,7 @@ def forces_of(
         smoothed: the scan that their profile was measured in.
         budget: whether what the film equation leaves out is asked for too: states of their own.
     """
-    kept_out = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
+    notes = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
     scenes = settings.resolved(scenes, device)
     solutions = solved_with(scenes, settings=settings, device=device, derivatives=derivatives)
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
@@ -190,11 +179,14 @@ def forces_of(
     beyond = dict.fromkeys(range(len(scenes)), ErrorBudget(status=reason))
     if budget:
         beyond |= dict(zip(known, error_budgets(with_force, device=device), strict=True))
-    scans: dict[int, ScanPart] = {}
+    scans: dict[int, Mapping[str, float]] = {}
+    warnings: tuple[str, ...] = ()
     if smoothed is not None and known:
-        scans = dict(zip(known, scan_parts(with_force, smoothed, device=device), strict=True))
+        errors = scan_errors(with_force, smoothed, device=device).to_dict("records")
+        scans = dict(zip(known, errors, strict=True))  # type: ignore[arg-type]
+        warnings = smoothed.warnings
     return [
-        Force(scene, solutions[k], beyond[k], scans.get(k), device.name, kept_out[k])
+        Force(scene, solutions[k], beyond[k], scans.get(k), device.name, (*warnings, *notes[k]))
         for k, scene in enumerate(scenes)
     ]
 
@@ -204,7 +196,7 @@ def solved_with(
     *,
     settings: SolverSettings,
     device: Device,
-    derivatives: bool,
+    derivatives: bool = False,
     report: Callable[[int], object] = lambda solved: None,
 ) -> Sequence[Solution]:
     """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
@@ -224,25 +216,13 @@ def solved_with(
     return found
 
 
-def scan_parts(
-    scenes: Sequence[Scene], smoothed: SmoothedScan, *, device: Device
-) -> list[ScanPart]:
-    """What the scan leaves open in the force of each scene.
-
-    Raises RunError naming a scene that has no force with a profile of other noise.
-    """
-    errors = scan_errors(scenes, smoothed, device=device)
-    return [
-        ScanPart(float(noise), float(dropped), smoothed.warnings)
-        for noise, dropped in zip(errors.noise_n, errors.out_of_phase_n, strict=True)
-    ]
-
-
 def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[[Scene], float]:
     """What a scan leaves open in a scene's force, in newtons: nothing where there is none."""
     if smoothed is None:
         return lambda scene: 0.0
-    return lambda scene: scan_parts([scene], smoothed, device=device)[0].total_n
+    return lambda scene: float(
+        scan_errors([scene], smoothed, device=device)["scan_error_n"].iloc[0]
+    )
 
 
 def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
@@ -254,7 +234,16 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     with a budget, ``left_out_least_percent`` and ``…_most_percent``, what the film equation leaves
     out, first orders and what higher ones may add.
     """
-    columns = pd.DataFrame([_row(force) for force in forces], index=points.index)
+    rows = []
+    for force in forces:
+        shared = ("force_n", "force_error_n", "method", "status", "validity")
+        row = {name: getattr(force.solution, name) for name in shared}
+        row |= {"force_error_n": force.error_n, **force.solution.asked_columns}
+        if force.budget.status != NOT_ASKED:
+            least, most = force.left_out_percent
+            row |= {"left_out_least_percent": least, "left_out_most_percent": most}
+        rows.append(row)
+    columns = pd.DataFrame(rows, index=points.index)
     return points.assign(**{name: columns[name] for name in map(str, columns)})
 
 
@@ -271,20 +260,214 @@ def budget_table(
     return pd.concat([table, pd.DataFrame(rows)], axis=1)
 
 
-def _row(force: Force) -> dict[str, float | str]:
-    least, most = force.left_out_percent
-    asked = force.budget.status != NOT_ASKED
-    return {
-        "force_n": force.force_n,
-        "force_error_n": force.error_n,
-        "method": force.solution.method,
-        "status": force.status,
-        "validity": force.validity,
-        **force.solution.asked_columns,
-        **({"left_out_least_percent": least, "left_out_most_percent": most} if asked else {}),
+def preview_table(
+    scenes: Sequence[Scene], *, settings: SolverSettings, device: Device
+) -> pd.DataFrame:
+    """A row for each scene: its numbers, method, domain, terms and first grid, nothing solved.
+
+    But for what decides on terms that are ``auto``: a state on a coarse grid.
+    """
+    scenes = settings.resolved(scenes, device)
+    found = previews(scenes, tolerance=settings.tolerance, method=settings.method)
+    return pd.DataFrame(
+        [_preview_row(*each, settings=settings) for each in zip(scenes, found, strict=True)]
+    )
+
+
+def _preview_row(scene: Scene, preview: Preview, *, settings: SolverSettings) -> dict[str, object]:
+    numbers = ("point_id", "epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
+    row = {
+        **{name: getattr(scene, name) for name in numbers},
+        "method": preview.method,
+        "status": preview.status,
+        "validity": validity(scene),
+        "domain": preview.domain,
+        "terms": "; ".join(preview.terms),
+        **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
+        "left_out": "; ".join(part.what for part in preview.left_out),
+        "why": "; ".join(f"{part.what}: {part.why}" for part in preview.left_out),
+        "expected_error": preview.expected_error,
+        "expected_mflop": preview.expected_mflop,
+        "notes": "; ".join(notes_of(scene)),
     }
+    if not settings.outputs:
+        return row
+    refused = refusals(scene, tolerance=settings.tolerance)
+    lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
+    return row | {"outputs_refused": "; ".join(lacking)}
 
 
-def _tidy(value: float) -> str:
-    """A coordinate without what its way through polar ones has added."""
-    return f"{round(value, 9) + 0.0:g}"
+def preview_text(table: pd.DataFrame, *, tolerance: float) -> str:
+    """A table of previews in words: one scene by itself, several by how they are treated."""
+    if len(table) == 1:
+        return in_lines(table.drop(columns=["point_id", "left_out"]).to_dict("records")[0])
+    largest = {name: (name, "max") for name in ("nx", "ny", "nt", "expected_error")}
+    summary = table.groupby(ALIKE, sort=False, as_index=False).agg(
+        scenes=("point_id", "size"), **largest, expected_mflop=("expected_mflop", "sum")
+    )
+    lines = [f"{len(table)} scenes at tolerance {tolerance:g}:", ""]
+    lines.append(summary.to_string(index=False, float_format="{:.3g}".format))
+    for column in ("status", "validity", "outputs_refused", "notes"):
+        for words, alike in table.groupby(column, sort=False) if column in table else ():
+            if words not in ("", OK):
+                first = alike["point_id"].iloc[0]
+                lines.append(f"{column} of {len(alike)} scenes, such as point {first}: {words}")
+    return "\n".join(lines)
+
+
+PIECE = 4096
+"""Scenes whose results are held before they are written."""
+NAMED = 100
+"""Points without a force, at most, in a message."""
+
+
+def device_ready(config: Config, *, option: str | None, scene: Scene) -> Device:
+    """The device of a study with its kernels compiled for scenes like one; on a node once."""
+    with one_build_at_a_time():
+        device = device_of(config, option=option)
+        warm(device, scene)
+    return device
+
+
+def compile_kernels(config: Config) -> dict[str, Any]:
+    """Compile the kernels of a study, so that jobs find them in the caches; name its device."""
+    # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
+    scene = film_in(config).scene(h0_m=5e-6, hv_m=0.0)
+    facts = describe(device_ready(config, option=None, scene=scene))
+    del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
+    return facts
+
+
+def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
+    """The rows of one of several chunks: contiguous parts that differ by at most one row."""
+    return slice(count * (chunk - 1) // chunks, count * chunk // chunks)
+
+
+def simulate_table(
+    scenes: Path | str,
+    config: Config,
+    *,
+    settings: SolverSettings,
+    output: Path | str,
+    timings: Path | str | None = None,
+    chunk: tuple[int, int] = (1, 1),
+    device: str | None = None,
+    derivatives: bool = False,
+) -> tuple[list[str], list[str]]:
+    """Solve the scenes of a table and write a row for each, whatever became of it.
+
+    Args:
+        timings: where to write each scene's share of the run time.
+        chunk: which of how many parts of the table.
+        device: instead of the study's.
+        derivatives: of the force too.
+
+    Returns:
+        the points without a force, each with its reason, and those that have a force but not all
+        that was asked for beside it.
+
+    Raises InputError, before anything is solved, for a scene that cannot be.
+    """
+    table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
+    planned = scenes_of_table(table, config=config, path=scenes)
+    chosen = device_ready(config, option=device, scene=planned[0])
+    failures: list[str] = []
+    incomplete: list[str] = []
+    seconds = 0.0
+    times = table_writer(timings) if timings else nullcontext(lambda rows: None)
+    with (
+        progress_bar(len(table), unit="scene", name=str(scenes)) as bar,
+        table_writer(output) as write,
+        times as write_times,
+    ):
+        for first in range(0, len(table), PIECE):
+            rows, batch = table.iloc[first : first + PIECE], planned[first : first + PIECE]
+            start = time.perf_counter()
+            solutions = solved_with(
+                settings.resolved(batch, chosen),
+                settings=settings,
+                device=chosen,
+                derivatives=derivatives,
+                report=bar.update,
+            )
+            wall = time.perf_counter() - start
+            write(_forces(rows, solutions))
+            # By floating-point operations, of which closed forms need none worth counting.
+            work = np.array([solution.work for solution in solutions])
+            shares = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
+            write_times(rows[["point_id"]].assign(solve_seconds=wall * shares))
+            seconds += wall
+            for point_id, solution in zip(rows["point_id"], solutions, strict=True):
+                if reason := missing_of(solution):
+                    missing = incomplete if solution.status == "ok" else failures
+                    missing.append(f"point {point_id}: {reason}")
+    for note in excluded_terms(planned[0], method=settings.method):
+        print(note, file=sys.stderr)
+    solved = len(table) - len(failures)
+    print(f"{solved} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)
+    return failures, incomplete
+
+
+def missing_of(solution: Solution) -> str:
+    """Why there is no force, or not what was asked for beside it; empty if all is there."""
+    asked = (solution, solution.derivatives, solution.outputs)
+    return next((each.status for each in asked if each and each.status != "ok"), "")
+
+
+def scenes_of_table(rows: pd.DataFrame, *, config: Config, path: Path | str) -> Scenes:
+    """The scenes of a table's rows; the table's path stands before what is wrong with one."""
+    with naming(path):
+        return scenes_in(rows, config)
+
+
+def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
+    """The rows of a plan with what was solved for them."""
+    found = Solutions.of(solutions).to_frame(rows.index)
+    asked = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
+    return pd.concat([rows[as_in(SCENE_COLUMNS, rows)], found, asked], axis=1)
+
+
+def merge_forces(
+    scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
+) -> None:
+    """Put the forces of a plan's parts together, one part held at a time.
+
+    Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
+    points without a force unless these may stay; then nothing is written.
+    """
+    plan_rows = read_scenes(scenes)
+    columns = as_in(SCENE_COLUMNS, plan_rows)
+    failures: list[str] = []
+    first = 0
+    with table_writer(output) as write:
+        for part in parts:
+            rows = read_forces(part, whole=True)
+            planned = plan_rows.iloc[first : first + len(rows)].reset_index(drop=True)
+            if not planned.equals(rows.reindex(columns=columns)):
+                raise InputError(
+                    f"{part}: its points are not those of {scenes} from row {first + 1} on; "
+                    "simulate it again"
+                )
+            failed = rows[rows["status"] != "ok"]
+            failures += [
+                f"point {row.point_id}: {row.status} ({part})" for row in failed.itertuples()
+            ]
+            first += len(rows)
+            write(rows)
+        if first < len(plan_rows):
+            raise InputError(f"{scenes}: point {plan_rows['point_id'].iloc[first]} is in no part")
+        if failures and not keep_failed:
+            raise RunError(no_force(failures, scenes))
+
+
+def no_force(failures: Sequence[str], scenes: Path | str) -> str:
+    """The message for points without a force."""
+    more = f" and {len(failures) - NAMED} more" if len(failures) > NAMED else ""
+    return f"{scenes}: no force for {'; '.join(failures[:NAMED])}{more}"
+
+
+def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
+    """Put the run times of a plan's parts together."""
+    with table_writer(output) as write:
+        for part in parts:
+            write(read_timings(part)[list(TIMING_COLUMNS)])

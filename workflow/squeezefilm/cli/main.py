@@ -5,39 +5,40 @@ import difflib
 import gc
 import importlib
 import importlib.util
+import inspect
 import os
 import re
 import signal
 import sys
 import textwrap
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
 
-Groups = Mapping[str, tuple[str, tuple[str, ...]]]
+Groups = Mapping[str, Mapping[str, str]]
 
 GROUPS: Groups = {
-    "Use: one force, one field, one model": (
-        "squeezefilm.cli.use",
-        (
-            *("simulate", "budget", "levitate", "response", "pressure"),
-            *("predict", "working-point", "export", "config", "doctor"),
-        ),
-    ),
-    "A study of your own": (
-        "squeezefilm.cli.study",
-        ("new", "profile", "fit", "validate", "optimal"),
-    ),
-    "A finished study": (
-        "reporting.commands",
-        ("plot", "plot-pressure", "recommend", "check", "reference"),
-    ),
+    "Use: one force, one field, one model": {
+        "squeezefilm.cli.film": "simulate budget pressure",
+        "squeezefilm.cli.dynamics": "levitate response",
+        "squeezefilm.cli.model": "predict working-point export",
+        "squeezefilm.cli.setup": "config doctor",
+    },
+    "A study of your own": {
+        "squeezefilm.cli.setup": "new",
+        "squeezefilm.cli.study": "profile fit validate optimal",
+    },
+    "A finished study": {
+        "reporting.commands": "plot plot-pressure recommend check reference",
+    },
 }
-"""Packages of commands by their titles; ``a-b`` is the module ``a_b``."""
+"""Commands by the titles of their groups and where they are: ``a-b`` is ``a_b`` in a module or a
+package."""
 INTERRUPTED = "squeezefilm: interrupted\n"
 NEGATIVE = re.compile(r"-\.?\d")
 OPTION = re.compile(r"--[a-z][a-z0-9-]*")
@@ -45,25 +46,30 @@ NAME_WIDTH, WIDTH = 18, 100
 
 
 def commands_of(groups: Groups = GROUPS) -> dict[str, str]:
-    """The module of every command by its name; a package that is not installed has none.
+    """The place of every command by its name; a package that is not installed has none.
 
     What shows a finished study lies beside the library in a checkout, and not in its wheel.
     """
     return {
-        name: f"{package}.{name.replace('-', '_')}"
-        for package, names in groups.values()
-        if importlib.util.find_spec(package.partition(".")[0])
-        for name in names
+        name: place
+        for group in groups.values()
+        for place, names in group.items()
+        if importlib.util.find_spec(place.partition(".")[0])
+        for name in names.split()
     }
 
 
-def summary_of(module: str) -> str:
-    """The first line of a module's docstring; the module is not imported."""
-    package, _, name = module.rpartition(".")
-    spec = importlib.util.find_spec(package)
+def summary_of(name: str, place: str) -> str:
+    """The first line of a command's help, which is not imported."""
+    spec, name = importlib.util.find_spec(place), name.replace("-", "_")
     assert spec is not None
-    with Path(str(spec.origin)).with_name(f"{name}.py").open(encoding="utf-8") as file:
-        return file.readline().strip().strip('"')
+    path = Path(str(spec.origin))
+    if path.name == "__init__.py":
+        with path.with_name(f"{name}.py").open(encoding="utf-8") as file:
+            return file.readline().strip().strip('"')
+    found = re.search(rf'^def {name}\(.*\n +"""(.*)', path.read_text(encoding="utf-8"), re.M)
+    assert found is not None
+    return found[1]
 
 
 def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> int:
@@ -86,48 +92,57 @@ def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> 
 
 
 def _run(words: Sequence[str], *, groups: Groups) -> int:
-    commands = commands_of(groups)
-    chosen = words[0] if words else ""
+    commands, chosen = commands_of(groups), words[0] if words else ""
+    if chosen not in commands:
+        _explain(words, commands, overview=overview(groups))
+    # No module is garbage before the process ends, and a search for it takes a quarter of the time
+    # of a small command.
+    gc.disable()
+    with _ending_at_once():
+        command = loaded(chosen, commands[chosen])
+    gc.freeze()
+    gc.enable()
+    parser = argparse.ArgumentParser(
+        prog=f"squeezefilm {chosen}",
+        description=inspect.cleandoc(command.run.__doc__ or command.__doc__),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_arguments(parser)
+    options, unknown = parser.parse_known_args(words[1:])
+    if unknown:
+        known = [name for action in parser._actions for name in action.option_strings]
+        hint = _nearest(unknown[0].partition("=")[0], known)
+        what = f"takes no {unknown[0]!r}; {hint}`{parser.prog} --help` explains what it takes"
+        parser.error(what)
+    return int(command.run(options) or 0)
+
+
+def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
+    """What stands instead of a command: --help, --version, or a mistake."""
     parser = argparse.ArgumentParser(
         prog="squeezefilm",
-        usage=None if chosen in commands else "squeezefilm COMMAND …",
+        usage="squeezefilm COMMAND …",
         description="Squeeze-film forces from the Reynolds equation, and empirical models of them.",
-        epilog=None if chosen in commands else overview(groups),
+        epilog=overview,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
-    asked = parser
-    if chosen in commands:
-        # No module is garbage before the process ends, and a search for it takes a quarter of the
-        # time of a small command.
-        gc.disable()
-        with _ending_at_once():
-            module = importlib.import_module(commands[chosen])
-        gc.freeze()
-        gc.enable()
-        asked = parser.add_subparsers(dest="command", metavar="COMMAND").add_parser(
-            chosen,
-            description=module.__doc__,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        module.add_arguments(asked)
-        asked.set_defaults(run=module.run)
-    elif not chosen:
-        parser.error("which command? `squeezefilm --help` names them")
-    elif not chosen.startswith("-"):
-        near = difflib.get_close_matches(chosen, commands, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        parser.error(f"there is no command {chosen!r}; {hint}`squeezefilm --help` names all")
-    options, unknown = parser.parse_known_args(words)
-    if unknown:
-        known = [name for action in asked._actions for name in action.option_strings]
-        near = difflib.get_close_matches(unknown[0].partition("=")[0], known, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        parser.error(
-            f"{asked.prog} takes no {unknown[0]!r}; {hint}`{asked.prog} --help` explains what it "
-            "takes"
-        )
-    return int(options.run(options) or 0)
+    if words and not words[0].startswith("-"):
+        hint = _nearest(words[0], commands)
+        parser.error(f"there is no command {words[0]!r}; {hint}`squeezefilm --help` names all")
+    parser.parse_args(words)
+    parser.error("which command? `squeezefilm --help` names them")
+
+
+def _nearest(word: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(word, [*known], n=1)
+    return f"did you mean {near[0]!r}? " if near else ""
+
+
+def loaded(name: str, place: str) -> Any:
+    """A command: a module of a package, or what a module has under this name."""
+    name, module = name.replace("-", "_"), importlib.import_module(place)
+    return getattr(module, name, None) or importlib.import_module(f"{place}.{name}")
 
 
 @contextmanager
@@ -161,13 +176,13 @@ def with_negative_values(words: Sequence[str]) -> list[str]:
 
 def overview(groups: Groups) -> str:
     """Every command with a line about it, in groups."""
-    modules = commands_of(groups)
+    known = commands_of(groups)
     lines = []
-    for title, (_, names) in groups.items():
-        there = [name for name in names if name in modules]
+    for title, places in groups.items():
+        there = [name for names in places.values() for name in names.split() if name in known]
         lines += [title] if there else []
         for name in there:
-            first, *rest = textwrap.wrap(summary_of(modules[name]), WIDTH - NAME_WIDTH - 2)
+            first, *rest = textwrap.wrap(summary_of(name, known[name]), WIDTH - NAME_WIDTH - 2)
             lines.append(f"  {name:{NAME_WIDTH}}{first}")
             lines += [f"{'':{NAME_WIDTH + 2}}{line}" for line in rest]
         lines += [""] if there else []

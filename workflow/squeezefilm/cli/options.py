@@ -1,28 +1,26 @@
-"""Options that several commands have, and what they stand for."""
+"""What commands have in common: how they are declared, their options, and tables as they are shown.
+
+The docstring of a command is its help.
+"""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from squeezefilm.api.film import Film
-from squeezefilm.api.points import Values, points_of
-from squeezefilm.config.loading import load_film
+from squeezefilm.api.film import Film, Values, points_of
+from squeezefilm.config.film import FilmSections
+from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import write_table
-from squeezefilm.units import to_its_error
+from squeezefilm.units import error_column, in_lines, to_its_error
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""
-SHARED: dict[str, dict[str, Any]] = {
-    "config": {"metavar": "CONFIG.yaml", "help": "the study; a checkout's paper.yaml if left out"},
-    "device": {"help": "instead of SQUEEZEFILM_DEVICE and the config's solver.device"},
-    "tolerance": {"type": float, "help": "instead of the config's solver.tolerance"},
-    "method": {"choices": METHODS, "help": "instead of the config's solver.method"},
-}
 POINTS = {
     "h0": "mean gap, e.g. 5um",
     "hv": "amplitude at the profile's maximum, e.g. 2um",
@@ -32,35 +30,69 @@ POINTS = {
     "phi": "and direction, e.g. 45deg",
 }
 MANY = "each one value, several (5um,6um), or a range first:last:count (5:10:6um)"
-ERRORS = {"force_n": "error_95_n", "hv_m": "hv_error_95_m"}
-"""Columns that are shown to the digits that another column leaves them."""
+
+Adds = Callable[[argparse.ArgumentParser], object]
 
 
-def add_options(parser: argparse.ArgumentParser, *names: str) -> None:
-    """Some of the options in SHARED."""
-    for name in names:
-        parser.add_argument(f"--{name}", **SHARED[name])
+@dataclass(frozen=True)
+class Command:
+    """A command: the function that runs it, and what adds its options to a parser."""
+
+    run: Callable[[argparse.Namespace], int | None]
+    options: Sequence[Adds]
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        for add in self.options:
+            add(parser)
+
+
+def command(*options: Adds) -> Callable[[Callable[[argparse.Namespace], int | None]], Command]:
+    """Make a function a command that has some options."""
+    return lambda run: Command(run, options)
+
+
+def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> Adds:
+    """An option, or what stands without one."""
+    return lambda parser: parser.add_argument(name, metavar=metavar, help=help, **how)
+
+
+def flag(name: str, help: str) -> Adds:
+    """An option without a value."""
+    return lambda parser: parser.add_argument(name, action="store_true", help=help)
+
+
+def points(*without: str, many: bool = True) -> Adds:
+    """Options for the factors, but for those in ``without``; ``many`` values of each."""
+
+    def add(parser: argparse.ArgumentParser) -> None:
+        title = "points: every combination of" if many else "the point"
+        group = parser.add_argument_group(title, MANY if many else None)
+        for name, text in POINTS.items():
+            if name not in without:
+                group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)
+
+    return add
+
+
+CONFIG = option("--config", "CONFIG.yaml", "the study; a checkout's paper.yaml if left out")
+STUDY = option("--config", "CONFIG.yaml", "the study", required=True)
+DEVICE = option("--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device")
+TOLERANCE = option("--tolerance", help="instead of the config's solver.tolerance", type=float)
+METHOD = option("--method", help="instead of the config's solver.method", choices=METHODS)
+FIT = option("fit", "FIT.json", "the fitted model")
+FORCES = option("forces", "FORCES.csv", "simulated forces")
+SCENES = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
+OUTPUT = option("--output", "TABLE.csv", "table to write, else it is shown")
 
 
 def film_at(path: str | None) -> Film:
     """The film of a study, of which no section is checked that film and solver do not need.
 
-    Raises InputError where none is named and there is none, and as ``load_film`` does.
+    Raises InputError where none is named and there is none, and as ``load_config`` does.
     """
     if path is None and not PAPER_CONFIG.exists():
         raise InputError("give a study by --config CONFIG.yaml")
-    return Film(load_film(path or PAPER_CONFIG))
-
-
-def add_point_options(
-    parser: argparse.ArgumentParser, *, without: Sequence[str] = (), many: bool = True
-) -> None:
-    """Options for the factors, but for those in ``without``; ``many`` values of each."""
-    title = "points: every combination of" if many else "the point"
-    group = parser.add_argument_group(title, MANY if many else None)
-    for name, text in POINTS.items():
-        if name not in without:
-            group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)
+    return Film(load_config(path or PAPER_CONFIG, model=FilmSections))
 
 
 def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
@@ -75,17 +107,20 @@ def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
     )
 
 
-def write_points(points: pd.DataFrame, path: str | None) -> None:
-    """Write a table of points, or print it for people where no path is given.
+def write_rows(table: pd.DataFrame, path: str | None) -> None:
+    """Write a table, or print it for people where no path is given: one row in lines.
 
     What is printed has no more digits than its error leaves.
     """
     if path:
-        write_table(points, path)
+        write_table(table, path)
         return
-    shown = points.copy()
-    for name, error in ERRORS.items():
-        if name in points and error in points:
-            pairs = [to_its_error(*each) for each in zip(points[name], points[error], strict=True)]
+    if len(table) == 1:
+        print(in_lines(table.to_dict("records")[0]))
+        return
+    shown = table.copy()
+    for name in map(str, table):
+        if error := error_column(name, table):
+            pairs = [to_its_error(*each) for each in zip(table[name], table[error], strict=True)]
             shown[name], shown[error] = zip(*pairs, strict=True)
-    print(shown.to_string(index=False, float_format=lambda value: f"{value:.4g}"))
+    print(shown.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))

@@ -79,9 +79,6 @@ def _of_kind(part: Part, values: Any) -> Part:
 
 def allowed(part: Part) -> str:
     """What the schema demands of a value, in words; nothing for a section."""
-    inner = part.get("properties", {})
-    if "levels" in inner:
-        return "; ".join(f"`{name}` {allowed(key)}" for name, key in inner.items())
     if "enum" in part or "const" in part:
         return ", ".join(f"`{value}`" for value in part.get("enum", [part.get("const")]))
     if "items" in part:
@@ -126,8 +123,7 @@ def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
     """Each key below a part of the schema: the names that lead to it, and whether it is needed."""
     for name, key in part.get("properties", {}).items():
         yield (*path, name), key, name in part.get("required", ())
-        if "levels" not in key.get("properties", {}):  # ranges, whose keys stand in their row
-            yield from _keys(key, (*path, name))
+        yield from _keys(key, (*path, name))
     if "patternProperties" in part:
         yield from _keys(_of_any_name(part), (*path, "NAME"))
     for kind, choice in part.get("kinds", {}).items():
@@ -137,20 +133,15 @@ def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
 
 
 def unit_of(part: Part) -> str:
-    """The unit of a key's number, of each in its list, or of the ends of its range."""
-    inner = part.get("items", part.get("properties", {}).get("start", {}))
-    return str(part.get("unit", inner.get("unit", "")))
+    """The unit of a key's number, or of each in its list."""
+    return str(part.get("unit", part.get("items", {}).get("unit", "")))
 
 
 def _default(part: Part, needed: bool) -> str:
     """What a key is where it is not written; that it must be."""
-    inner, required = part.get("properties", {}), part.get("required", ())
-    if "levels" in inner:
-        ends = (f"`{name}` {_default(key, name in required)}" for name, key in inner.items())
-        return "; ".join(ends)
     if "derived" in part or needed:
         return str(part.get("derived", "to be written"))
-    if inner or "default" not in part:
+    if "properties" in part or "default" not in part:
         return ""
     value = part["default"]
     number = isinstance(value, (int, float)) and not isinstance(value, bool)

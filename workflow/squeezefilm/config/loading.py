@@ -1,9 +1,15 @@
-"""Reading a study from YAML: all that is wrong with it at once, each with its line and remedy."""
+"""Reading a study from YAML: all that is wrong with it at once, each with its line and remedy.
 
+And writing it down as it is computed.
+"""
+
+import argparse
 import difflib
+import json
+import os
 import re
 import reprlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from operator import getitem
@@ -14,16 +20,18 @@ import yaml
 from pydantic import ValidationError
 
 from squeezefilm.config.film import FilmSections, key_of
-from squeezefilm.config.keys import Part, Place, allowed, part_at, schema
+from squeezefilm.config.keys import Part, Place, allowed, part_at, schema, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
-from squeezefilm.files import read_text
+from squeezefilm.files import read_text, write_text
 from squeezefilm.units import DECIMAL, examples
 
 CONSTANTS = {"true": True, "false": False, "null": None, "~": None, "": None}
 INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*)", re.ASCII)
 FLOAT = re.compile(rf"(?!{INTEGER.pattern}$)(?!0\d){DECIMAL}|[-+]?\.(?:inf|nan)", re.I | re.ASCII)
 LONGEST_INTEGER = 18
+STUDY_FILE = "study.yaml"
+"""The name of the file beside a study's results."""
 ABOUT_KEYS = ("missing", "extra_forbidden", "unexpected_keyword_argument")
 TEXT = ("string_pattern_mismatch", "string_too_short", "string_too_long")
 
@@ -54,32 +62,27 @@ class Config(Mapping[str, Any]):
         return len(self.sections)
 
 
-def load_config(path: Path | str) -> Config:
+def load_config(path: Path | str, *, model: type[FilmSections] = Study) -> Config:
     """Read and validate a configuration file; what it lacks has its default.
+
+    Args:
+        model: of FilmSections, sections that only a study has are not checked and may be missing.
 
     Raises InputError naming the file, line and key, what is wrong with it and what is allowed.
     """
-    return parse_config(read_text(path, what="configuration file"), path=Path(path))
+    text = read_text(path, what="configuration file")
+    return parse_config(text, path=Path(path), model=model)
 
 
-def parse_config(text: str, *, path: Path) -> Config:
+def parse_config(text: str, *, path: Path, model: type[FilmSections] = Study) -> Config:
     """Validate the text of a configuration file, which is or will be at ``path``.
 
     Raises InputError as ``load_config`` does.
     """
     values, lines = _read(text, path=path)
-    return config_of(values, path=path, lines=lines)
-
-
-def load_film(path: Path | str) -> Config:
-    """Read the sections of a film from a configuration; others are not checked and may be missing.
-
-    Raises InputError as ``load_config`` does.
-    """
-    values, lines = _read(read_text(path, what="configuration file"), path=Path(path))
-    others = Study.model_fields.keys() - FilmSections.model_fields.keys()
-    film = {name: value for name, value in values.items() if name not in others}
-    return config_of(film, path=Path(path), lines=lines, model=FilmSections)
+    for name in Study.model_fields.keys() - model.model_fields.keys():
+        values.pop(name, None)
+    return config_of(values, path=path, lines=lines, model=model)
 
 
 def config_of(
@@ -262,3 +265,92 @@ def _about_value(error: Any, place: Place, whole: Part, values: Any) -> str:
 
 def _close(key: str, known: Iterable[str]) -> str:
     return next(iter(difflib.get_close_matches(key, known, n=1)), "")
+
+
+def effective_text(config: Config, *, folder: Path | None = None) -> str:
+    """The whole study as YAML that reads as the same study; what was not written says so.
+
+    Args:
+        folder: where the text will lie, for the paths of a scan and an outline; beside the study
+            if left out.
+    """
+    assert config.model is not None
+    sections = config.model.model_dump(exclude_none=True, by_alias=True)
+    for named in (sections["actuator"]["profile"], sections["finger"].get("outline", {})):
+        if folder is not None and "file" in named:
+            named["file"] = os.path.relpath(config.path.parent / named["file"], start=folder)
+    head = f"# {config.path}, as it is computed: what is not marked was written there.\n"
+    return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
+
+
+def origin(config: Config, place: Place) -> str:
+    """Where the value of a key comes from, in words; empty where it was written."""
+    if place in config.written:
+        return ""
+    words = part_at(schema(), place, config.sections).get("derived")
+    return f"derived: {words}" if words else "default"
+
+
+def _lines(values: Mapping[str, Any], place: Place, config: Config) -> Iterator[str]:
+    for name, value in values.items():
+        here = (*place, name)
+        start = "  " * len(place) + f"{_flow(name)}:"
+        if isinstance(value, Mapping) and value:
+            yield start
+            yield from _lines(value, here, config)
+        else:
+            notes = unit_of(part_at(schema(), here, config.sections)), origin(config, here)
+            note = ", ".join(filter(None, notes))
+            yield f"{start} {_flow(value)}" + (f" # {note}" if note else "")
+
+
+def _flow(value: Any) -> str:
+    """A value on one line."""
+    text = yaml.safe_dump(value, default_flow_style=True, allow_unicode=True, width=10**6)
+    return text.removesuffix("\n").removesuffix("\n...")
+
+
+def write_effective(config: Config, folder: Path) -> Path:
+    """Write the whole study beside its results, unless it is there; the file's path.
+
+    Raises InputError where it cannot be written.
+    """
+    path, text = folder / STUDY_FILE, effective_text(config, folder=folder)
+    try:
+        same = path.exists() and path.read_text(encoding="utf-8") == text
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from None
+    # Who runs the study of an earlier run reads that very file.
+    if not same and path.resolve() != config.path.resolve():
+        write_text(text, path)
+    return path
+
+
+def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
+    """The file of a study that another workflow gives as a mapping: ``results``/STUDY/study.yaml.
+
+    Commands read files, and so can a reader later. The study is checked as a file's is, and gets
+    the same defaults. A measured profile's file counts from the working directory.
+    Raises InputError naming the key that is wrong, or a file that cannot be written.
+    """
+    place = Path("the module's config")
+    if not values:
+        raise InputError(f"{place}: there is none; it must be a study (config/README.md)")
+    try:
+        plain = json.loads(json.dumps(values))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{place}: {error}") from None
+    study = config_of(plain, path=place)
+    return write_effective(study, results / study["study"])
+
+
+def configfiles_in(words: Sequence[str]) -> list[str]:
+    """All files that a command line names as configurations.
+
+    Snakemake keeps those of the last such option alone, without a word.
+    """
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    options = ("--configfile", "--configfiles")
+    parser.add_argument(*options, nargs="*", action="extend", default=[], dest="files")
+    files: list[str] = parser.parse_known_args(words)[0].files
+    return files

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.columns import POLAR
 from squeezefilm.errors import InputError
+from squeezefilm.solution import POLAR
 
 Array = NDArray[np.float64]
 Coordinates = Callable[[Array], Array]

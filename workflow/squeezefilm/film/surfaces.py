@@ -12,7 +12,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from squeezefilm.columns import CARTESIAN, POLAR
+from squeezefilm.solution import CARTESIAN, POLAR
 
 RADII, ANGLES = 41, 72
 LINES = 53

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import Finger
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Rectangle, Surface
+from squeezefilm.solution import CARTESIAN, POLAR
 
 Array = NDArray[np.float64]
 

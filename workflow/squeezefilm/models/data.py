@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.columns import CARTESIAN, POLAR, as_in, cartesian
 from squeezefilm.errors import InputError
+from squeezefilm.solution import CARTESIAN, POLAR, as_in, cartesian
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
 Array = NDArray[np.float64]

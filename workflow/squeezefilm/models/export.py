@@ -11,13 +11,13 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from string import Template
 
-from squeezefilm.columns import CARTESIAN, POLAR, form_of
 from squeezefilm.errors import InputError
 from squeezefilm.formulas import Expression, Operation, fold
 from squeezefilm.models.data import COLUMNS, FACTORS, POSITION
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import SLACK, LimitTable
+from squeezefilm.solution import CARTESIAN, POLAR, form_of
 
 FOLDER = Path(__file__).with_name("templates")
 WIDTH, LARGEST = 92, 1e300

@@ -24,7 +24,6 @@ from pydantic import (
 )
 from scipy.optimize import brentq
 
-from squeezefilm.columns import POLAR
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import Finger, GapShape
 from squeezefilm.film.profiles import Piston
@@ -44,6 +43,7 @@ from squeezefilm.models.prediction_interval import (
     left_out_predictions,
     measured_interval,
 )
+from squeezefilm.solution import POLAR
 from squeezefilm.tables import read_json
 
 FILM_UNKNOWN = "not known: the fit's file does not describe its film"

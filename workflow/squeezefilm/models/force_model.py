@@ -21,10 +21,10 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike
 
-from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError, naming
 from squeezefilm.formulas import Expression, Operation, fold, parameter_units, parse
 from squeezefilm.models.data import COLUMNS, FACTORS, Array, Factors
+from squeezefilm.solution import CARTESIAN, POLAR
 
 LIBRARY = Path(__file__).with_name("models.yaml")
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
-from squeezefilm.columns import form_of
 from squeezefilm.models.data import Array, Factors
+from squeezefilm.solution import form_of
 
 AXES = ("h0_m", "epsilon_square")
 """And the two of the position."""

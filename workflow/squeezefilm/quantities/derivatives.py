@@ -32,7 +32,6 @@ from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 from squeezefilm.solution import DERIVATIVES, Derivatives, Solution
-from squeezefilm.units import to_its_error
 
 # Terms of the equation that ``residual`` and the adjoint have.
 KNOWN = (AnyGap, Bearing, Polytropic, Rarefaction)
@@ -83,19 +82,6 @@ def with_derivatives(
         for k, each in zip(group, _derivatives(group, tolerance=tolerance), strict=True):
             found[k] = each
     return [replace(solution, derivatives=found[k]) for k, solution in enumerate(solutions)]
-
-
-def derivatives_text(derivatives: Derivatives) -> str:
-    """A line for each number that changes the force."""
-    if derivatives.status != "ok":
-        return f"derivatives: {derivatives.status}"
-    return "\n".join(
-        "dF/d {}: {} ± {} {}".format(
-            name, *to_its_error(derivatives.value[number], derivatives.error[number]), unit
-        )
-        for number, (name, _, unit) in DERIVATIVES.items()
-        if derivatives.value[number] or derivatives.error[number]
-    )
 
 
 def _refused(scene: Scene, solution: Solution) -> str:

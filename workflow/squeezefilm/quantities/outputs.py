@@ -30,7 +30,6 @@ from squeezefilm.reynolds.spectral import Around, Axis, axis, flux_points, perio
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
-from squeezefilm.units import to_its_error
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
@@ -88,17 +87,6 @@ def with_outputs(
         replace(solution, outputs=each.only(asked))
         for solution, each in zip(solutions, found, strict=True)
     ]
-
-
-def outputs_text(outputs: Outputs) -> list[str]:
-    """A line for each number that is known, and one for each output that is refused."""
-    shown = [
-        "{}: {} ± {} {}".format(name, *to_its_error(outputs.value[name], outputs.error[name]), unit)
-        for output in outputs.asked
-        for name, (_, unit) in OUTPUTS[output].items()
-        if name in outputs.value
-    ]
-    return shown + [f"{name}: none, {reason}" for name, reason in outputs.refused.items()]
 
 
 def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:

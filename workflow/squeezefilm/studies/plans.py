@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import POLAR, as_in, form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, naming
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.solver import previews
+from squeezefilm.solution import POLAR, as_in, form_of
 from squeezefilm.studies.space import CENTRED, Space, box_of, finger_positions, plan, sobol, twelve
 from squeezefilm.studies.study import planned_profile_of, scenes_in, surface_of
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer

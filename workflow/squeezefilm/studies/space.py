@@ -14,13 +14,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from squeezefilm.columns import POLAR, cartesian, form_of
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates, grid
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Film
 from squeezefilm.film.symmetry import Symmetry
 from squeezefilm.film.validity import exist
+from squeezefilm.solution import POLAR, cartesian, form_of
 from squeezefilm.studies.study import film_in, surface_of, symmetry_of
 from squeezefilm.tables import FACTOR_COLUMNS
 

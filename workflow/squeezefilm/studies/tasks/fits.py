@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm import __version__
-from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
@@ -19,6 +18,7 @@ from squeezefilm.models.fit_file import FittedModel, describe, fit_of, number
 from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.prediction_interval import error_sizes, relative_errors
+from squeezefilm.solution import as_in
 from squeezefilm.studies.space import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits

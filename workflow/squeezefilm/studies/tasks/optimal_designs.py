@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import CARTESIAN
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import corners
 from squeezefilm.designs.optimal import (
@@ -28,6 +27,7 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit
 from squeezefilm.models.force_model import check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
+from squeezefilm.solution import CARTESIAN
 from squeezefilm.studies.space import Space, plan
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits

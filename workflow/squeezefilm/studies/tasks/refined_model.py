@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
@@ -19,6 +18,7 @@ from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.prediction_interval import error_by_region, in_words
 from squeezefilm.reynolds import solve
+from squeezefilm.solution import as_in
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in

@@ -1,23 +1,31 @@
-"""A fitted model: its forces, the amplitude for a wanted force, its file and its code."""
+"""A fitted model, and a study whose models are fitted."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import pandas as pd
 
-from squeezefilm.api.points import COLUMNS as FACTOR_COLUMNS
-from squeezefilm.api.points import Position, Values, points_of
-from squeezefilm.columns import CARTESIAN, POLAR
-from squeezefilm.errors import InputError, naming
-from squeezefilm.models.data import COLUMNS, Factors
+from squeezefilm.api.film import COLUMNS, Film, Position, Values, levels, points_of
+from squeezefilm.config.loading import Config, load_config
+from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.film.validity import OK
+from squeezefilm.models.data import COLUMNS as PHYSICS
+from squeezefilm.models.data import Factors
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, read_fit, working_point
+from squeezefilm.models.force_model import get_model
+from squeezefilm.reynolds import solve
+from squeezefilm.solution import CARTESIAN, POLAR
+from squeezefilm.studies.plans import VALIDATION_SAMPLES, scenes_of
+from squeezefilm.studies.solver_settings import solver_settings
+from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.tasks.fits import fit_to_forces, limit_table_values
 from squeezefilm.tables import write_json
-from squeezefilm.units import quantity
 
 GAPS = 6
 """Evenly spaced over the range of the fit, where a working point's gap is not said."""
@@ -106,15 +114,18 @@ class Fit:
         Raises InputError as ``predict`` does.
         """
         points = points_of(h0=self.gaps() if h0 is None else h0, **position)
-        return self.working_points_at(points, force_n=newtons(force))
+        return self.working_points_at(points, force)
 
     def working_points_at(
-        self, points: pd.DataFrame, *, force_n: float, place: object = "working-point"
+        self, points: pd.DataFrame, force: str | float, *, place: object = "working-point"
     ) -> pd.DataFrame:
         """The same for a table of points: h0_m and a position, if any."""
+        forces_n = levels(force, called="force", unit="N")
+        if len(forces_n) != 1:
+            raise InputError(f"force: {force!r} are several; one is asked for")
         factors = factors_of_points(points.assign(hv_m=0.0), place=place)
         rows = [
-            working_point(self.model, factors.take([index]), force_n=force_n)
+            working_point(self.model, factors.take([index]), force_n=forces_n[0])
             for index in range(len(factors))
         ]
         return pd.concat([points, pd.DataFrame(rows)], axis=1)
@@ -158,28 +169,106 @@ class Fit:
     __repr__ = __str__
 
 
-def newtons(force: str | float, *, option: str = "force") -> float:
-    """A wanted force; a plain number is in newtons.
-
-    Raises InputError for one without meaning.
-    """
-    try:
-        value = float(force)
-    except ValueError:
-        return quantity(str(force), option=option, unit="N")
-    if not np.isfinite(value):
-        raise InputError(f"{option} {force!r} must be a finite force, such as 1.0N")
-    return value
-
-
 def factors_of_points(points: pd.DataFrame, *, place: object) -> Factors:
     """The factors of a table of points, with the results of physics that it has.
 
     Raises InputError naming the place, for values without physical meaning.
     """
-    known = (*FACTOR_COLUMNS.values(), *COLUMNS.values())
+    known = (*COLUMNS.values(), *PHYSICS.values())
     names = [name for name in known if name in points]
     if any(name in names for name in POLAR):  # a table may have both; one says it all
         names = [name for name in names if name not in CARTESIAN]
     with naming(place):
         return Factors.of(**{name: points[name].to_numpy(dtype=float) for name in names})
+
+
+@dataclass(frozen=True, repr=False)
+class Study(Film):
+    """A film as a study's file describes it, with the study's ranges and models.
+
+    Attributes:
+        config: the whole study.
+    """
+
+    config: Config
+
+    @property
+    def name(self) -> str:
+        """The study's name, which its results bear."""
+        return str(self.config["study"])
+
+    def plan(self, *, centred: bool) -> pd.DataFrame:
+        """The points that models are fitted to: the study's screen, and all its positions.
+
+        Every gap of the screen with every amplitude, the finger at the centre or at each of the
+        study's positions too: h0_m, hv_m, and the position in the surface's form, phi_r_m and
+        phi_deg or x_m and y_m.
+        """
+        screen = scenes_of("screen", self.config)
+        return screen if centred else scenes_of("four_factor", self.config, design=screen)
+
+    def fit(self, model: str, *, seeds: int = 1, processes: int = 1) -> Fit:
+        """Simulate the study's plan, fit a model to the forces and validate it.
+
+        A model of gap and amplitude alone is fitted to the screen, the finger centred; any other to
+        the screen at every position of the study. Its prediction interval comes from the study's
+        validation sample, which is simulated too.
+
+        Args:
+            model: the library's, such as ``two_factor`` or ``limit_1``, or one of the study's own.
+            seeds: of the search, each with every bound of the study; a model that is linear in its
+                parameters needs none.
+            processes: to spread the searches over.
+
+        Raises InputError for an unknown model or one that cannot be fitted to these points,
+        RunError for a point that has no force.
+        """
+        if seeds < 1:
+            raise InputError(f"seeds: {seeds} must be 1 or more")
+        config = self.config
+        chosen = get_model(model, config["models"], place=config.path)
+        forces, sample = self._simulated(centred=chosen.is_centred)
+        for failed in forces[forces["status"] != OK].itertuples():
+            raise RunError(f"point {failed.point_id}: {failed.status}")
+        fitted, _ = fit_to_forces(
+            chosen,
+            config,
+            forces=forces,
+            sample=sample,
+            limit_table=self._limit_table if chosen.column_names else None,
+            seeds=seeds,
+            processes=processes,
+            source={"study": self.name},
+        )
+        return Fit(fitted)
+
+    def _simulated(self, *, centred: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """The plan and the validation sample with their forces; simulated once for all models."""
+        if centred not in self._simulations:
+            sample = scenes_of(VALIDATION_SAMPLES[0 if centred else 1], self.config)
+            points = self.plan(centred=centred)
+            self._simulations[centred] = self._solved(points), self._solved(sample)
+        return self._simulations[centred]
+
+    @cached_property
+    def _limit_table(self) -> dict[str, Any]:
+        return limit_table_values(self.config)
+
+    @cached_property
+    def _simulations(self) -> dict[bool, tuple[pd.DataFrame, pd.DataFrame]]:
+        return {}
+
+    def _solved(self, points: pd.DataFrame) -> pd.DataFrame:
+        """The points with their forces."""
+        settings, device = solver_settings(self.config, outputs=()), self.device
+        scenes = settings.resolved(scenes_in(points, self.config), device)
+        found = solve(scenes, **settings.how(device)).to_frame(points.index)
+        return points.assign(**found[["force_n", "force_error_n", "status", "left_out"]])
+
+
+def load(path: Path | str) -> Study:
+    """The study that a configuration file describes.
+
+    Raises InputError naming the file, the key, what is wrong with it and what is allowed.
+    """
+    return Study(load_config(path))

@@ -1,0 +1,173 @@
+"""Commands about a film in use: the gap under a load, and how forces follow an amplitude."""
+
+import argparse
+import sys
+
+import numpy as np
+
+from squeezefilm.api.forces import scan_error_of, scenes_of_table
+from squeezefilm.cli.options import (
+    CONFIG,
+    DEVICE,
+    METHOD,
+    SCENES,
+    TOLERANCE,
+    command,
+    film_at,
+    option,
+    points,
+    points_in,
+    write_rows,
+)
+from squeezefilm.dynamics.levitation import levitations, trustworthy
+from squeezefilm.dynamics.response import all_gains, all_steps, responses
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.film.validity import GAPS_M, OK
+from squeezefilm.reynolds.device import one_build_at_a_time
+from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.tables import read_scenes
+from squeezefilm.units import quantities, quantity
+
+AMPLITUDES_M = (1e-9, 1e-4)
+GRAVITY_M_PER_S2 = 9.80665
+FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
+
+
+@command(
+    option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10"),
+    option("--mass", "QUANTITY", "that floats, e.g. 50g, for a resonance"),
+    option("--output", "LEVITATION.csv", "table to write, a row a load, else it is shown"),
+    *(CONFIG, DEVICE, TOLERANCE, METHOD),
+    points("h0"),
+)
+def levitate(options: argparse.Namespace) -> None:
+    """The gap at which the film carries a load, its stiffness, and whether it is stable.
+
+      squeezefilm levitate --load 0.5N --hv 1.5um [--mass 50g]
+      squeezefilm levitate --mass 10g --hv 1.5um
+      squeezefilm levitate --load 0.1N:1N:10 --hv 1um,2um --output LEVITATION.csv
+
+    Each gap is sought with simulations, at the finger's place. Its modelling error is that of the
+    force, by what the film equation neglects, over the stiffness; the numerical error and a
+    measured profile's noise are in `h0_error_m` alone. No gap is given where the modelling error is
+    more than a tenth of the gap, or outside the film equation's limits of validity: a row of a
+    table keeps the reason as its `status`, as a load that no gap carries does; one load alone ends
+    with exit status 1 and the range of loads that have a gap. `stiffness_n_per_m` is that of slow
+    motion, −∂F/∂h0 with the amplitude kept and without the scan's noise, and `stable` is said of
+    vertical motion alone. `others_m` are smaller gaps, roughly, that carry the same load. With a
+    mass, which is its own load where none is given, `resonance_hz` and `damping_ratio` (1 is
+    critical) are those of its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is
+    the root of its equation of motion with the film's stiffness at s. `left_out_least_percent` and
+    `…_most_percent` of the force say what neglected effects are worth, with what higher orders may
+    add, and `above_range` names what is too large for a first order. `note` says which terms `auto`
+    does not include and why, what stretches an included term, and why there is no resonance.
+    """
+    film = film_at(options.config)
+    settings = solver_settings(film.config, tolerance=options.tolerance, method=options.method)
+    mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
+    if mass_kg is not None and mass_kg <= 0:
+        raise InputError(f"--mass {options.mass!r} must be positive")
+    loads_n = _loads(options, mass_kg=mass_kg)
+    points = points_in(options)
+    least, most = AMPLITUDES_M
+    for wrong in points.loc[~points["hv_m"].between(least, most), "hv_m"]:
+        raise InputError(f"--hv: {wrong:g} m must lie within {least:g} … {most:g} m")
+    # Of the gap, which is sought, the largest: there surface and finger do not touch.
+    scenes = film.scenes(points.assign(h0_m=GAPS_M[1]))
+    with one_build_at_a_time():
+        device = device_of(film.config, option=options.device)
+    how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
+    scan = film.scan
+    table, *_ = levitations(
+        scenes, loads_n, how=how, scan_error_n=scan_error_of(scan, device=device), mass_kg=mass_kg
+    )
+    if scan is not None:
+        without = "note: errors of stiffness are without the scan's"
+        print(without, *scan.warnings, sep="\n", file=sys.stderr)
+    status = table["status"].iloc[0]
+    if options.output is None and len(table) == 1 and status != OK:
+        raise RunError(f"{status}; {trustworthy(scenes[0], **how)}")
+    write_rows(table, options.output)
+
+
+def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]:
+    """Loads, or the mass's weight."""
+    if options.hv is None or (options.load is None and mass_kg is None):
+        raise InputError("give --load and --hv, or --mass and --hv")
+    if options.load is None and mass_kg is not None:
+        return [GRAVITY_M_PER_S2 * mass_kg]
+    loads_n = quantities(options.load, option="--load", unit="N")
+    if min(loads_n) <= 0:
+        raise InputError(f"--load {options.load!r} must be positive")
+    return loads_n
+
+
+@command(
+    SCENES,
+    option("--output", "RESPONSE.csv", "table to write, a row per scene"),
+    option("--gains", "GAINS.csv", "table to write, a row per scene and frequency"),
+    option(
+        "--steps",
+        "STEPS.csv",
+        "table to write of the mean force after start and stop, a row per scene and time",
+    ),
+    option(
+        "--frequencies",
+        "QUANTITY",
+        f"of the modulation: several with commas, or first:last:count; {FREQUENCIES}",
+        default=FREQUENCIES,
+    ),
+    *(CONFIG, DEVICE),
+    points(many=False),
+)
+def response(options: argparse.Namespace) -> None:
+    """How the mean force follows a changing amplitude: gain and phase, rise and release.
+
+      squeezefilm response --h0 5um --hv 2.2um [--frequencies 10Hz,100Hz,300Hz]
+      squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]
+      squeezefilm response SCENES.csv --config CONFIG.yaml --steps STEPS.csv
+
+    The gain is the relative change of the force per relative change of the amplitude: twice a
+    little for slow modulation (`static_gain`, whose relative error is `error`). Part of the force
+    follows at once (`prompt_share`; `lasting_share` is left when the surface stops), the rest with
+    the gas that comes and goes through the rim: `prompt_gain` is what is left of the gain above the
+    corner, `corner_hz`; the film passes modulation at any frequency, with another size. `rise_s` is
+    until the force stays within 5 % after the surface starts, `release_s` until 5 % is left after
+    it stops, each to about two periods.
+
+    By the film equation averaged over a period of the vibration, without inertia and heat of the
+    gas; films whose averaged settled force is more than 3 % off are not supported. What the
+    averaged equation neglects is stated as a change in %: first-order slip by the same equation
+    with slip, inertia and heat by the periodic forces' gain for slow modulation (their effect on
+    corner and settling times is not known). `validity` is `ok`, or the limits of validity that a
+    scene exceeds under this equation.
+    """
+    film = film_at(options.config)
+    table = points_in(options)
+    frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
+    if options.scenes is None:
+        if len(table) != 1 or not {"h0_m", "hv_m"} <= set(table):
+            raise InputError("give a table of scenes, or one scene by --h0 and --hv")
+        scenes = film.scenes(table)
+    else:
+        if len(table.columns):
+            raise InputError("give either a table of scenes or --h0 and --hv, not both")
+        if options.output is options.gains is options.steps is None:
+            raise InputError("a table of scenes needs --output, --gains or --steps")
+        table = read_scenes(options.scenes)
+        scenes = scenes_of_table(table, config=film.config, path=options.scenes)
+    alone = options.scenes is None
+    if alone or options.output is not None:
+        with one_build_at_a_time():
+            device = device_of(film.config, option=options.device)
+        tolerance = solver_settings(film.config, outputs=()).tolerance
+        found = responses(table, scenes, tolerance=tolerance, device=device)
+        if alone and found["status"].iloc[0] != OK:
+            raise RunError(found["status"].iloc[0])
+        write_rows(found, options.output)
+    if alone or options.gains is not None:
+        found = all_gains(table, scenes, frequency_hz)
+        shown = ["frequency_hz", "gain", "phase_deg", "error"]
+        write_rows(found if options.gains else found[shown], options.gains)
+    if options.steps is not None:
+        write_rows(all_steps(table, scenes), options.steps)

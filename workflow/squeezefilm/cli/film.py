@@ -1,0 +1,237 @@
+"""Commands that solve the film equation: forces, what it leaves out of them, pressure fields."""
+
+import argparse
+import sys
+from typing import Any
+
+import pandas as pd
+
+from squeezefilm.api.film import (
+    LEAST_INSTANTS,
+    LEAST_PLACES,
+    MOST_INSTANTS,
+    MOST_PLACES,
+    Film,
+)
+from squeezefilm.api.forces import (
+    budget_table,
+    force_of,
+    forces_of,
+    forces_table,
+    missing_of,
+    preview_table,
+    preview_text,
+    scenes_of_table,
+    simulate_table,
+)
+from squeezefilm.cli.options import (
+    CONFIG,
+    DEVICE,
+    METHOD,
+    POINTS,
+    SCENES,
+    STUDY,
+    TOLERANCE,
+    command,
+    film_at,
+    flag,
+    option,
+    points,
+    points_in,
+    write_rows,
+)
+from squeezefilm.config.loading import load_config
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.files import whole_file
+from squeezefilm.film.validity import OK
+from squeezefilm.solution import OUTPUTS
+from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
+from squeezefilm.tables import read_scenes, write_table
+
+
+@command(
+    SCENES,
+    option("--output", "FORCES.csv", "table of forces to write"),
+    *(CONFIG, TOLERANCE, METHOD, DEVICE),
+    flag("--dry-run", "show how scenes would be solved, and solve nothing"),
+    flag("--derivatives", "of the force too, to each number of a scene"),
+    flag("--budget", "what the film equation leaves out, as columns of several points"),
+    option("--outputs", "NAME,…", f"answers beside the force, of {', '.join(OUTPUTS)}, or all"),
+    points(),
+)
+def simulate(options: argparse.Namespace) -> None:
+    """Mean squeeze-film forces by solving the Reynolds equation, each with an error estimate.
+
+      squeezefilm simulate SCENES.csv --config CONFIG.yaml --output FORCES.csv
+      squeezefilm simulate --h0 5um --hv 2.2um --x -2mm
+      squeezefilm simulate --h0 5um --hv 0.5:2.5:9um --output CURVE.csv
+
+    The first takes a table of scenes. The others take quantities: a number with its unit, several
+    with commas, or evenly spaced ones as first:last:count; every combination is a point. One point
+    is shown with all that is known of its force; several make a table, in which `force_error_n` has
+    the part of a scan too and, with `--budget`, `left_out_…_percent` is what the film equation
+    leaves out, least and most.
+
+    `validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with
+    what that means. One point outside them is shown too, with exit status 1; rows of a table end
+    with 0.
+
+    Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
+    largest overpressure times the finger's area. The exit status is 1 when a scene has no force;
+    all rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is
+    the solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
+    `--derivatives` adds those of the force to h0, hv, the finger's place (x, y) and each number of
+    the gas, the others kept, with their errors, by one adjoint problem per scene;
+    `derivatives_status` says why there are none. `--outputs thrust,power` adds answers beside the
+    force instead of the study's `outputs`: each with its error, by the periodic state;
+    `outputs_status` says what is not known and why. `--dry-run` solves nothing: it shows each
+    scene's numbers, method, domain, terms, what it does not need and why, first grid and expected
+    cost, or with --output writes them, a row for each scene.
+    """
+    film = film_at(options.config)
+    outputs = None if options.outputs is None else [*filter(None, options.outputs.split(","))]
+    settings = solver_settings(
+        film.config, tolerance=options.tolerance, method=options.method, outputs=outputs
+    )
+    points = points_in(options)
+    if (options.scenes is None) == points.columns.empty:
+        raise InputError("give a table of scenes, or points by --h0 and --hv")
+    if options.scenes is None and not {"h0_m", "hv_m"} <= set(points):
+        raise InputError("give both --h0 and --hv")
+    if options.dry_run:
+        _preview(points, options, film, settings)
+    elif options.scenes is None:
+        _simulate_points(points, options, film, settings)
+    else:
+        _simulate_table(options, film, settings)
+
+
+def _preview(
+    points: pd.DataFrame, options: argparse.Namespace, film: Film, settings: SolverSettings
+) -> None:
+    """How scenes would be solved, in words or as a table."""
+    if options.scenes is None:
+        scenes = film.scenes(points)
+    else:
+        rows = read_scenes(options.scenes)
+        scenes = scenes_of_table(rows, config=film.config, path=options.scenes)
+    device = device_of(film.config, option=options.device)
+    table = preview_table(scenes, settings=settings, device=device)
+    if options.output is not None:
+        write_table(table, options.output)
+    print(preview_text(table, tolerance=settings.tolerance))
+
+
+def _simulate_points(
+    points: pd.DataFrame, options: argparse.Namespace, film: Film, settings: SolverSettings
+) -> None:
+    """One force with all that is known of it, or a table of several."""
+    scenes, smoothed = film.scenes(points), film.scan
+    device = device_of(film.config, option=options.device)
+    how: dict[str, Any] = {"settings": settings, "device": device, "smoothed": smoothed}
+    alone = len(scenes) == 1 and not options.output
+    if alone:
+        forces = [force_of(scenes[0], derivatives=options.derivatives, **how)]
+        print(forces[0])
+    else:
+        forces = forces_of(scenes, derivatives=options.derivatives, budget=options.budget, **how)
+        write_rows(forces_table(points, forces), options.output)
+        for warning in smoothed.warnings if smoothed else ():
+            print(warning, file=sys.stderr)
+    failures = [
+        f"row {row}: {reason}" if len(forces) > 1 else reason
+        for row, force in enumerate(forces, start=1)
+        if (reason := missing_of(force.solution))
+    ]
+    if alone and forces[0].validity != OK:
+        failures.append(f"outside the limits of validity: {forces[0].validity}")
+    if failures:
+        raise RunError("; ".join(failures))
+
+
+def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSettings) -> None:
+    if options.output is None:
+        raise InputError("a table of scenes needs --output")
+    if options.budget:
+        raise InputError("--budget is of points; `squeezefilm budget` is of a table of scenes")
+    failures, incomplete = simulate_table(
+        options.scenes,
+        film.config,
+        settings=settings,
+        output=options.output,
+        device=options.device,
+        derivatives=options.derivatives,
+    )
+    if film.scan is not None:
+        alone = (
+            "force_error_n is the solver's error alone: what the scan's noise adds, "
+            "`squeezefilm profile` says"
+        )
+        print(alone, *film.scan.warnings, sep="\n", file=sys.stderr)
+    if missing := failures + incomplete:
+        what = "no force or no derivatives" if options.derivatives else "no force"
+        what += ", or not all outputs," * bool(settings.outputs)
+        raise RunError(f"{what} for " + "; ".join(missing))
+
+
+@command(
+    option("scenes", "SCENES.csv", "table of scenes"),
+    STUDY,
+    option("--output", "BUDGET.csv", "table to write", required=True),
+    DEVICE,
+)
+def budget(options: argparse.Namespace) -> None:
+    """What the film equation leaves out of each force: inertia, heat, slip, rim, sliding, in %.
+
+      squeezefilm budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
+
+    A row for each scene. `inertia_percent`, `heat_percent`, `slip_percent`, `rim_percent` (for the
+    entrance coefficient C = 1; `rim_most_percent` for 1.54), `bearing_percent` and
+    `passing_percent` (the profile that moves past a sliding finger) are changes of the mean force
+    at first order, `…_missed_percent` the size of what higher orders add. `sum_…` adds all of them
+    up, `left_out_…` those that the force does not have (`in_force` names the others): from
+    `…_least` to `…_most`, with C from 1 to 1.54 and all that higher orders and coarse grids may
+    make. `above_range` names effects too large for a first order, `basis` what pad the numbers are
+    of, `status` why there are none. `depth_averaged_percent` is the estimated error of inertia and
+    heat that a force has, as averages over the gap; `validity` is `ok`, or the limits of validity
+    that a scene exceeds.
+    """
+    config = load_config(options.config)
+    table = budget_table(read_scenes(options.scenes), config, device_name=options.device)
+    write_table(table, options.output)
+
+
+@command(
+    CONFIG,
+    option("--output", "FIELD", ".csv or .nc, to write", required=True),
+    option("--places", None, f"each way, {LEAST_PLACES} to {MOST_PLACES}", type=int, default=41),
+    option(
+        *("--instants", None, f"even, {LEAST_INSTANTS} to {MOST_INSTANTS}"), type=int, default=32
+    ),
+    points(many=False),
+)
+def pressure(options: argparse.Namespace) -> None:
+    """The pressure under a finger over one period, as a file.
+
+      squeezefilm pressure --h0 5um --hv 2.2um --output field.csv
+      squeezefilm pressure --h0 5um --hv 2.2um --x 1mm --output field.nc --config CONFIG.yaml
+
+    A CSV table has a row for each instant and place: phase_deg, time_s, x_m, y_m (from the finger's
+    centre, along its own axes), overpressure_pa, gap_m. A name that ends in .nc makes a NetCDF
+    file, with units and what was solved among its attributes. Both need xarray: the extra `fields`.
+    """
+    if not options.output.endswith((".csv", ".nc")):
+        raise InputError(f"--output {options.output}: name a file that ends in .csv or .nc")
+    given = {name: getattr(options, name) for name in POINTS}
+    if not (given["h0"] and given["hv"]):
+        raise InputError("give --h0 and --hv")
+    film = film_at(options.config)
+    field = film.pressure(**given, places=options.places, instants=options.instants)
+    if options.output.endswith(".nc"):
+        with whole_file(options.output) as path:
+            field.to_netcdf(path, engine="scipy")
+        return
+    names = {"phase": "phase_deg", "time": "time_s", "x": "x_m", "y": "y_m"}
+    names |= {"overpressure": "overpressure_pa", "gap": "gap_m"}
+    table = field.to_dataframe().reset_index().dropna()
+    write_table(table.rename(columns=names)[list(names.values())], options.output)

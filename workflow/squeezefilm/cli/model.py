@@ -1,0 +1,103 @@
+"""Commands that use a fitted model, from its file alone."""
+
+import argparse
+
+import pandas as pd
+
+from squeezefilm.api.film import COLUMNS as FACTORS
+from squeezefilm.api.models import Fit
+from squeezefilm.cli.options import FIT, OUTPUT, command, option, points, points_in, write_rows
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.files import write_text
+from squeezefilm.film.validity import OK
+from squeezefilm.models.data import COLUMNS
+from squeezefilm.models.export import LANGUAGES
+from squeezefilm.models.fit_file import FILM_UNKNOWN
+from squeezefilm.tables import read_columns
+
+
+@command(FIT, option("--points", "POINTS.csv", "points as a table"), OUTPUT, points())
+def predict(options: argparse.Namespace) -> None:
+    """Forces by a fitted model, from its file alone.
+
+      squeezefilm predict FIT.json --h0 5um --hv 0.5:2:4um --x 1mm
+      squeezefilm predict FIT.json --points POINTS.csv --output FORCES.csv
+
+    A quantity is a number with its unit, several with commas, or evenly spaced ones as
+    first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
+    finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
+    was fitted in, any direction may be asked. `error_95_n` is the error that 95 % of new points
+    drawn uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %,
+    measured on a validation sample of simulations that no fit used. Outside the declared space, and
+    for a fit without such a sample, both are empty and `note` says so. Where the profile was
+    measured, both contain the uncertainty of its scan, `profile_uncertainty_percent` of the force.
+    `validity` is `ok`, or the limits of validity of the film equation that a point exceeds; one
+    point by options outside them is shown with exit status 1.
+    """
+    fit = Fit.read(options.fit)
+    if options.points:
+        table, place = read_columns(options.points, columns=("h0_m", "hv_m")), options.points
+        for name in (*FACTORS.values(), *COLUMNS.values()):
+            if name in table and not pd.api.types.is_numeric_dtype(table[name]):
+                raise InputError(f"{place}: {name}: a value is not a number")
+    else:
+        table, place = points_in(options), "predict"
+        if not {"h0_m", "hv_m"} <= set(table):
+            raise InputError("predict: give --h0 and --hv, or --points")
+    predicted = fit.predict_at(table, place=place)
+    write_rows(predicted, options.output)
+    print(fit.statement)
+    valid = predicted["validity"].iloc[0]
+    alone = len(predicted) == 1 and not (options.points or options.output)
+    if alone and valid not in (OK, FILM_UNKNOWN):
+        raise RunError(f"outside the limits of validity: {valid}")
+
+
+@command(
+    FIT,
+    option("--force", "QUANTITY", "wanted, e.g. 1.0N", required=True),
+    OUTPUT,
+    points("hv"),
+)
+def working_point(options: argparse.Namespace) -> None:
+    """The amplitude that gives a wanted force, by a fitted model, from its file alone.
+
+      squeezefilm working-point FIT.json --force 1.0N --h0 5um:10um:6 --x 0mm,1mm
+
+    One row for each gap and position; without --h0, six gaps over the range that the model was
+    fitted on. `hv_error_95_m` is the 95 % error of the force (see `squeezefilm predict --help`)
+    over the slope of force against amplitude, and `error_95_percent` that of the force; both
+    contain the uncertainty of a measured profile, `profile_uncertainty_percent`. Where the point is
+    not validated both are empty and `note` says why, or that no amplitude below contact gives the
+    force.
+    """
+    fit = Fit.read(options.fit)
+    table = points_in(options, **({} if options.h0 else {"h0": fit.gaps()}))
+    write_rows(fit.working_points_at(table, options.force), options.output)
+    print(fit.statement)
+
+
+@command(
+    FIT,
+    option("--language", help="of the code", required=True, choices=LANGUAGES),
+    option("--output", "FILE", "file to write, else it is shown"),
+)
+def export(options: argparse.Namespace) -> None:
+    """Write a fitted model as code without dependencies, for firmware and for notebooks.
+
+      squeezefilm export FIT.json --language c --output force.h
+      squeezefilm export FIT.json --language python --output force.py
+      squeezefilm export FIT.json --language javascript --output force.js
+
+    The C header (C99, <math.h>) has NAME_force_n(h0_m, hv_m, …), the Python module force_n(h0_m,
+    hv_m, …), JavaScript a constant NAME with NAME.force_n(h0_m, hv_m, …), all in newtons from SI
+    units (phi_deg in degrees), with a function for the 95 % error of a force and one that says
+    whether a point lies in the declared space (see `squeezefilm predict --help`). A model that uses
+    the physics limit is written with its table of it, whose error is stated; without a table, where
+    the limit does not hold all over the study's space, a model cannot be exported.
+    """
+    text = Fit.read(options.fit).code(options.language)
+    if options.output:
+        write_text(text, options.output)
+    else:
+        print(text, end="")

@@ -1,0 +1,148 @@
+"""Commands to begin with: a new study, a study as it is computed, the installation."""
+
+import argparse
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from squeezefilm.cli.options import command, flag, option
+from squeezefilm.config.loading import effective_text, load_config, parse_config
+from squeezefilm.config.study import Study
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.files import read_text, write_text
+from squeezefilm.models.force_model import check_models
+from squeezefilm.provenance import versions
+from squeezefilm.reynolds.device import (
+    DEVICE_VARIABLE,
+    choose_device,
+    describe,
+    device_name,
+    list_devices,
+)
+from squeezefilm.studies.plans import chunk_counts
+from squeezefilm.studies.study import check_study
+
+EXAMPLE = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
+
+
+@command(
+    option("name", "NAME", "of the study: a-z, 0-9, - and _"),
+    option("--folder", help="where to write; config if left out", default="config"),
+)
+def new(options: argparse.Namespace) -> None:
+    """Begin a study of your own actuator.
+
+      squeezefilm new my-actuator
+
+    writes config/my-actuator.yaml, a study of twenty lines that says what differs from the
+    defaults, and config/my-actuator.csv, a vibrometer's table to replace by yours. Neither is
+    written if one of them is there already. Both run as they are; `squeezefilm config` shows every
+    other key:
+
+      snakemake --configfile config/my-actuator.yaml
+    """
+    name, folder, example = options.name, Path(options.folder), EXAMPLE.name
+    config, scan = folder / f"{name}.yaml", folder / f"{name}.csv"
+    for path in (config, scan):
+        if path.exists():
+            raise InputError(f"{path}: is there already; choose another name, or remove it")
+    what = "example; `squeezefilm new` needs a checkout of the workflow"
+    text = read_text(f"{EXAMPLE}.yaml", what=what)
+    for old, named in (
+        (f"{example}.csv", f"{name}.csv"),
+        (f"study: {example} ", f"study: {name} "),
+        (f"results/{example}", f"results/{name}"),
+        ("THIS_FILE", f"config/{name}.yaml"),
+    ):
+        text = text.replace(old, named)
+    parse_config(text, path=config)  # refuses a name that is none
+    write_text(text, config)
+    write_text(read_text(f"{EXAMPLE}.csv", what=what), scan)
+    print(
+        f"{config}: the study; change what is yours\n"
+        f"{scan}: an example of a vibrometer's table; replace it by yours\n"
+        f"Then: snakemake --configfile {config}"
+    )
+
+
+@command(
+    option("study", "STUDY.yaml", "the study", nargs="?"),
+    flag("--schema", "print the keys' JSON schema instead"),
+)
+def config(options: argparse.Namespace) -> None:
+    """Show a study as it is computed: every key, its value in SI units, and where that comes from.
+
+      squeezefilm config config/my-actuator.yaml
+
+    All that a run would refuse is refused here. What is not marked was written; `default` is the
+    library's, `derived` follows from what was written. The text is a study itself. A run writes it
+    beside its results: results/STUDY/study.yaml. `--schema` prints a study's JSON schema, for
+    editors.
+    """
+    if options.schema:
+        print(json.dumps(Study.model_json_schema(), ensure_ascii=False, indent=2))
+        return
+    if options.study is None:
+        raise InputError("give a study, STUDY.yaml")
+    study = check_study(load_config(options.study))
+    check_models(study["models"], study, place=study.path)
+    chunk_counts(study)
+    print(effective_text(study), end="")
+
+
+@command(option("--device", help="part of the wanted one's name, instead of SQUEEZEFILM_DEVICE"))
+def doctor(options: argparse.Namespace) -> None:
+    """Check this installation: OpenCL device, caches, versions.
+
+    Ends with status 1 when there is no OpenCL device that computes in double precision.
+    """
+    from squeezefilm.reynolds.self_test import check_device
+
+    _section("versions", versions())
+    _section("caches", caches())
+    try:
+        _section("devices", {device_name(device): _kind(device) for device in list_devices()})
+        device = choose_device(option=options.device)
+        _section("chosen device", describe(device))
+    except ImportError as error:
+        raise RunError(
+            f'pyopencl cannot be imported ({error}); install it: pip install "pyopencl[pocl]"'
+        ) from None
+    except InputError as error:
+        raise RunError(
+            f"{error}. A device is chosen by --device, by the environment variable "
+            f"{DEVICE_VARIABLE}, or by solver.device of the configuration"
+        ) from None
+    check_device(device)
+    print("  self-test: forces of stored films, with every term, are right to 1e-9")
+    print("\nall well: simulations can run")
+
+
+def caches() -> dict[str, str]:
+    """Where compiled kernels are kept, and whether that can be written."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    pocl = Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
+    folders = {"PoCL (POCL_CACHE_DIR)": pocl}
+    folders |= {f"{name} (XDG_CACHE_HOME)": home / name for name in ("pyopencl", "pytools")}
+    return {name: f"{folder}: {_folder_state(folder)}" for name, folder in folders.items()}
+
+
+def _folder_state(folder: Path) -> str:
+    if not folder.exists():
+        return "not made yet"
+    if not (folder.is_dir() and os.access(folder, os.W_OK)):
+        return "NOT WRITABLE: kernels are compiled again in every job"
+    return "can be written"
+
+
+def _kind(device: Any) -> str:
+    precise = "double precision" if device.double_fp_config else "single precision only"
+    return f"{device.version.strip()}, {precise}"
+
+
+def _section(title: str, values: Mapping[str, object]) -> None:
+    print(f"\n{title}")
+    for name, value in values.items() or {"none": ""}.items():
+        print(f"  {name}: {value}")

@@ -1,0 +1,155 @@
+"""Commands for a study of one's own: its scan, its fits, their errors, and designs."""
+
+import argparse
+from pathlib import Path
+
+import pandas as pd
+
+from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, write_rows
+from squeezefilm.config.loading import load_config
+from squeezefilm.errors import InputError, naming
+from squeezefilm.files import digest
+from squeezefilm.models.fit_file import read_fit
+from squeezefilm.models.force_model import get_model
+from squeezefilm.studies.tasks.fits import errors_on, fit_to_forces, limits_for
+from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
+from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, scan_report
+from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_json, write_table
+
+
+@command(
+    STUDY,
+    option("--forces", "FORCES.csv", "forces with other noise"),
+    option("--table", "PROFILE.csv", "the scan's points and residuals"),
+    option("--draws", help="profiles with other noise", type=int, default=DRAWS),
+    option("--seed", help="of the draws", type=int, default=SEED),
+)
+def profile(options: argparse.Namespace) -> None:
+    """Fit a smooth profile to a scan, show its residuals and what its noise does to forces.
+
+      squeezefilm profile --config config/mine.yaml [--forces FORCES.csv] [--table PROFILE.csv]
+
+    The profile is the one that every simulation of the study uses. Its noise is drawn anew, from
+    the residuals, and some of the study's scenes are simulated with each profile that comes out.
+    FORCES.csv has their forces with the half of the interval that holds the noise's part in 95 % of
+    all scans (`noise_n`), by what they are low without motion out of phase (`out_of_phase_n`), and
+    the sum of both (`scan_error_n`), which the solver's own error adds to. PROFILE.csv has the
+    scan's points with their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
+    """
+    if not 2 <= options.draws <= 10_000:
+        raise InputError(f"--draws {options.draws}: a spread needs 2 to 10000 profiles")
+    report = scan_report(load_config(options.config), draws=options.draws, seed=options.seed)
+    if options.forces:
+        write_table(report.forces, options.forces)
+    if options.table:
+        write_table(report.profile, options.table)
+    print(report.text)
+
+
+@command(
+    FORCES,
+    option("--model", "NAME", "such as two-factor", required=True),
+    STUDY,
+    option("--output", "FIT.json", "the best run", required=True),
+    option("--sample", "FORCES.csv", "forces of a validation sample"),
+    option("--runs", "RUNS.csv", "all runs"),
+    option("--seeds", help="instead of the study's number of seeds", type=int),
+    option("--processes", help="to spread the runs over", type=int, default=1),
+)
+def fit(options: argparse.Namespace) -> None:
+    """Fit an empirical force model to simulated forces, from many seeds.
+
+      squeezefilm fit FORCES.csv --model two-factor --config C.yaml --output FIT.json \\
+          [--runs RUNS.csv]
+
+    The model is one of the library's or of the study's own (its section `models`). What a model
+    uses of the physics limits is computed for the points, and a table of it over the study's space
+    put into FIT.json. Where the study's profile is measured, what the scan leaves open is part of
+    the fit's error. --sample has the forces of a validation sample, such as those of the study's
+    plans validation_two_factor and validation_four_factor: without one the fit is not validated at
+    any point.
+
+    A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows
+    the finger's position with its `four_factor` seeds. Each of the study's bounds and seeds gives
+    one run of the paper's method, a genetic algorithm followed by Nelder-Mead; one run per bound of
+    SciPy's differential evolution checks them. A model that is linear in its parameters is solved
+    at once. RUNS.csv has every run, FIT.json the run with the least sum of squares and all that is
+    needed to use the model: formula, parameters and their units, ranges of the factors, errors on
+    the points and on points left out, and the prediction interval that the sample gives
+    (`squeezefilm predict`).
+    """
+    config = load_config(options.config)
+    with naming(options.forces):
+        fitted, runs = fit_to_forces(
+            get_model(options.model, config["models"], place=options.config),
+            config,
+            forces=read_ok_forces(options.forces),
+            sample=read_forces(options.sample) if options.sample else None,
+            seeds=options.seeds,
+            processes=options.processes,
+            source={"forces_sha256": digest(Path(options.forces))},
+        )
+    if options.runs:
+        write_table(runs, options.runs)
+    write_json(fitted.to_dict(), options.output)
+    print(fitted.statement)
+
+
+@command(
+    FIT,
+    FORCES,
+    STUDY,
+    option("--output", "ERRORS.csv", "error of each point", required=True),
+)
+def validate(options: argparse.Namespace) -> None:
+    """Compare a fitted model with simulated forces: errors point by point, and their summary.
+
+    squeezefilm validate FIT.json FORCES.csv --config C.yaml --output ERRORS.csv
+    """
+    config = load_config(options.config)
+    fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
+    with naming(f"{options.fit} on {options.forces}"):
+        limits = limits_for(fitted.force_model, forces, config)
+        band = config["validation"]["relative_error_band"]
+        table, summary = errors_on(fitted, forces, limits=limits, band=band)
+    write_table(table, options.output)
+    write_rows(pd.DataFrame([summary]), None)
+
+
+@command(
+    FIT,
+    option("--forces", "FORCES.csv", "what it was fitted to", required=True),
+    STUDY,
+    option("--existing", "SCENES.csv", "points to add to"),
+    option("--output", "DESIGNS.csv", "designs to write", required=True),
+)
+def optimal(options: argparse.Namespace) -> None:
+    """D-optimal designs with a certificate, for a fitted model and points of one's own.
+
+      squeezefilm optimal FIT.json --forces FORCES.csv --config C.yaml --output DESIGNS.csv \\
+          [--existing SCENES.csv]
+
+    The model is FIT.json's, FORCES.csv what it was fitted to: they give the parameters, and how far
+    these can go; the study's ranges are the box in which points may lie. DESIGNS.csv has these
+    designs, all certified by the equivalence theorem:
+
+      local      the best weights of points anywhere in the space, for the fitted parameters
+      bayesian   for the mean over the parameter vectors at the ends of the parameters' ranges
+      maximin    for the worst of these vectors
+      exact-N    the best N points, each once and apart from the others
+      augmented  the points of --existing and the best ones to add to them
+
+    Their D-efficiencies are printed, with a lower bound that does not need the best design.
+    """
+    fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
+    config = load_config(options.config)
+    with naming(options.fit):
+        found = designs_of_fit(
+            fitted,
+            config,
+            forces=forces,
+            limits=limits_for(fitted.force_model, forces, config),
+            existing=read_scenes(options.existing) if options.existing else None,
+        )
+    write_table(found.designs, options.output)
+    write_rows(found.efficiencies[["plan", "points", "d_efficiency", "lower_bound"]], None)

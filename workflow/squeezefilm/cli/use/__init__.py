@@ -1,1 +1,0 @@
-"""Use: one force, one field, one model."""
