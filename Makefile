@@ -22,7 +22,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report test test-check test-docs test-faults test-browser test-install test-device test-stability docs lint format keys lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report test test-check test-docs test-faults test-browser test-install test-device test-stability docs lint format lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -42,7 +42,6 @@ help:
 	@echo "make docs     the documentation as pages of HTML: $(DOCS)"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
-	@echo "make keys     the table of a study's keys in config/README.md, from the models"
 	@echo "make resume   go on after a run was killed"
 	@echo "make reference      make the reference that is checked against"
 	@echo "make lock     pin the newest versions of all packages"
@@ -126,9 +125,6 @@ format: $(VENV)/.dev
 	$(RUN) ruff check --fix .
 	$(RUN) ruff format .
 	$(RUN) snakefmt Snakefile workflow
-
-keys: $(VENV)/.run
-	$(BIN)/python -m squeezefilm.config.keys config/README.md
 
 resume: $(VENV)/.run
 	$(SNAKEMAKE) --unlock $(if $(CONFIG),--configfile $(CONFIG))

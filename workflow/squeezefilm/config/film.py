@@ -1,7 +1,7 @@
 """A study's configuration as models: every key with its unit, limits, default and meaning.
 
 A key's meaning stands under ``Attributes`` in the docstring of its section, from which the table in
-config/README.md and an editor's schema are made (config/keys.py). Names in Python have their unit
+the documentation and an editor's schema are made (config/keys.py). Names in Python have their unit
 (``frequency_hz``); keys in a file have none (``frequency: 43.27 kHz``), and there a number is in SI
 units, or degrees, and a text has a unit of its own.
 """

@@ -1,12 +1,10 @@
-"""The keys of a study: what is allowed, in words; their table in config/README.md (`make keys`).
+"""The keys of a study: what is allowed, in words; their table in the documentation.
 
 All of it from the models' JSON schema, which ``squeezefilm config --schema`` prints for editors.
 """
 
-import sys
 from collections.abc import Iterator, Mapping
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import yaml
@@ -20,8 +18,6 @@ Part = Mapping[str, Any]
 Place = tuple[str | int, ...]
 """The keys, and numbers of a list's items, that lead to a value."""
 
-BEGIN = "<!-- From squeezefilm/config by `make keys`: edit there. -->\n"
-END = "<!-- End of the keys. -->\n"
 HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
 
 
@@ -98,20 +94,11 @@ def shown(value: float, *, digits: int = 5) -> str:
     return text.replace("-", "−") if text.startswith("-") else text
 
 
-def with_key_table(text: str) -> str:
-    """A text with the table between its two marks made anew.
-
-    Raises InputError when a mark is missing, or a key has no description.
-    """
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise InputError(f"the table of keys belongs between the lines {BEGIN}and {END}")
-    return before + BEGIN + "\n" + key_table(schema()) + "\n" + END + after
-
-
 def key_table(whole: Part) -> str:
-    """A row of Markdown for each key: its unit, values, default, and what it means."""
+    """Return a row of Markdown for each key: its unit, values, default and meaning.
+
+    Raises InputError when a key has no description.
+    """
     return HEAD + "".join(
         f"| {_name(path)} | {unit_of(part)} | {allowed(part)} | {_default(part, needed)} "
         f"| {_meaning(path, part)} |\n"
@@ -158,8 +145,3 @@ def _meaning(path: tuple[str, ...], part: Part) -> str:
     if not part.get("description"):
         raise InputError(f"{'.'.join(path)} has no description in squeezefilm/config")
     return str(part["description"]).replace("|", "\\|")
-
-
-if __name__ == "__main__":
-    README = Path(sys.argv[1])
-    README.write_text(with_key_table(README.read_text(encoding="utf-8")), encoding="utf-8")
