@@ -18,6 +18,7 @@ the OpenCL solver independently: no symmetry, no batches.
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import BarycentricInterpolator
@@ -61,8 +62,8 @@ class Collocation:
 
     def __init__(
         self,
-        gap: Gap,
         *,
+        gap: Gap,
         sigma: float,
         nx: int,
         ny: int,
@@ -147,23 +148,16 @@ class PeriodicState:
 
 
 def periodic_state(
-    *,
-    gap: Gap,
-    sigma: float,
-    bearing: float = 0.0,
-    nx: int = 24,
-    ny: int = 24,
-    nt: int = 16,
-    tolerance: float = 1e-10,
+    *, nx: int = 24, ny: int = 24, nt: int = 16, tolerance: float = 1e-10, **numbers: Any
 ) -> PeriodicState:
     """Periodic film pressure at nx x ny inner points and nt (even) times of one period.
 
-    bearing: the bearing number Lambda of a surface sliding in X.
     tolerance: on the root mean square of the preconditioned residual, a mass perturbation.
+    numbers: of the film, its gap among them, as `Collocation` takes them.
 
     Raises RunError when Newton's method does not get there.
     """
-    film = Collocation(gap, sigma=sigma, bearing=bearing, nx=nx, ny=ny, nt=nt)
+    film = Collocation(nx=nx, ny=ny, nt=nt, **numbers)
 
     def linearised(p: FloatArray) -> tuple[FloatArray, Operator, FloatArray]:
         precondition = film.preconditioner(p)
@@ -178,6 +172,6 @@ def periodic_state(
         linearised,
         positive=lambda p: 1 + p,
         tolerance=tolerance,
-        name=f"periodic NumPy solver at sigma = {sigma:g}",
+        name=f"periodic NumPy solver at sigma = {film.sigma:g}",
     )
     return PeriodicState(p, film.mean(p))

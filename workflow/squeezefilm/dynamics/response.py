@@ -7,7 +7,7 @@ follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, throug
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from functools import partial
 from math import inf, nan, pi
 from typing import Any
@@ -27,9 +27,8 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import exceeded, validity
 from squeezefilm.parallel import progress_bar
-from squeezefilm.quantities.outputs import AROUND, STEP, quotient
+from squeezefilm.quantities.outputs import falls
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.solver import solve
 
 # Relative error of the settled force up to which the slow film's numbers are given.
 SLOW_ERROR = 0.03
@@ -206,19 +205,11 @@ def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> 
     By difference quotients of forces; the scenes' terms must be decided. NaN where an amplitude
     within 2 % has no force.
     """
-    factors = 1 + STEP * np.array([0, *AROUND])
-    found = solve(
-        [replace(scene, hv_m=float(scene.hv_m * each)) for scene in scenes for each in factors],
-        tolerance=min(tolerance, GAIN_TOLERANCE),
-        device=device,
-    )
-    values = np.array([(each.force_n, each.force_error_n) for each in found])
-    forces, errors = values.reshape(len(scenes), len(factors), 2).T
+    within = min(tolerance, GAIN_TOLERANCE)
+    (force, error, fall, off), _ = falls(scenes, "hv_m", tolerance=within, device=device)
     hv_m = np.array([scene.hv_m for scene in scenes])
-    slope, error = quotient(forces[1:], errors[1:], hv_m)
-    gain = -slope * hv_m / forces[0]
-    relative = errors[0] / np.abs(forces[0])
-    return np.stack([gain, np.abs(gain) * relative + error * hv_m / forces[0]], axis=-1)
+    gain = -fall * hv_m / force
+    return np.stack([gain, np.abs(gain) * error / np.abs(force) + off * hv_m / force], axis=-1)
 
 
 def neglected(
