@@ -250,11 +250,11 @@ def responses(
     table: pd.DataFrame, scenes: Sequence[Scene], *, tolerance: float, device: Device
 ) -> pd.DataFrame:
     """The table with the response of each scene."""
+    unknown = {each.name: [nan] for each in fields(Response)}
     found = _beside(
         table,
         scenes,
-        lambda scene: pd.DataFrame([asdict(response(scene))]),
-        {each.name: [nan] for each in fields(Response)},
+        lambda scene: _or_reason(lambda: pd.DataFrame([asdict(response(scene))]), **unknown),
     )
     known = np.flatnonzero(found["status"] == "ok").tolist()
     changes = neglected([scenes[k] for k in known], tolerance=tolerance, device=device)
@@ -266,40 +266,41 @@ def all_gains(
 ) -> pd.DataFrame:
     """The table with a row for each scene and frequency: gain and phase."""
     unknown = dict.fromkeys(("gain", "phase_deg", "error"), nan)
-    tables = []
-    for k, scene in enumerate(scenes):
+
+    def found(scene: Scene) -> pd.DataFrame:
         slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz
-        for some in filter(len, (frequency_hz[slow], frequency_hz[~slow])):
-            of_some = partial(gains, frequency_hz=some)
-            known_none = {"frequency_hz": some, **unknown}
-            tables.append(_beside(table.iloc[[k]], [scene], of_some, known_none))
-    return pd.concat(tables, ignore_index=True)
+        parts = [
+            _or_reason(partial(gains, scene, some), frequency_hz=some, **unknown)
+            for some in (frequency_hz[slow], frequency_hz[~slow])
+            if some.size
+        ]
+        return pd.concat(parts)
+
+    return _beside(table, scenes, found)
 
 
 def all_steps(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """The table with a row for each scene and time: the mean force after start and stop."""
     unknown = {name: [nan] for name in ("time_s", "rising_n", "falling_n")}
-    return _beside(table, scenes, steps_of, unknown)
+    return _beside(table, scenes, lambda scene: _or_reason(partial(steps_of, scene), **unknown))
+
+
+def _or_reason(find: Callable[[], pd.DataFrame], **unknown: Any) -> pd.DataFrame:
+    """What is found, with status ``ok``; or what is unknown, with the reason as its status."""
+    try:
+        return find().assign(status="ok")
+    except (InputError, RunError) as error:
+        return pd.DataFrame(unknown).assign(status=str(error))
 
 
 def _beside(
-    table: pd.DataFrame,
-    scenes: Sequence[Scene],
-    find: Callable[[Scene], pd.DataFrame],
-    unknown: dict[str, Any],
+    table: pd.DataFrame, scenes: Sequence[Scene], found: Callable[[Scene], pd.DataFrame]
 ) -> pd.DataFrame:
-    """Each row of a table, with its validity, beside each row that is found for its scene.
-
-    The ``status`` is ``ok``, or the reason why a scene keeps what is unknown.
-    """
+    """Each row of a table, with its validity, beside each row that is found for its scene."""
     rows = []
     with progress_bar(len(scenes), unit="scene", name="response") as bar:
         for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
-            try:
-                found = find(scene).assign(status="ok")
-            except (InputError, RunError) as error:
-                found = pd.DataFrame(unknown).assign(status=str(error))
             row["validity"] = validity(scene.viscous())
-            rows += [row | each for each in found.to_dict(orient="records")]
+            rows += [row | each for each in found(scene).to_dict(orient="records")]
             bar.update(1)
     return pd.DataFrame(rows)
