@@ -16,13 +16,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from squeezefilm.dynamics.averaged_film import (
-    POINTS,
-    AveragedFilm,
-    averaged_film_of,
-    film_on,
-    refused,
-)
+from squeezefilm.dynamics.averaged_film import AveragedFilm, averaged_film_of, film_on, refused
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import exceeded, validity
@@ -239,7 +233,7 @@ def _slip_changes(scene: Scene) -> dict[str, float]:
     slipping = scene.with_gas(rarefaction="slip")
     if exceeded(slipping, symbols=("Kn",)):
         return {f"slip_{what}_percent": nan for what in CHANGED}
-    before, after = (_response(each, *film_on(each, POINTS[0])) for each in (scene, slipping))
+    before, after = (_response(each, *film_on(each)) for each in (scene, slipping))
     return {
         f"slip_{what}_percent": 100 * (getattr(after, name) / getattr(before, name) - 1)
         for what, name in CHANGED.items()

@@ -18,12 +18,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import (
-    UNKNOWN_FALL,
-    least_fall_of,
-    left_after,
-    margin_of,
-)
+from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, least_fall_of, left_after, margin_of
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
