@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq, newton
+from scipy.optimize import newton
 from scipy.stats import betabinom
 
 from squeezefilm.api.forces import Force, forces_of
@@ -299,20 +299,16 @@ def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
     """The gap near a scene's at which the force is the load; NaN where it is not found."""
 
     def excess(gap_m: float) -> float:
-        force_n = float(_direct([replace(scene, h0_m=gap_m)], study)[0, 0])
+        force_n = float(_direct([replace(scene, h0_m=float(gap_m))], study)[0, 0])
         if not isfinite(force_n):
             raise RunError("no force")
         return force_n - load_n
 
-    low = high = scene.h0_m
     try:
-        for _ in range(12):
-            low, high = max(low / 1.04, 1.001 * scene.hv_m), high * 1.04
-            if excess(low) > 0 > excess(high):
-                return float(brentq(excess, low, high, xtol=1e-16, rtol=LESS_TIGHT))
-    except (RunError, InputError):
-        pass
-    return nan
+        near_m = scene.h0_m
+        return float(newton(excess, near_m, x1=1.02 * near_m, tol=LESS_TIGHT * near_m, maxiter=12))
+    except (RunError, InputError, RuntimeError):
+        return nan
 
 
 def _free_motion(found: Levitation, moving: Resonance, mass_kg: float) -> complex:

@@ -64,11 +64,8 @@ def _judged(case: Case, *, device: Device) -> dict[str, Any]:
         refusal = str(error)
     if refusal:
         why = beyond(film)
-        return row | (
-            {"verdict": "refused", "reason": f"{why}: {refusal}"}
-            if why
-            else {"verdict": "failed", "reason": refusal}
-        )
+        reason = f"{why}: {refusal}" if why else refusal
+        return row | {"verdict": "refused" if why else "failed", "reason": reason}
     checks = _checks(film, solution, device=device)
     broken = [name for name, found in checks.items() if not found <= ALLOWED[name]]
     return row | {
