@@ -239,6 +239,7 @@ def test_a_patch_of_no_symmetry_has_the_force_of_finite_elements(epsilon, sigma,
             amplitude=amplitude,
             mesh=mesh,
             steps=steps,
+            periods=150,
             tolerance=1e-6,
             anderson_depth=10,
         ).force

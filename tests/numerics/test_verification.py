@@ -10,8 +10,7 @@ from physics_facts import SINC_CONVERGED, SPRING_AT_20
 
 from squeezefilm.reynolds import problems, solve
 from squeezefilm.reynolds.device import choose_device
-from verification.cases import SAMPLE, beyond, cases
-from verification.films import PISTON, Film
+from verification.films import PISTON, SAMPLE, Film, beyond, cases
 from verification.numpy_periodic import periodic_state
 from verification.reference import reference_force
 from verification.stability import check_state, stability

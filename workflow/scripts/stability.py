@@ -4,7 +4,7 @@ from scripts.job import begin_with_study
 from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
-from verification.cases import SAMPLE, cases
+from verification.films import SAMPLE, cases
 from verification.stability import stability
 
 NOTE = "Forces to 1e-4; the checks, columns of the table, are explained in docs/verification.md."

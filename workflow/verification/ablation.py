@@ -70,13 +70,12 @@ def ablation(
     rows = []
     for tolerance, (put_back, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        found, cpu_seconds, wall_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
+        found, cpu_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
         error, stated = np.abs(found.force_n - exact), found.force_error_n
         row = {
             "put_back": put_back,
             "tolerance": tolerance,
             "cpu_seconds": cpu_seconds,
-            "wall_seconds": wall_seconds,
             "worst_error": np.max(error / np.abs(exact)),
             "covered": np.mean(error <= stated) if np.isfinite(stated).all() else np.nan,
         }

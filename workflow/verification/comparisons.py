@@ -8,7 +8,7 @@ is a statement that is given as valid and whose interval does not hold the direc
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from math import inf, isfinite, nan, sqrt
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq, newton
+from scipy.optimize import newton
 from scipy.stats import betabinom
 
 from squeezefilm.api.forces import Force, forces_of
@@ -53,30 +53,24 @@ FRESH_SEED = 10_000
 OUTCOMES = ("within", "sure and wrong", "outside, not stated as valid", "no direct solution")
 
 
-def _wavelength_m(scene: Scene) -> float:
-    """Of sound in the free gas."""
-    gas = scene.gas
-    speed = sqrt(gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3)
-    return speed / scene.actuator.frequency_hz
+def _over_limits(scene: Scene) -> dict[str, float]:
+    """Numbers of a scene over values beyond which a force is not to be given without reserve.
 
-
-# Numbers of a scene over values beyond which a force is not to be given without reserve.
-#
-# Flow around the edge is of the order of the gap over the pad; gas neither slips nor flows as a
-# viscous fluid from Kn 0.18 on (Fukui and Kaneko's D = 5); inertia changes forces severalfold at Re
-# 10, and its depth-averaged term is unchecked above Re 20; pressure differs across a gap by a fifth
-# at a tenth of the sound's wavelength.
-LARGEST: dict[str, Callable[[Scene], float]] = {
-    "gap over pad": lambda scene: (
-        scene.h0_m / min(scene.finger.length_x_m, scene.finger.length_y_m) / 0.1
-    ),
-    "Knudsen number": lambda scene: scene.knudsen / 0.178,
-    "Reynolds number": lambda scene: (
-        scene.modified_reynolds / (20.0 if scene.gas.inertia == "included" else 10.0)
-    ),
-    "gap over sound's wavelength": lambda scene: scene.h0_m / _wavelength_m(scene) / 0.1,
-    "excursion over gap": lambda scene: scene.closure() / 0.95,
-}
+    Flow around the edge is of the order of the gap over the pad; gas neither slips nor flows as a
+    viscous fluid from Kn 0.18 on (Fukui and Kaneko's D = 5); inertia changes forces severalfold at
+    Re 10, and its depth-averaged term is unchecked above Re 20; pressure differs across a gap by a
+    fifth at a tenth of the sound's wavelength.
+    """
+    gas, finger = scene.gas, scene.finger
+    sound_m_per_s = sqrt(gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3)
+    wavelength_m = sound_m_per_s / scene.actuator.frequency_hz
+    return {
+        "gap over pad": scene.h0_m / min(finger.length_x_m, finger.length_y_m) / 0.1,
+        "Knudsen number": scene.knudsen / 0.178,
+        "Reynolds number": scene.modified_reynolds / (20.0 if gas.inertia == "included" else 10.0),
+        "gap over sound's wavelength": scene.h0_m / wavelength_m / 0.1,
+        "excursion over gap": scene.closure() / 0.95,
+    }
 
 
 @dataclass(frozen=True)
@@ -183,7 +177,7 @@ def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
 def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
     """The force and its numerical error, then what the equation neglects."""
     scene, stated = force.scene, force.force_n
-    numbers = {name: of(scene) for name, of in LARGEST.items()}
+    numbers = _over_limits(scene)
     worst = max(numbers, key=numbers.__getitem__)
     simulate = partial(Comparison, "simulate", note=_where(scene))
     yield Comparison(
@@ -305,20 +299,16 @@ def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
     """The gap near a scene's at which the force is the load; NaN where it is not found."""
 
     def excess(gap_m: float) -> float:
-        force_n = float(_direct([replace(scene, h0_m=gap_m)], study)[0, 0])
+        force_n = float(_direct([replace(scene, h0_m=float(gap_m))], study)[0, 0])
         if not isfinite(force_n):
             raise RunError("no force")
         return force_n - load_n
 
-    low = high = scene.h0_m
     try:
-        for _ in range(12):
-            low, high = max(low / 1.04, 1.001 * scene.hv_m), high * 1.04
-            if excess(low) > 0 > excess(high):
-                return float(brentq(excess, low, high, xtol=1e-16, rtol=LESS_TIGHT))
-    except (RunError, InputError):
-        pass
-    return nan
+        near_m = scene.h0_m
+        return float(newton(excess, near_m, x1=1.02 * near_m, tol=LESS_TIGHT * near_m, maxiter=12))
+    except (RunError, InputError, RuntimeError):
+        return nan
 
 
 def _free_motion(found: Levitation, moving: Resonance, mass_kg: float) -> complex:

@@ -21,6 +21,7 @@ Nicolson, Proc. Camb. Phil. Soc. 43, 1947.
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -57,20 +58,17 @@ def periodic_force(
     bearing: float = 0.0,
     cells: int = 8,
     steps: int = 32,
-    periods: int = 150,
-    tolerance: float = 0.0,
-    anderson_depth: int = 0,
     fold: Fold = (False, False),
     mesh: Mesh | None = None,
+    **marching: Any,
 ) -> Marched:
     """Mean force in p0 l0^2 over the last period.
 
     bearing: the bearing number Lambda of a surface sliding in X (then do not fold X);
     cells: elements along each half side, folded or not; steps: time steps a period;
-    periods: marched at most; tolerance: stop before that once u repeats itself so
-    closely; anderson_depth: above 0, accelerate the period map (then give a tolerance);
     mesh: triangles of another pad than the unit square, all of whose edge
-    is its rim (then fold nothing).
+    is its rim (then fold nothing); marching: as `march_to_periodic` takes it, the
+    tolerance that of u.
 
     The result's `change` tells whether the tolerance was reached within the periods.
     Raises RunError when a time step does not converge.
@@ -84,13 +82,7 @@ def periodic_force(
         free = basis.complement_dofs(basis.get_dofs())
     gap = epsilon * amplitude(*basis.global_coordinates())
     film = _Film(basis, free, gap=gap, sigma=sigma, bearing=bearing, steps=steps)
-    found = march_to_periodic(
-        film.period,
-        np.zeros(film.unknowns),
-        periods=periods,
-        tolerance=tolerance,
-        anderson_depth=anderson_depth,
-    )
+    found = march_to_periodic(film.period, np.zeros(film.unknowns), **marching)
     return replace(found, force=found.force * 2 ** sum(fold))
 
 

@@ -17,7 +17,8 @@ the OpenCL solver independently: no symmetry, no batches.
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import BarycentricInterpolator
@@ -44,6 +45,7 @@ class ChebyshevGrid:
         return values.real, vectors.real, np.linalg.inv(vectors.real)
 
 
+@lru_cache(maxsize=16)
 def chebyshev_grid(interior: int) -> ChebyshevGrid:
     """Grid with `interior` points between the two ends."""
     k = np.arange(interior + 2)
@@ -56,13 +58,17 @@ def chebyshev_grid(interior: int) -> ChebyshevGrid:
     return ChebyshevGrid(x, first, second, weights)
 
 
+def _along_x(matrix: FloatArray, field: FloatArray) -> FloatArray:
+    return (matrix @ field.reshape(len(field), -1)).reshape(-1, *field.shape[1:])
+
+
 class Collocation:
     """The film equation at nx x ny inner points and nt (even) times, fields (nx, ny, nt)."""
 
     def __init__(
         self,
-        gap: Gap,
         *,
+        gap: Gap,
         sigma: float,
         nx: int,
         ny: int,
@@ -81,12 +87,13 @@ class Collocation:
         self.area = np.outer(self.x.weights[inside], self.y.weights[inside])
         self.i_k = 1j * np.arange(nt // 2 + 1)
         self.i_k[-1] = 0  # the derivative of the sawtooth mode vanishes at the points
+        self.in_time = np.fft.irfft(self.i_k * np.fft.rfft(np.eye(nt)), n=nt)
         # The gap is differentiated on the whole grid, rim included.
         phase = 2 * math.pi * np.arange(nt) / nt
         whole = gap(*np.meshgrid(self.x.x, self.y.x, indexing="ij"), phase)
-        slope_x = np.tensordot(self.x.first, whole, 1)[inside, inside]
+        slope_x = _along_x(self.x.first, whole)[inside, inside]
         slope_y = np.matmul(self.y.first / aspect, whole)[inside, inside]
-        bend = np.tensordot(self.x.second, whole, 1) + np.matmul(self.y.second / aspect**2, whole)
+        bend = _along_x(self.x.second, whole) + np.matmul(self.y.second / aspect**2, whole)
         self.gap, self.bend = whole[inside, inside], bend[inside, inside]
         self.half = np.sqrt(self.gap)
         self.c = 1.5 * self.bend / self.gap + 0.75 * (slope_x**2 + slope_y**2) / self.gap**2
@@ -109,9 +116,9 @@ class Collocation:
         symbol = mean * laplacian[:, :, None] - self.sigma * self.i_k
 
         def apply(r: FloatArray) -> FloatArray:
-            modes = np.fft.rfft(np.matmul(y_inverse, np.tensordot(x_inverse, r, 1)))
+            modes = np.fft.rfft(np.matmul(y_inverse, _along_x(x_inverse, r)))
             w = np.fft.irfft(modes / symbol, n=r.shape[-1])
-            return np.asarray(np.matmul(y_modes, np.tensordot(x_modes, w, 1)))
+            return np.asarray(np.matmul(y_modes, _along_x(x_modes, w)))
 
         return apply
 
@@ -120,7 +127,7 @@ class Collocation:
         return float(np.sum(self.area * p.mean(axis=-1)))
 
     def _laplacian(self, field: FloatArray) -> FloatArray:
-        return np.asarray(np.tensordot(self.x_second, field, 1) + np.matmul(self.y_second, field))
+        return np.asarray(_along_x(self.x_second, field) + np.matmul(self.y_second, field))
 
     def _flow(self, v: FloatArray, mass: FloatArray) -> FloatArray:
         flow = self.gap * self.half * (self._laplacian(v) - self.c * v)
@@ -130,11 +137,11 @@ class Collocation:
         return flow
 
     def _rate(self, field: FloatArray) -> FloatArray:
-        return np.fft.irfft(self.i_k * np.fft.rfft(field), n=field.shape[-1])
+        return np.asarray(field @ self.in_time)
 
     def _carried(self, mass: FloatArray) -> FloatArray:
         rate = self.sigma * self._rate(mass)
-        return rate + self.bearing * np.tensordot(self.x_first, mass, 1) if self.bearing else rate
+        return rate + self.bearing * _along_x(self.x_first, mass) if self.bearing else rate
 
 
 @dataclass(frozen=True)
@@ -147,23 +154,16 @@ class PeriodicState:
 
 
 def periodic_state(
-    *,
-    gap: Gap,
-    sigma: float,
-    bearing: float = 0.0,
-    nx: int = 24,
-    ny: int = 24,
-    nt: int = 16,
-    tolerance: float = 1e-10,
+    *, nx: int = 24, ny: int = 24, nt: int = 16, tolerance: float = 1e-10, **numbers: Any
 ) -> PeriodicState:
     """Periodic film pressure at nx x ny inner points and nt (even) times of one period.
 
-    bearing: the bearing number Lambda of a surface sliding in X.
     tolerance: on the root mean square of the preconditioned residual, a mass perturbation.
+    numbers: of the film, its gap among them, as `Collocation` takes them.
 
     Raises RunError when Newton's method does not get there.
     """
-    film = Collocation(gap, sigma=sigma, bearing=bearing, nx=nx, ny=ny, nt=nt)
+    film = Collocation(nx=nx, ny=ny, nt=nt, **numbers)
 
     def linearised(p: FloatArray) -> tuple[FloatArray, Operator, FloatArray]:
         precondition = film.preconditioner(p)
@@ -178,6 +178,6 @@ def periodic_state(
         linearised,
         positive=lambda p: 1 + p,
         tolerance=tolerance,
-        name=f"periodic NumPy solver at sigma = {sigma:g}",
+        name=f"periodic NumPy solver at sigma = {film.sigma:g}",
     )
     return PeriodicState(p, film.mean(p))

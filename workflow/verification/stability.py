@@ -1,7 +1,7 @@
 """Stiff and extreme films, each judged by checks that the solver does not know of.
 
 Verdicts: *solved*, all checks passed; *unchecked*, solved, but no check can be had; *refused*, the
-solver says that it cannot and the film lies where that is documented (`cases.beyond`); *failed*,
+solver says that it cannot and the film lies where that is documented (`films.beyond`); *failed*,
 anything else, with the checks that did not pass.
 
 A pressure is carried to a finer grid, where the equation is evaluated in another form and another
@@ -22,8 +22,7 @@ from squeezefilm.film.validity import check_scene
 from squeezefilm.parallel import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
-from verification.cases import Case, beyond
-from verification.films import Film
+from verification.films import Case, Film, beyond
 from verification.marching import FloatArray, Fold
 from verification.numpy_periodic import Collocation, chebyshev_grid
 
@@ -65,11 +64,8 @@ def _judged(case: Case, *, device: Device) -> dict[str, Any]:
         refusal = str(error)
     if refusal:
         why = beyond(film)
-        return row | (
-            {"verdict": "refused", "reason": f"{why}: {refusal}"}
-            if why
-            else {"verdict": "failed", "reason": refusal}
-        )
+        reason = f"{why}: {refusal}" if why else refusal
+        return row | {"verdict": "refused" if why else "failed", "reason": reason}
     checks = _checks(film, solution, device=device)
     broken = [name for name, found in checks.items() if not found <= ALLOWED[name]]
     return row | {
@@ -129,7 +125,7 @@ def check_state(film: Film, overpressure: FloatArray) -> dict[str, float]:
     """
     nx, ny, nt = (2 * math.ceil(0.625 * n) for n in overpressure.shape)  # a quarter more, and even
     numbers = {name: getattr(film, name) for name in ("sigma", "bearing", "knudsen", "aspect")}
-    finer = Collocation(film.scene.gap, nx=nx, ny=ny, nt=nt, **numbers)
+    finer = Collocation(gap=film.scene.gap, nx=nx, ny=ny, nt=nt, **numbers)
     to_x, to_y = (
         BarycentricInterpolator(chebyshev_grid(n).x, np.eye(n + 2), rng=0)(grid.x[1:-1])[:, 1:-1]
         for n, grid in zip(overpressure.shape, (finer.x, finer.y), strict=False)

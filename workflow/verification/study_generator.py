@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from squeezefilm.api.models import Study
 from squeezefilm.config.loading import parse_config
@@ -159,6 +160,6 @@ def _scan(study: Study, seed: int) -> str:
     x, y = x[on_it], y[on_it]
     shape = profile_of(study.config).amplitude(x_m=x, y_m=y)
     measured = shape + SCAN_NOISE * random.standard_normal(len(x))
-    rows = zip(1e3 * x, 1e3 * y, np.abs(measured), np.where(measured < 0, 180.0, 0.0), strict=True)
-    lines = (f"{a:.4f},{b:.4f},{c:.5f},{d:.0f}\n" for a, b, c, d in rows)
-    return "x_mm,y_mm,amplitude_um,phase_deg\n" + "".join(lines)
+    columns = {"x_mm": 1e3 * x, "y_mm": 1e3 * y, "amplitude_um": np.abs(measured)}
+    table = pd.DataFrame(columns).round({"x_mm": 4, "y_mm": 4, "amplitude_um": 5})
+    return table.assign(phase_deg=np.where(measured < 0, 180, 0)).to_csv(index=False)

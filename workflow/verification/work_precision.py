@@ -43,8 +43,8 @@ Path = Iterator[tuple[Settings, Callable[[], Answer]]]
 
 def measure(
     call: Callable[[], Any], *, repeats: int, long_seconds: float = 0.2
-) -> tuple[Any, float, float]:
-    """What a call returns, and the medians in seconds of its processor time and its wall time.
+) -> tuple[Any, float]:
+    """What a call returns, and the median of its processor time in seconds.
 
     It is warm: called once before, then so many times. A call that takes more than long_seconds is
     not repeated: its first run is what it takes, and what is done once (imports, compilation) does
@@ -54,11 +54,10 @@ def measure(
     for _ in range(repeats + 1):
         wall, cpu = time.perf_counter(), time.process_time()
         result = call()
-        times.append((time.process_time() - cpu, time.perf_counter() - wall))
-        if times[-1][1] > long_seconds:
+        times.append(time.process_time() - cpu)
+        if time.perf_counter() - wall > long_seconds:
             break
-    cpu_seconds, wall_seconds = zip(*(times[1:] or times), strict=True)
-    return result, median(cpu_seconds), median(wall_seconds)
+    return result, median(times[1:] or times)
 
 
 def work_precision(
@@ -90,7 +89,7 @@ def work_precision(
         }
         for method, path in paths.items():
             for settings, run in path:
-                (force, claimed, status), cpu_seconds, _ = measure(run, repeats=repeats)
+                (force, claimed, status), cpu_seconds = measure(run, repeats=repeats)
                 row = {
                     "film": film.name,
                     "method": method,

@@ -265,7 +265,7 @@ def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
 
     A finer grid is taken as long as it makes the error smaller by a tenth.
     """
-    best = film_on(scene, POINTS[0])
+    best = film_on(scene)
     for points in POINTS[1:]:
         finer = film_on(scene, points)
         if not finer[1] < GAIN * best[1]:
@@ -274,7 +274,7 @@ def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
     return best
 
 
-def film_on(scene: Scene, points: int) -> tuple[AveragedFilm, float]:
+def film_on(scene: Scene, points: int = POINTS[0]) -> tuple[AveragedFilm, float]:
     """The averaged film on one grid, and its relative error at rest.
 
     The error is that of the settled force, by the edge layer's expansion: it may be infinite.

@@ -29,7 +29,7 @@ from squeezefilm.quantities.model_error import (
     excluded_terms,
     resolve_auto_terms,
 )
-from squeezefilm.quantities.outputs import AROUND, STEP, quotient
+from squeezefilm.quantities.outputs import STEP, falls
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import notes_of
@@ -206,42 +206,44 @@ def trustworthy(
     return f"at this amplitude gaps are given of about {gaps} µm, for about {loads} N"
 
 
-def _forces(scene: Scene, *gaps_m: float, how: dict[str, Any]) -> np.ndarray:
-    """Mean forces and their errors at some gaps of a scene, shape (2, n)."""
-    found = solve(_at(scene, *gaps_m), **how)
-    if bad := next((each for each in found if each.status != "ok"), None):
-        raise RunError(f"load: no force near h0 = {gaps_m[0]:.4g} m: {bad.status}")
-    return np.array([(each.force_n, each.force_error_n) for each in found]).T
-
-
 def _at_the_load(
     scene: Scene, low: float, high: float, *, load_n: float, how: dict[str, Any]
 ) -> Levitation:
     """The gap of one equation, without its budget: sought with rough forces, then refined."""
     tolerance = how["tolerance"]
     rough = how | {"tolerance": max(tolerance, ROUGH_TOLERANCE)}
-    h0_m = _root(lambda gap: float(_forces(scene, gap, how=rough)[0, 0]) - load_n, low, high)
-    around = 1 + STEP * np.array(AROUND)
-    forces, errors = _forces(scene, *(h0_m * around), how=rough)
-    slope, _ = quotient(forces, errors, h0_m)
+
+    def excess(gap_m: float, how: dict[str, Any] = rough) -> float:
+        (found,) = solve(_at(scene, gap_m), **how)
+        return float(_known(found.force_n - load_n, gap_m, found.status))
+
+    h0_m = _root(excess, low, high)
+    values, (status,) = falls(_at(scene, h0_m), "h0_m", **rough)
+    slope = float(_known(values[2, 0], h0_m, status))
     for _ in range(MOST_STEPS):
-        step_m = float(_forces(scene, h0_m, how=how)[0, 0] - load_n) / slope
+        step_m = excess(h0_m, how) / slope
         h0_m += step_m
         if abs(step_m) <= tolerance * h0_m:
             break
         if not abs(step_m) <= STEP * h0_m:
             raise RunError(f"load: the gap near {h0_m:.4g} m was not found to the tolerance")
-    forces, errors = _forces(scene, h0_m, *(h0_m * around), how=how)
-    stiffness, stiffness_error = quotient(forces[1:], errors[1:], h0_m)
+    values, (status,) = falls(_at(scene, h0_m), "h0_m", **how)
+    force_n, error_n, stiffness, stiffness_error = _known(values[:, 0], h0_m, status).tolist()
     return Levitation(
         scene=replace(scene, h0_m=h0_m),
-        force_n=float(forces[0]),
-        h0_error_m=float((errors[0] + abs(forces[0] - load_n)) / abs(stiffness)),
-        stiffness_n_per_m=float(stiffness),
-        stiffness_error_n_per_m=float(stiffness_error),
+        force_n=force_n,
+        h0_error_m=(error_n + abs(force_n - load_n)) / abs(stiffness),
+        stiffness_n_per_m=stiffness,
+        stiffness_error_n_per_m=stiffness_error,
         others_m=(),
         budget=ErrorBudget(),
     )
+
+
+def _known(values: Any, gap_m: float, status: str) -> Any:
+    if not np.isfinite(values).all():
+        raise RunError(f"load: no force near h0 = {gap_m:.4g} m: {status}")
+    return values
 
 
 def _at(scene: Scene, *gaps_m: float) -> list[Scene]:

@@ -7,7 +7,7 @@ follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, throug
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from functools import partial
 from math import inf, nan, pi
 from typing import Any
@@ -16,20 +16,13 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from squeezefilm.dynamics.averaged_film import (
-    POINTS,
-    AveragedFilm,
-    averaged_film_of,
-    film_on,
-    refused,
-)
+from squeezefilm.dynamics.averaged_film import AveragedFilm, averaged_film_of, film_on, refused
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import exceeded, validity
 from squeezefilm.parallel import progress_bar
-from squeezefilm.quantities.outputs import AROUND, STEP, quotient
+from squeezefilm.quantities.outputs import falls
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.solver import solve
 
 # Relative error of the settled force up to which the slow film's numbers are given.
 SLOW_ERROR = 0.03
@@ -206,19 +199,11 @@ def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> 
     By difference quotients of forces; the scenes' terms must be decided. NaN where an amplitude
     within 2 % has no force.
     """
-    factors = 1 + STEP * np.array([0, *AROUND])
-    found = solve(
-        [replace(scene, hv_m=float(scene.hv_m * each)) for scene in scenes for each in factors],
-        tolerance=min(tolerance, GAIN_TOLERANCE),
-        device=device,
-    )
-    values = np.array([(each.force_n, each.force_error_n) for each in found])
-    forces, errors = values.reshape(len(scenes), len(factors), 2).T
+    within = min(tolerance, GAIN_TOLERANCE)
+    (force, error, fall, off), _ = falls(scenes, "hv_m", tolerance=within, device=device)
     hv_m = np.array([scene.hv_m for scene in scenes])
-    slope, error = quotient(forces[1:], errors[1:], hv_m)
-    gain = -slope * hv_m / forces[0]
-    relative = errors[0] / np.abs(forces[0])
-    return np.stack([gain, np.abs(gain) * relative + error * hv_m / forces[0]], axis=-1)
+    gain = -fall * hv_m / force
+    return np.stack([gain, np.abs(gain) * error / np.abs(force) + off * hv_m / force], axis=-1)
 
 
 def neglected(
@@ -248,7 +233,7 @@ def _slip_changes(scene: Scene) -> dict[str, float]:
     slipping = scene.with_gas(rarefaction="slip")
     if exceeded(slipping, symbols=("Kn",)):
         return {f"slip_{what}_percent": nan for what in CHANGED}
-    before, after = (_response(each, *film_on(each, POINTS[0])) for each in (scene, slipping))
+    before, after = (_response(each, *film_on(each)) for each in (scene, slipping))
     return {
         f"slip_{what}_percent": 100 * (getattr(after, name) / getattr(before, name) - 1)
         for what, name in CHANGED.items()
@@ -259,11 +244,11 @@ def responses(
     table: pd.DataFrame, scenes: Sequence[Scene], *, tolerance: float, device: Device
 ) -> pd.DataFrame:
     """The table with the response of each scene."""
+    unknown = {each.name: [nan] for each in fields(Response)}
     found = _beside(
         table,
         scenes,
-        lambda scene: pd.DataFrame([asdict(response(scene))]),
-        {each.name: [nan] for each in fields(Response)},
+        lambda scene: _or_reason(lambda: pd.DataFrame([asdict(response(scene))]), **unknown),
     )
     known = np.flatnonzero(found["status"] == "ok").tolist()
     changes = neglected([scenes[k] for k in known], tolerance=tolerance, device=device)
@@ -275,40 +260,41 @@ def all_gains(
 ) -> pd.DataFrame:
     """The table with a row for each scene and frequency: gain and phase."""
     unknown = dict.fromkeys(("gain", "phase_deg", "error"), nan)
-    tables = []
-    for k, scene in enumerate(scenes):
+
+    def found(scene: Scene) -> pd.DataFrame:
         slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz
-        for some in filter(len, (frequency_hz[slow], frequency_hz[~slow])):
-            of_some = partial(gains, frequency_hz=some)
-            known_none = {"frequency_hz": some, **unknown}
-            tables.append(_beside(table.iloc[[k]], [scene], of_some, known_none))
-    return pd.concat(tables, ignore_index=True)
+        parts = [
+            _or_reason(partial(gains, scene, some), frequency_hz=some, **unknown)
+            for some in (frequency_hz[slow], frequency_hz[~slow])
+            if some.size
+        ]
+        return pd.concat(parts)
+
+    return _beside(table, scenes, found)
 
 
 def all_steps(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """The table with a row for each scene and time: the mean force after start and stop."""
     unknown = {name: [nan] for name in ("time_s", "rising_n", "falling_n")}
-    return _beside(table, scenes, steps_of, unknown)
+    return _beside(table, scenes, lambda scene: _or_reason(partial(steps_of, scene), **unknown))
+
+
+def _or_reason(find: Callable[[], pd.DataFrame], **unknown: Any) -> pd.DataFrame:
+    """What is found, with status ``ok``; or what is unknown, with the reason as its status."""
+    try:
+        return find().assign(status="ok")
+    except (InputError, RunError) as error:
+        return pd.DataFrame(unknown).assign(status=str(error))
 
 
 def _beside(
-    table: pd.DataFrame,
-    scenes: Sequence[Scene],
-    find: Callable[[Scene], pd.DataFrame],
-    unknown: dict[str, Any],
+    table: pd.DataFrame, scenes: Sequence[Scene], found: Callable[[Scene], pd.DataFrame]
 ) -> pd.DataFrame:
-    """Each row of a table, with its validity, beside each row that is found for its scene.
-
-    The ``status`` is ``ok``, or the reason why a scene keeps what is unknown.
-    """
+    """Each row of a table, with its validity, beside each row that is found for its scene."""
     rows = []
     with progress_bar(len(scenes), unit="scene", name="response") as bar:
         for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
-            try:
-                found = find(scene).assign(status="ok")
-            except (InputError, RunError) as error:
-                found = pd.DataFrame(unknown).assign(status=str(error))
             row["validity"] = validity(scene.viscous())
-            rows += [row | each for each in found.to_dict(orient="records")]
+            rows += [row | each for each in found(scene).to_dict(orient="records")]
             bar.update(1)
     return pd.DataFrame(rows)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -18,12 +17,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import (
-    UNKNOWN_FALL,
-    least_fall_of,
-    left_after,
-    margin_of,
-)
+from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, least_fall_of, left_after, margin_of
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
@@ -37,7 +31,6 @@ Operator = Callable[[np.ndarray], np.ndarray]
 MOST_ITERATIONS = 200
 
 
-@dataclass(frozen=True)
 class AxisWithRim:
     """One axis with its rim nodes: derivatives and the integral over [0, 1].
 
@@ -50,22 +43,19 @@ class AxisWithRim:
         weights: of the integral of an even function, shape (m,), rim included.
     """
 
-    of_even: np.ndarray
-    of_odd: np.ndarray
-    weights: np.ndarray
+    def __init__(self, axis: Axis) -> None:
+        rim = 1 - axis.weights.sum()  # a constant's integral is that constant
+        if axis.folded:
+            half = axis.points + 1
+            near, far = axis.derivative[:half, :half], axis.derivative[:half, : half - 1 : -1]
+            self.of_even, self.of_odd = near + far, near - far
+            self.weights = np.append(rim, axis.weights)
+        else:
+            self.of_even = self.of_odd = axis.derivative
+            self.weights = np.concatenate([[rim / 2], axis.weights, [rim / 2]])
 
 
-@lru_cache(maxsize=64)
-def with_rim(axis: Axis) -> AxisWithRim:
-    """An axis with its rim nodes; one for both ends if it is folded."""
-    if not axis.folded:
-        end = (1 - axis.weights.sum()) / 2  # a constant's integral is that constant
-        weights = np.concatenate([[end], axis.weights, [end]])
-        return AxisWithRim(axis.derivative, axis.derivative, weights)
-    half = axis.points + 1
-    near, far = axis.derivative[:half, :half], axis.derivative[:half, : half - 1 : -1]
-    weights = np.concatenate([[1 - axis.weights.sum()], axis.weights])
-    return AxisWithRim(near + far, near - far, weights)
+with_rim = lru_cache(maxsize=64)(AxisWithRim)
 
 
 class Fields:

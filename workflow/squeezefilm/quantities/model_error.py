@@ -171,11 +171,11 @@ def _budgets(scenes: list[Scene], device: Device | None) -> list[ErrorBudget]:
     found = [ErrorBudget(status="no vibration, no force")] * len(scenes)
     moving = [k for k, scene in enumerate(scenes) if scene.epsilon]
     solved = with_states([scenes[k] for k in moving], tolerance=GRID_TOLERANCE, device=device)
+    with_state: Solved = {}
     for k, solution in zip(moving, solved, strict=True):
         found[k] = ErrorBudget(status=solution.status)
-    with_state = {
-        k: (scenes[k], each) for k, each in zip(moving, solved, strict=True) if each.states
-    }
+        if solution.states:
+            with_state[k] = scenes[k], solution
     for group in alike(with_state, numbers=MOST_NUMBERS):
         shares = _shares(group, device)
         for n, k in enumerate(group):

@@ -449,13 +449,30 @@ def _slip(scene: Scene) -> float:
 STEP, AROUND = 0.01, (-2, -1, 1, 2)
 
 
-def quotient(forces: Any, errors: Any, unit: Any) -> tuple[Any, Any]:
-    """Fall of a force per rise of a number and its error, from forces at unit (1 + k STEP)."""
-    a, b, c, d = forces
+def falls(scenes: Sequence[Scene], name: str, **how: Any) -> tuple[np.ndarray, list[str]]:
+    """Forces of scenes, their errors, how they fall as a number rises, and that one's error.
+
+    Args:
+        name: of the number, ``h0_m`` or ``hv_m``.
+        how: as ``solve`` takes it.
+
+    Returns:
+        The four as rows, (4, n), NaN where a force is missing, and why it is, one text a scene.
+    """
+    factors = 1 + STEP * np.array([0, *AROUND])
+    count = len(factors)
+    unit = np.array([getattr(scene, name) for scene in scenes])
+    moved: list[dict[str, Any]] = [{name: float(each)} for each in np.outer(unit, factors).ravel()]
+    found = solve([replace(scenes[k // count], **each) for k, each in enumerate(moved)], **how)
+    values = np.array([(each.force_n, each.force_error_n) for each in found])
+    (force, a, b, c, d), errors = values.reshape(len(scenes), count, 2).T
     narrow, wide = (b - c) / (2 * STEP * unit), (a - d) / (4 * STEP * unit)
     # The wide quotient misses four times what the narrow one does.
-    noise = (errors[1] + errors[2]) / (2 * STEP * unit)
-    return narrow + (narrow - wide) / 3, abs(narrow - wide) / 3 + 4 / 3 * noise
+    noise = (errors[2] + errors[3]) / (2 * STEP * unit)
+    fall, error = narrow + (narrow - wide) / 3, np.abs(narrow - wide) / 3 + 4 / 3 * noise
+    bad = [each.status if each.status != "ok" else "" for each in found]
+    reasons = [max(bad[k : k + count]) for k in range(0, len(bad), count)]
+    return np.stack([force, errors[0], fall, error]), reasons
 
 
 def static_stiffness(
@@ -479,13 +496,11 @@ def static_stiffness(
         if known and known.status == "ok":
             value, error = -known.value["h0_m"], known.error["h0_m"]
         else:
-            moved = [replace(scene, h0_m=scene.h0_m * (1 + k * STEP)) for k in AROUND]
-            forces = solve(moved, tolerance=tolerance, device=device)
-            if bad := next((each.status for each in forces if each.status != "ok"), ""):
+            rows, (bad,) = falls([scene], "h0_m", tolerance=tolerance, device=device)
+            if bad:
                 reason = f"no force at a gap within {2 * STEP:.0%}: {bad}"
                 found.append(Outputs(refused={name: reason}))
                 continue
-            errors = [each.force_error_n for each in forces]
-            value, error = quotient([each.force_n for each in forces], errors, scene.h0_m)
+            value, error = rows[2:, 0].tolist()
         found.append(Outputs(value={name: value}, error={name: error}))
     return found
