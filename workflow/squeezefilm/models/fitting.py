@@ -135,12 +135,10 @@ def fit_by(
 
     A model that is linear in its parameters, or has none, needs no search and is fitted once.
     factors and force_n hold n experiments, force_n in newtons. Equal input and seed give an equal
-    result. Raises InputError for fewer points than parameters, for lengths that differ and for
-    forces that are not finite or all zero.
+    result. Raises InputError for fewer points than parameters, and for forces that are not finite
+    or all zero.
     """
-    force, count = np.atleast_1d(np.asarray(force_n, dtype=float)), len(model.parameter_names)
-    if force.shape != (len(factors),):
-        raise InputError(f"force_n: {force.size} forces for {len(factors)} points; give one each")
+    force, count = np.asarray(force_n, dtype=float), len(model.parameter_names)
     if len(force) < count:
         raise InputError(
             f"fit: {len(force)} points for the {count} parameters of the {model.name} model; "

@@ -68,8 +68,7 @@ def parameter_ranges(
 ) -> list[ParameterRange]:
     """The range of each parameter of a fit to n points, n above p (see the module).
 
-    theta is the fit. Raises InputError for too few points, or where theta is no minimum: where
-    parameters next to it describe the points better.
+    theta is the best fit next to it (``local_fit``). Raises InputError for too few points.
     """
     theta = np.asarray(theta, dtype=float)
     least = sum_of_squares(model, factors, force_n, theta)
@@ -79,9 +78,6 @@ def parameter_ranges(
             f"profile: {len(factors)} points fix the {len(theta)} parameters of {model.name} "
             "exactly; a range needs more points than parameters"
         )
-    again = sum_of_squares(model, factors, force_n, local_fit(model, factors, force_n, theta))
-    if again < least * (1 - 1e-3):
-        raise InputError(f"profile: the parameters of {model.name} are not those of the best fit")
     allowed = least * (1 + float(fdtri(1, spare, LEVEL)) / spare)
     slopes = model.gradient(theta, factors)
     size = np.linalg.norm(slopes, axis=0)
