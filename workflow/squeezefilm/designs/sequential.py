@@ -153,7 +153,8 @@ class Sequential:
                 start = np.array(found.theta)
             theta = local_fit(self.model, factors, force, start)
             squares = sum_of_squares(self.model, factors, force, theta)
-            best, least = (theta, squares) if squares < least else (best, least)
+            if not len(best) or squares < least:
+                best, least = theta, squares
         return best
 
     def residuals(self, theta: Array, points: Indices) -> Array:
