@@ -183,10 +183,6 @@ class Sequential:
         """
         pool, checks = self.pool, len(self.pool.verification)
         first = self.parameters + 1 if self.parameters else 0
-        if checks < 3:
-            raise InputError(
-                "refine: errors cannot be estimated from fewer than 3 verification points"
-            )
         if checks + first > self.settings["simulations"]:
             raise InputError(
                 f"refine: the model {self.model.name} takes {first} simulations to begin with and "
@@ -312,7 +308,8 @@ class Sequential:
     def run(self, report: Callable[[Round], object] = lambda done: None) -> Outcome:
         """Run the loop until it ends; ``report`` is called with each round when it is done.
 
-        Raises InputError where there are too few verification points, or simulations allowed.
+        Raises InputError where too few simulations are allowed, or no candidates tell the
+        parameters apart.
         """
         design, rounds = self.first_points(), list[Round]()
         self.measure(np.concatenate([self.pool.verification, design]))

@@ -150,20 +150,28 @@ class FittedModel(BaseModel):
         place = self.symmetry.represent(**given)
         return Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, **place, **factors.columns)
 
-    def complete(self, factors: Factors) -> Factors:
-        """The factors with the physics limits that the model needs, from the file's own table.
+    @property
+    def needed_table(self) -> LimitTable | None:
+        """The table of the physics limits that the model uses, if it uses them.
 
         Raises InputError naming the file, where it has no such table.
         """
-        model = self.force_model
-        if all(name in factors.columns for name in model.column_names):
-            return factors
-        if self.limit_table is None:
+        names = self.force_model.column_names
+        if names and self.limit_table is None:
             raise InputError(
-                f"{self.place}: the model {self.model} needs {', '.join(model.column_names)} and "
-                "its file has no table of them: they do not hold all over its study's space"
+                f"{self.place}: the model {self.model} needs {', '.join(names)} and its file has "
+                "no table of them: they do not hold all over its study's space"
             )
-        return self.limit_table.complete(factors)
+        return self.limit_table if names else None
+
+    def complete(self, factors: Factors) -> Factors:
+        """The factors with the physics limits that the model needs, from the file's own table.
+
+        Raises InputError as ``needed_table``.
+        """
+        known = all(name in factors.columns for name in self.force_model.column_names)
+        table = None if known else self.needed_table
+        return factors if table is None else table.complete(factors)
 
     def evaluate(self, factors: Factors) -> Array:
         """The model's forces in newtons, shape (n,); NaN where it is undefined."""
