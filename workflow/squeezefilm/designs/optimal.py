@@ -256,7 +256,7 @@ def optimal_in_box(
         starts = np.concatenate([points, places[np.argsort(level)[-PEAKS:]]])
         peaks = _climbed(own, weights, gradients, box, starts)
         added = stacked_derivatives(gradients(peaks))
-        bound = 1 / max(1.0, level.max(), sensitivity(own, added, weights=weights).max())
+        bound = float(1 / max(1.0, level.max(), sensitivity(own, added, weights=weights).max()))
         if bound > highest:
             best, highest = replace(design, efficiency_bound=bound).on(points), bound
         if bound >= 1 - gap:

@@ -6,7 +6,7 @@ And its use: forces with their errors, and the amplitude at which a film gives a
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -21,6 +21,7 @@ from pydantic import (
     StrictFloat,
     StrictInt,
     ValidationError,
+    field_validator,
 )
 from scipy.optimize import brentq
 
@@ -72,6 +73,14 @@ class FilmOfFit(BaseModel):
     gas: Annotated[Gas, PlainSerializer(asdict)]
     frequency_hz: float
     finger: Pad
+
+    @field_validator("gas", mode="before")
+    @classmethod
+    def _whole_gas(cls, values: Any) -> Any:
+        names = [each.name for each in fields(Gas)] if isinstance(values, Mapping) else []
+        if missing := [name for name in names if name not in values]:
+            raise ValueError(f"{', '.join(missing)}: not there")
+        return values
 
 
 class FittedModel(BaseModel):
