@@ -11,10 +11,7 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import amplitude_for_force
 from squeezefilm.models.force_model import make_model
 
-THETA = {
-    TWO_FACTOR: np.array(SCREEN_THETA),
-    FOUR_FACTOR: np.array(FOUR_FACTOR_THETA),
-}
+THETA = {TWO_FACTOR: np.array(SCREEN_THETA), FOUR_FACTOR: np.array(FOUR_FACTOR_THETA)}
 MODELS = pytest.mark.parametrize("model", [TWO_FACTOR, FOUR_FACTOR], ids=lambda m: m.name)
 
 

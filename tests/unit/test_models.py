@@ -6,9 +6,8 @@ from reference_forces import TWO_FACTOR, reference_forces
 
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit
+from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit, parameter_ranges
 from squeezefilm.models.force_model import get_model, make_model
-from squeezefilm.models.parameter_intervals import parameter_ranges
 from squeezefilm.models.prediction_interval import film_folds, left_out_predictions
 from squeezefilm.models.search import nelder_mead
 

@@ -23,15 +23,12 @@ PLACED = Box(
 
 
 def film_gradient(points):
-    return TWO_FACTOR.gradient(
-        SCREEN_THETA, Factors.of(**dict(zip(FILM.names, points.T, strict=True)))
-    )
+    return TWO_FACTOR.gradient(SCREEN_THETA, Factors.of(h0_m=points[:, 0], hv_m=points[:, 1]))
 
 
 def placed_gradient(points):
-    return FOUR_FACTOR.gradient(
-        FOUR_FACTOR_THETA, Factors.of(**dict(zip(PLACED.names, points.T, strict=True)))
-    )
+    factors = Factors.of(**dict(zip(PLACED.names, points.T, strict=True)))
+    return FOUR_FACTOR.gradient(FOUR_FACTOR_THETA, factors)
 
 
 def test_two_angles_at_the_centre_are_one_scene():

@@ -6,9 +6,8 @@ from reference_forces import TWO_FACTOR, reference_forces
 from scipy import stats
 
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fitting import local_fit, sum_of_squares
+from squeezefilm.models.fitting import local_fit, parameter_ranges, sum_of_squares
 from squeezefilm.models.force_model import make_model
-from squeezefilm.models.parameter_intervals import parameter_ranges
 
 LINE = make_model("line", {"expression": "t0 + t1*(hv/h0)"}, place="test")
 EPSILON = np.linspace(0.05, 0.4, 12)

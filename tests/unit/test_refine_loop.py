@@ -12,8 +12,8 @@ from squeezefilm.models.force_model import ExpressionModel, make_model
 
 GRID = 9
 CHECKS = 8
-SETTINGS = {"separation": 0.1, "seed": 1}
-GOAL = SETTINGS | {"global_error": 1e-3, "worst_error": 4e-3, "simulations": 20, "batch": 2}
+GOAL = {"global_error": 1e-3, "worst_error": 4e-3, "simulations": 20, "batch": 2}
+GOAL |= {"separation": 0.1, "seed": 1}
 
 
 def model(expression: str) -> ExpressionModel:

@@ -162,8 +162,6 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
     Raises InputError for anything but arithmetic on these names, with the place and the part that
     is not allowed; for a formula that is too long, too deep or has too large an exponent.
     """
-    if not isinstance(text, str):
-        raise InputError(f"{place}: a formula is text, not {text!r}")
     text = " ".join(text.split())
     if not text:
         raise InputError(f"{place}: the formula is empty")

@@ -153,7 +153,8 @@ class Sequential:
                 start = np.array(found.theta)
             theta = local_fit(self.model, factors, force, start)
             squares = sum_of_squares(self.model, factors, force, theta)
-            best, least = (theta, squares) if squares < least else (best, least)
+            if not len(best) or squares < least:
+                best, least = theta, squares
         return best
 
     def residuals(self, theta: Array, points: Indices) -> Array:
@@ -182,10 +183,6 @@ class Sequential:
         """
         pool, checks = self.pool, len(self.pool.verification)
         first = self.parameters + 1 if self.parameters else 0
-        if checks < 3:
-            raise InputError(
-                "refine: errors cannot be estimated from fewer than 3 verification points"
-            )
         if checks + first > self.settings["simulations"]:
             raise InputError(
                 f"refine: the model {self.model.name} takes {first} simulations to begin with and "
@@ -311,7 +308,8 @@ class Sequential:
     def run(self, report: Callable[[Round], object] = lambda done: None) -> Outcome:
         """Run the loop until it ends; ``report`` is called with each round when it is done.
 
-        Raises InputError where there are too few verification points, or simulations allowed.
+        Raises InputError where too few simulations are allowed, or no candidates tell the
+        parameters apart.
         """
         design, rounds = self.first_points(), list[Round]()
         self.measure(np.concatenate([self.pool.verification, design]))

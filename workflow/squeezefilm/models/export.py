@@ -61,14 +61,7 @@ def source(fit: FittedModel, language: str) -> str:
         )
     if language not in LANGUAGES:
         raise InputError(f"language {language!r}: unknown; allowed are {', '.join(LANGUAGES)}")
-    model, interval, table = fit.force_model, fit.interval, fit.limit_table
-    if not model.column_names:
-        table = None
-    elif table is None:
-        raise InputError(
-            f"{fit.place}: the model {fit.model} uses the physics limit, which code without "
-            "dependencies cannot solve for, and its file has no table of it"
-        )
+    model, interval, table = fit.force_model, fit.interval, fit.needed_table
     arguments, nan = model.factor_names, LANGUAGES[language]
     own = f"{fit.model}_" if language == "c" else "_"
     error = interval.error_95 if interval else None

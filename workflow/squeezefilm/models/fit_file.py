@@ -6,7 +6,7 @@ And its use: forces with their errors, and the amplitude at which a film gives a
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -21,6 +21,7 @@ from pydantic import (
     StrictFloat,
     StrictInt,
     ValidationError,
+    field_validator,
 )
 from scipy.optimize import brentq
 
@@ -72,6 +73,14 @@ class FilmOfFit(BaseModel):
     gas: Annotated[Gas, PlainSerializer(asdict)]
     frequency_hz: float
     finger: Pad
+
+    @field_validator("gas", mode="before")
+    @classmethod
+    def _whole_gas(cls, values: Any) -> Any:
+        names = [each.name for each in fields(Gas)] if isinstance(values, Mapping) else []
+        if missing := [name for name in names if name not in values]:
+            raise ValueError(f"{', '.join(missing)}: not there")
+        return values
 
 
 class FittedModel(BaseModel):
@@ -150,20 +159,28 @@ class FittedModel(BaseModel):
         place = self.symmetry.represent(**given)
         return Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, **place, **factors.columns)
 
-    def complete(self, factors: Factors) -> Factors:
-        """The factors with the physics limits that the model needs, from the file's own table.
+    @property
+    def needed_table(self) -> LimitTable | None:
+        """The table of the physics limits that the model uses, if it uses them.
 
         Raises InputError naming the file, where it has no such table.
         """
-        model = self.force_model
-        if all(name in factors.columns for name in model.column_names):
-            return factors
-        if self.limit_table is None:
+        names = self.force_model.column_names
+        if names and self.limit_table is None:
             raise InputError(
-                f"{self.place}: the model {self.model} needs {', '.join(model.column_names)} and "
-                "its file has no table of them: they do not hold all over its study's space"
+                f"{self.place}: the model {self.model} needs {', '.join(names)} and its file has "
+                "no table of them: they do not hold all over its study's space"
             )
-        return self.limit_table.complete(factors)
+        return self.limit_table if names else None
+
+    def complete(self, factors: Factors) -> Factors:
+        """The factors with the physics limits that the model needs, from the file's own table.
+
+        Raises InputError as ``needed_table``.
+        """
+        known = all(name in factors.columns for name in self.force_model.column_names)
+        table = None if known else self.needed_table
+        return factors if table is None else table.complete(factors)
 
     def evaluate(self, factors: Factors) -> Array:
         """The model's forces in newtons, shape (n,); NaN where it is undefined."""

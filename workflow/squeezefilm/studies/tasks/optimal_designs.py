@@ -24,9 +24,8 @@ from squeezefilm.designs.optimal import (
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel
-from squeezefilm.models.fitting import local_fit
+from squeezefilm.models.fitting import RANGES_NOTE, local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
-from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 from squeezefilm.solution import CARTESIAN
 from squeezefilm.studies.space import Space, plan
 from squeezefilm.studies.study import scenes_in

@@ -13,9 +13,8 @@ from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import fit_of
-from squeezefilm.models.fitting import Fit
+from squeezefilm.models.fitting import RANGES_NOTE, Fit, parameter_ranges
 from squeezefilm.models.force_model import ExpressionModel, check_columns
-from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.prediction_interval import error_by_region, in_words
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import as_in
