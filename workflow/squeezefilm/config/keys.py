@@ -13,7 +13,6 @@ import yaml
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
-from squeezefilm.errors import InputError
 
 Part = Mapping[str, Any]
 """Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""
@@ -99,24 +98,21 @@ def shown(value: float, *, digits: int = 5) -> str:
 
 
 def with_key_table(text: str) -> str:
-    """A text with the table between its two marks made anew.
-
-    Raises InputError when a mark is missing, or a key has no description.
-    """
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise InputError(f"the table of keys belongs between the lines {BEGIN}and {END}")
-    return before + BEGIN + "\n" + key_table(schema()) + "\n" + END + after
+    """A text with the table between its two marks made anew."""
+    begin, end = text.index(BEGIN) + len(BEGIN), text.index(END)
+    return f"{text[:begin]}\n{key_table(schema())}\n{text[end:]}"
 
 
 def key_table(whole: Part) -> str:
     """A row of Markdown for each key: its unit, values, default, and what it means."""
-    return HEAD + "".join(
-        f"| {_name(path)} | {unit_of(part)} | {allowed(part)} | {_default(part, needed)} "
-        f"| {_meaning(path, part)} |\n"
-        for path, part, needed in _keys(whole)
-    )
+    rows = []
+    for path, part, needed in _keys(whole):
+        # A section in bold; of other keys the names below their section.
+        name = f"`{'.'.join(path[1:])}`" if len(path) > 1 else f"**`{path[0]}`**"
+        meaning = part["description"].replace("|", "\\|")
+        cells = (name, unit_of(part), allowed(part), _default(part, needed), meaning)
+        rows.append(f"| {' | '.join(cells)} |\n")
+    return HEAD + "".join(rows)
 
 
 def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Part, bool]]:
@@ -147,17 +143,6 @@ def _default(part: Part, needed: bool) -> str:
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     text = shown(value, digits=12) if number else yaml.safe_dump(value, default_flow_style=True)
     return f"`{text.removesuffix('...' + chr(10)).strip()}`"
-
-
-def _name(path: tuple[str, ...]) -> str:
-    """A section in bold; of other keys the names below their section."""
-    return f"`{'.'.join(path[1:])}`" if len(path) > 1 else f"**`{path[0]}`**"
-
-
-def _meaning(path: tuple[str, ...], part: Part) -> str:
-    if not part.get("description"):
-        raise InputError(f"{'.'.join(path)} has no description in squeezefilm/config")
-    return str(part["description"]).replace("|", "\\|")
 
 
 if __name__ == "__main__":

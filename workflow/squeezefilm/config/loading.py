@@ -316,10 +316,7 @@ def write_effective(config: Config, folder: Path) -> Path:
     Raises InputError where it cannot be written.
     """
     path, text = folder / STUDY_FILE, effective_text(config, folder=folder)
-    try:
-        same = path.exists() and path.read_text(encoding="utf-8") == text
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from None
+    same = path.exists() and read_text(path, what="study") == text
     # Who runs the study of an earlier run reads that very file.
     if not same and path.resolve() != config.path.resolve():
         write_text(text, path)
