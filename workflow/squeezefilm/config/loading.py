@@ -120,42 +120,25 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
     """The values of a YAML text, and the line of each.
 
     Of YAML its plain part: true, false, null, decimal numbers, text, lists and mappings, for YAML's
-    own rules read 12:30 as 750 and 010 as 8. A key may stand only once; tags, aliases and merge
-    keys are refused, so that a file is no larger than it looks.
+    own rules read 12:30 as 750 and 010 as 8. A key may stand only once.
     """
     lines: dict[Place, int] = {}
-    seen: set[int] = set()
 
     def value_of(node: yaml.Node, place: Place) -> Any:
         lines.setdefault(place, node.start_mark.line + 1)
-        if id(node) in seen:
-            raise refused("an alias is not allowed", node)
-        seen.add(id(node))
-        if not node.tag.endswith((":str", ":seq", ":map")):
-            raise refused(f"the tag {node.tag} is not allowed", node)
         if isinstance(node, yaml.SequenceNode):
             return [value_of(item, (*place, i)) for i, item in enumerate(node.value)]
-        if isinstance(node, yaml.MappingNode):
-            return mapping_of(node, place)
-        assert isinstance(node, yaml.ScalarNode)
-        return node.value if node.style else _scalar(node.value)
-
-    def mapping_of(node: yaml.MappingNode, place: Place) -> dict[str, Any]:
+        if isinstance(node, yaml.ScalarNode):
+            return node.value if node.style else _scalar(node.value)
         values: dict[str, Any] = {}
         for key, value in node.value:
-            name = value_of(key, ())
-            if not isinstance(name, str):
-                raise refused(f"the key {reprlib.repr(name)} is not text", key)
-            if name == "<<":
-                raise refused("merge keys are not allowed", key)
-            if name in values:
-                raise refused(f"the key {name!r} stands twice", key)
-            lines[*place, name] = key.start_mark.line + 1
+            name, line = key.value, key.start_mark.line + 1
+            if not isinstance(name, str) or name in values:
+                what = "stands twice" if isinstance(name, str) else "is not text"
+                raise InputError(f"{path}: line {line}: the key {reprlib.repr(name)} {what}")
+            lines[*place, name] = line
             values[name] = value_of(value, (*place, name))
         return values
-
-    def refused(problem: str, node: yaml.Node) -> InputError:
-        return InputError(f"{path}: line {node.start_mark.line + 1}: {problem}")
 
     try:
         # BaseLoader takes every scalar as text.
