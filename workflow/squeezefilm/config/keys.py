@@ -52,17 +52,26 @@ def schema(model: type[FilmSections] = Study) -> Part:
     return whole
 
 
-def part_at(part: Part, place: Place, values: Any) -> Part:
-    """The part of a schema for a place in some values; empty where there is none."""
-    for step in place:
+def part_at(part: Part, steps: Place, values: Any) -> tuple[Place, Part]:
+    """The place that some steps lead to in values, and its part of a schema; empty if it has none.
+
+    What an error of pydantic says among its steps of the choices of a union is left out.
+    """
+    place: Place = ()
+    for step in steps:
+        if isinstance(step, str) and values is not None:
+            written = isinstance(values, Mapping)
+            if not written or (step not in values and step in ("[key]", values.get("kind"))):
+                continue
         own = _of_kind(part, values)
         key = own.get("properties", {}).get(step) or _of_any_name(own)
         part = own.get("items", {}) if isinstance(step, int) else key
+        place += (step,)
         try:
             values = values[step]
         except (KeyError, IndexError, TypeError):
             values = None
-    return _of_kind(part, values)
+    return place, _of_kind(part, values)
 
 
 def _of_any_name(part: Part) -> Part:
