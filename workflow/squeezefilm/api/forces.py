@@ -138,7 +138,9 @@ class Force:
             **found.asked_columns,
         }
         notes = (*self.notes, *notes_of(scene), *([self.status] * (self.status != OK)))
-        return "\n".join([in_lines(row), *(f"note: {note}" for note in notes)])
+        return "\n".join(
+            [in_lines(row), *("note: " + note.removeprefix("note: ") for note in notes)]
+        )
 
     __repr__ = __str__
 
