@@ -24,17 +24,12 @@ def test_a_new_study_is_valid_and_has_its_scan(tmp_path):
     assert smoothed.noise_m / smoothed.peak_m == pytest.approx(0.02, rel=0.1)
 
 
-@pytest.mark.parametrize(
-    "there",
-    [
-        "a.yaml",
-    ],
-)
-def test_nothing_is_written_over(there, tmp_path, refused):
-    (tmp_path / there).write_text("mine")
-    assert f"{there}: is there already" in refused("new", "a", "--folder", str(tmp_path))
-    assert [path.name for path in tmp_path.iterdir()] == [there]
-    assert (tmp_path / there).read_text() == "mine"
+def test_nothing_is_written_over(tmp_path, refused):
+    there = tmp_path / "a.yaml"
+    there.write_text("mine")
+    assert "a.yaml: is there already" in refused("new", "a", "--folder", str(tmp_path))
+    assert list(tmp_path.iterdir()) == [there]
+    assert there.read_text() == "mine"
 
 
 @pytest.mark.parametrize("name", ["", "../mine", "a.yaml", "a" * 61, "ä"])

@@ -15,7 +15,6 @@ from squeezefilm.errors import InputError
 Dimension = Mapping[str, Fraction]
 BASES = ("N", "m", "s", "deg")
 NONE: Dimension = {}
-EXAMPLES = {"deg": "45deg", "N": "0.5N", "Hz": "300Hz", "kg": "50g"}
 MOST_LEVELS = 10_000
 MILLI = 1e-3
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4
@@ -128,8 +127,7 @@ def quantity(text: str, *, option: str, unit: str) -> float:
     value = None if NUMBER.fullmatch(text) else in_unit(text, unit)
     if value is None:
         raise InputError(
-            f"{option} {text!r} must be a number with a unit of {unit} ({', '.join(sizes(unit))}), "
-            f"such as {EXAMPLES.get(unit, '5um')}"
+            f"{option} {text!r} must be a number with a unit of {unit}, like {examples(unit)}"
         )
     return value
 

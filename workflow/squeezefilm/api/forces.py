@@ -138,7 +138,9 @@ class Force:
             **found.asked_columns,
         }
         notes = (*self.notes, *notes_of(scene), *([self.status] * (self.status != OK)))
-        return "\n".join([in_lines(row), *(f"note: {note}" for note in notes)])
+        return "\n".join(
+            [in_lines(row), *("note: " + note.removeprefix("note: ") for note in notes)]
+        )
 
     __repr__ = __str__
 
@@ -369,7 +371,8 @@ def simulate_table(
     Raises InputError, before anything is solved, for a scene that cannot be.
     """
     table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
-    planned = scenes_of_table(table, config=config, path=scenes)
+    with naming(scenes):
+        planned = scenes_in(table, config)
     chosen = device_ready(config, option=device, scene=planned[0])
     failures: list[str] = []
     incomplete: list[str] = []
@@ -412,12 +415,6 @@ def missing_of(solution: Solution) -> str:
     """Why there is no force, or not what was asked for beside it; empty if all is there."""
     asked = (solution, solution.derivatives, solution.outputs)
     return next((each.status for each in asked if each and each.status != "ok"), "")
-
-
-def scenes_of_table(rows: pd.DataFrame, *, config: Config, path: Path | str) -> Scenes:
-    """The scenes of a table's rows; the table's path stands before what is wrong with one."""
-    with naming(path):
-        return scenes_in(rows, config)
 
 
 def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:

@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 
-from squeezefilm.api.forces import scan_error_of, scenes_of_table
+from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
@@ -21,7 +21,7 @@ from squeezefilm.cli.options import (
 )
 from squeezefilm.dynamics.levitation import levitations, trustworthy
 from squeezefilm.dynamics.response import all_gains, all_steps, responses
-from squeezefilm.errors import InputError, RunError
+from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import GAPS_M, OK
 from squeezefilm.reynolds.device import one_build_at_a_time
 from squeezefilm.studies.solver_settings import device_of, solver_settings
@@ -155,7 +155,8 @@ def response(options: argparse.Namespace) -> None:
         if options.output is options.gains is options.steps is None:
             raise InputError("a table of scenes needs --output, --gains or --steps")
         table = read_scenes(options.scenes)
-        scenes = scenes_of_table(table, config=film.config, path=options.scenes)
+        with naming(options.scenes):
+            scenes = film.scenes(table)
     alone = options.scenes is None
     if alone or options.output is not None:
         with one_build_at_a_time():

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from contextlib import nullcontext
 from typing import Any
 
 import pandas as pd
@@ -21,7 +22,6 @@ from squeezefilm.api.forces import (
     missing_of,
     preview_table,
     preview_text,
-    scenes_of_table,
     simulate_table,
 )
 from squeezefilm.cli.options import (
@@ -41,7 +41,7 @@ from squeezefilm.cli.options import (
     write_rows,
 )
 from squeezefilm.config.loading import load_config
-from squeezefilm.errors import InputError, RunError
+from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
 from squeezefilm.solution import OUTPUTS
@@ -93,33 +93,24 @@ def simulate(options: argparse.Namespace) -> None:
     settings = solver_settings(
         film.config, tolerance=options.tolerance, method=options.method, outputs=outputs
     )
-    points = points_in(options)
-    if (options.scenes is None) == points.columns.empty:
+    points, path = points_in(options), options.scenes
+    if (path is None) == points.columns.empty:
         raise InputError("give a table of scenes, or points by --h0 and --hv")
-    if options.scenes is None and not {"h0_m", "hv_m"} <= set(points):
+    if path is None and not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give both --h0 and --hv")
     if options.dry_run:
-        _preview(points, options, film, settings)
-    elif options.scenes is None:
+        rows = points if path is None else read_scenes(path)
+        with naming(path) if path else nullcontext():
+            scenes = film.scenes(rows)
+        device = device_of(film.config, option=options.device)
+        table = preview_table(scenes, settings=settings, device=device)
+        if options.output is not None:
+            write_table(table, options.output)
+        print(preview_text(table, tolerance=settings.tolerance))
+    elif path is None:
         _simulate_points(points, options, film, settings)
     else:
         _simulate_table(options, film, settings)
-
-
-def _preview(
-    points: pd.DataFrame, options: argparse.Namespace, film: Film, settings: SolverSettings
-) -> None:
-    """How scenes would be solved, in words or as a table."""
-    if options.scenes is None:
-        scenes = film.scenes(points)
-    else:
-        rows = read_scenes(options.scenes)
-        scenes = scenes_of_table(rows, config=film.config, path=options.scenes)
-    device = device_of(film.config, option=options.device)
-    table = preview_table(scenes, settings=settings, device=device)
-    if options.output is not None:
-        write_table(table, options.output)
-    print(preview_text(table, tolerance=settings.tolerance))
 
 
 def _simulate_points(

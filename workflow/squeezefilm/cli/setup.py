@@ -23,6 +23,7 @@ from squeezefilm.reynolds.device import (
 )
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
+from squeezefilm.units import in_lines
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
 
@@ -116,7 +117,7 @@ def doctor(options: argparse.Namespace) -> None:
             f"{DEVICE_VARIABLE}, or by solver.device of the configuration"
         ) from None
     check_device(device)
-    print("  self-test: forces of stored films, with every term, are right to 1e-9")
+    print("self-test: forces of stored films, with every term, are right to 1e-9")
     print("\nall well: simulations can run")
 
 
@@ -143,6 +144,4 @@ def _kind(device: Any) -> str:
 
 
 def _section(title: str, values: Mapping[str, object]) -> None:
-    print(f"\n{title}")
-    for name, value in values.items() or {"none": ""}.items():
-        print(f"  {name}: {value}")
+    print(f"\n{title}", in_lines(values) if values else "none", sep="\n")

@@ -11,7 +11,6 @@ import yaml
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
-from squeezefilm.errors import InputError
 
 Part = Mapping[str, Any]
 """Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""
@@ -49,17 +48,26 @@ def schema(model: type[FilmSections] = Study) -> Part:
     return whole
 
 
-def part_at(part: Part, place: Place, values: Any) -> Part:
-    """The part of a schema for a place in some values; empty where there is none."""
-    for step in place:
+def part_at(part: Part, steps: Place, values: Any) -> tuple[Place, Part]:
+    """The place that some steps lead to in values, and its part of a schema; empty if it has none.
+
+    What an error of pydantic says among its steps of the choices of a union is left out.
+    """
+    place: Place = ()
+    for step in steps:
+        if isinstance(step, str) and values is not None:
+            written = isinstance(values, Mapping)
+            if not written or (step not in values and step in ("[key]", values.get("kind"))):
+                continue
         own = _of_kind(part, values)
         key = own.get("properties", {}).get(step) or _of_any_name(own)
         part = own.get("items", {}) if isinstance(step, int) else key
+        place += (step,)
         try:
             values = values[step]
         except (KeyError, IndexError, TypeError):
             values = None
-    return _of_kind(part, values)
+    return place, _of_kind(part, values)
 
 
 def _of_any_name(part: Part) -> Part:
@@ -95,15 +103,15 @@ def shown(value: float, *, digits: int = 5) -> str:
 
 
 def key_table(whole: Part) -> str:
-    """Return a row of Markdown for each key: its unit, values, default and meaning.
-
-    Raises InputError when a key has no description.
-    """
-    return HEAD + "".join(
-        f"| {_name(path)} | {unit_of(part)} | {allowed(part)} | {_default(part, needed)} "
-        f"| {_meaning(path, part)} |\n"
-        for path, part, needed in _keys(whole)
-    )
+    """Return a row of Markdown for each key: its unit, values, default and meaning."""
+    rows = []
+    for path, part, needed in _keys(whole):
+        # A section in bold; of other keys the names below their section.
+        name = f"`{'.'.join(path[1:])}`" if len(path) > 1 else f"**`{path[0]}`**"
+        meaning = part["description"].replace("|", "\\|")
+        cells = (name, unit_of(part), allowed(part), _default(part, needed), meaning)
+        rows.append(f"| {' | '.join(cells)} |\n")
+    return HEAD + "".join(rows)
 
 
 def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Part, bool]]:
@@ -134,14 +142,3 @@ def _default(part: Part, needed: bool) -> str:
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     text = shown(value, digits=12) if number else yaml.safe_dump(value, default_flow_style=True)
     return f"`{text.removesuffix('...' + chr(10)).strip()}`"
-
-
-def _name(path: tuple[str, ...]) -> str:
-    """A section in bold; of other keys the names below their section."""
-    return f"`{'.'.join(path[1:])}`" if len(path) > 1 else f"**`{path[0]}`**"
-
-
-def _meaning(path: tuple[str, ...], part: Part) -> str:
-    if not part.get("description"):
-        raise InputError(f"{'.'.join(path)} has no description in squeezefilm/config")
-    return str(part["description"]).replace("|", "\\|")

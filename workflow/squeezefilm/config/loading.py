@@ -11,8 +11,6 @@ import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import reduce
-from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -120,42 +118,25 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
     """The values of a YAML text, and the line of each.
 
     Of YAML its plain part: true, false, null, decimal numbers, text, lists and mappings, for YAML's
-    own rules read 12:30 as 750 and 010 as 8. A key may stand only once; tags, aliases and merge
-    keys are refused, so that a file is no larger than it looks.
+    own rules read 12:30 as 750 and 010 as 8. A key may stand only once.
     """
     lines: dict[Place, int] = {}
-    seen: set[int] = set()
 
     def value_of(node: yaml.Node, place: Place) -> Any:
         lines.setdefault(place, node.start_mark.line + 1)
-        if id(node) in seen:
-            raise refused("an alias is not allowed", node)
-        seen.add(id(node))
-        if not node.tag.endswith((":str", ":seq", ":map")):
-            raise refused(f"the tag {node.tag} is not allowed", node)
         if isinstance(node, yaml.SequenceNode):
             return [value_of(item, (*place, i)) for i, item in enumerate(node.value)]
-        if isinstance(node, yaml.MappingNode):
-            return mapping_of(node, place)
-        assert isinstance(node, yaml.ScalarNode)
-        return node.value if node.style else _scalar(node.value)
-
-    def mapping_of(node: yaml.MappingNode, place: Place) -> dict[str, Any]:
+        if isinstance(node, yaml.ScalarNode):
+            return node.value if node.style else _scalar(node.value)
         values: dict[str, Any] = {}
         for key, value in node.value:
-            name = value_of(key, ())
-            if not isinstance(name, str):
-                raise refused(f"the key {reprlib.repr(name)} is not text", key)
-            if name == "<<":
-                raise refused("merge keys are not allowed", key)
-            if name in values:
-                raise refused(f"the key {name!r} stands twice", key)
-            lines[*place, name] = key.start_mark.line + 1
+            name, line = key.value, key.start_mark.line + 1
+            if not isinstance(name, str) or name in values:
+                what = "stands twice" if isinstance(name, str) else "is not text"
+                raise InputError(f"{path}: line {line}: the key {reprlib.repr(name)} {what}")
+            lines[*place, name] = line
             values[name] = value_of(value, (*place, name))
         return values
-
-    def refused(problem: str, node: yaml.Node) -> InputError:
-        return InputError(f"{path}: line {node.start_mark.line + 1}: {problem}")
 
     try:
         # BaseLoader takes every scalar as text.
@@ -187,11 +168,15 @@ def _mistakes(
     """What is wrong, each mistake once, in the order of the file."""
     found: dict[Place, tuple[int, str]] = {}
     for each in error.errors(include_url=False):
-        place = _place(each["loc"], values) + each.get("ctx", {}).get("place", ())
+        further = each.get("ctx", {}).get("place", ())
+        place, part = part_at(whole, each["loc"] + further, values)
         if place in found:  # by another choice of a union
             continue
-        about = _about_key if each["type"] in ABOUT_KEYS else _about_value
-        text = about(each, place, whole, values)
+        if each["type"] in ABOUT_KEYS:
+            section = part_at(whole, place[:-1], values)[1]
+            text = _about_key(each, place, section)
+        else:
+            text = _about_value(each, place, part)
         inner = next((place[:end] for end in range(len(place), 0, -1) if place[:end] in lines), ())
         found[place] = lines[inner] if inner else 0, text
     in_order = sorted(found, key=lambda place: (found[place][0], list(map(str, place))))
@@ -199,34 +184,15 @@ def _mistakes(
     return [f"line {line}: {text}" if line else text for line, text in told]
 
 
-def _place(loc: Place, values: Any) -> Place:
-    """The place of a pydantic error, without what it says of the choices of a union."""
-    place: Place = ()
-    for step in loc:
-        if isinstance(values, Mapping):
-            if step not in values and step in ("[key]", values.get("kind")):
-                continue
-        elif isinstance(step, str):
-            continue
-        place += (step,)
-        try:
-            values = values[step]
-        except (KeyError, IndexError, TypeError):
-            values = None
-    return place
-
-
-def _about_key(error: Any, place: Place, whole: Part, values: Any) -> str:
+def _about_key(error: Any, place: Place, part: Part) -> str:
     """What is wrong with a key that is unknown or missing; empty where another error says it."""
     *section, key = map(str, place)
-    where, part = ".".join(section) or "top level", part_at(whole, place[:-1], values)
-    known = part.get("properties", {})
+    where, known = ".".join(section) or "top level", part.get("properties", {})
     if error["type"] != "missing":
         close = _close(key, known) or _close(key_of(key), known)
         hint = f"did you mean {close!r}?" if close else f"allowed are {', '.join(sorted(known))}"
         return f"{where}: unknown key {key!r}; {hint}"
-    written = reduce(getitem, place[:-1], values)
-    if any(_close(name, known) == key for name in written if name not in known):
+    if any(_close(name, known) == key for name in error["input"] if name not in known):
         return ""
     wanted = known[key]
     inner = ", ".join(wanted.get("required", ()))
@@ -236,9 +202,8 @@ def _about_key(error: Any, place: Place, whole: Part, values: Any) -> str:
     return f"{where}: missing {key!r} ({words}{unit}){about}"
 
 
-def _about_value(error: Any, place: Place, whole: Part, values: Any) -> str:
-    where, part = ".".join(map(str, place)) or "top level", part_at(whole, place, values)
-    wrong, kind = error["input"], error["type"]
+def _about_value(error: Any, place: Place, part: Part) -> str:
+    where, wrong, kind = ".".join(map(str, place)) or "top level", error["input"], error["type"]
     if kind == "relation":
         return f"{where}: {error['msg']}"
     if kind == "value_error":
@@ -287,7 +252,7 @@ def origin(config: Config, place: Place) -> str:
     """Where the value of a key comes from, in words; empty where it was written."""
     if place in config.written:
         return ""
-    words = part_at(schema(), place, config.sections).get("derived")
+    words = part_at(schema(), place, config.sections)[1].get("derived")
     return f"derived: {words}" if words else "default"
 
 
@@ -299,7 +264,7 @@ def _lines(values: Mapping[str, Any], place: Place, config: Config) -> Iterator[
             yield start
             yield from _lines(value, here, config)
         else:
-            notes = unit_of(part_at(schema(), here, config.sections)), origin(config, here)
+            notes = unit_of(part_at(schema(), here, config.sections)[1]), origin(config, here)
             note = ", ".join(filter(None, notes))
             yield f"{start} {_flow(value)}" + (f" # {note}" if note else "")
 
@@ -316,10 +281,7 @@ def write_effective(config: Config, folder: Path) -> Path:
     Raises InputError where it cannot be written.
     """
     path, text = folder / STUDY_FILE, effective_text(config, folder=folder)
-    try:
-        same = path.exists() and path.read_text(encoding="utf-8") == text
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from None
+    same = path.exists() and read_text(path, what="study") == text
     # Who runs the study of an earlier run reads that very file.
     if not same and path.resolve() != config.path.resolve():
         write_text(text, path)
