@@ -138,9 +138,11 @@ def validities(scenes: Scenes) -> np.ndarray:
 def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> dict[int, list[str]]:
     """Return what scenes exceed, in the list's order, by row."""
     found: dict[int, list[str]] = {}
-    for symbol in symbols:
-        value = QUANTITIES[symbol](scenes)
-        if (value <= LEAST_BOUNDS[symbol]).all():
+    values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
+    bounds = np.array([[LEAST_BOUNDS[symbol]] for symbol in values])
+    within = (np.array(list(values.values())) <= bounds).all(axis=1)
+    for (symbol, value), all_within in zip(values.items(), within.tolist(), strict=True):
+        if all_within:
             continue
         for limit in LIMITS:
             if limit.symbol == symbol:

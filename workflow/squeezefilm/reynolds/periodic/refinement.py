@@ -121,11 +121,14 @@ class Refinement:
         rows, terms, grids, solutions = group.rows, group.terms, group.grids, self.solutions
         said, grid, finer = stages[-1].said, grids[-1], finer_grid(grids[-1], room=self.room)
         error, allowed = self._estimate(group, batch.scenes, said)
-        for each, states in zip(grids, stages, strict=True):
-            newton, krylov = states.said["newton_steps"], states.said["krylov_iterations"]
-            solutions.newton_steps[rows] += newton
-            solutions.krylov_iterations[rows] += krylov
-            solutions.work[rows] += iteration_flops(each, terms) * (newton + krylov)
+        newton, krylov = (
+            np.array([states.said[name] for states in stages])
+            for name in ("newton_steps", "krylov_iterations")
+        )
+        solutions.newton_steps[rows] += newton.sum(axis=0)
+        solutions.krylov_iterations[rows] += krylov.sum(axis=0)
+        flops = np.array([iteration_flops(each, terms) for each in grids])
+        solutions.work[rows] += flops @ (newton + krylov)
         solutions.residual[rows] = said["residual"]
         self._write_grid(rows, grid)
         reasons: dict[int, str] = {}  # why scenes end without a force
@@ -136,7 +139,7 @@ class Refinement:
                 reasons.setdefault(k, f"{reason}: {text}" if with_error else reason)
 
         begun = np.zeros(len(rows), dtype=bool)
-        if any([states.status.any() for states in stages[-2:]]):
+        if any([np.count_nonzero(states.status) for states in stages[-2:]]):
             failed = [states.status != 0 for states in stages[-2:]]
             begun = self._begin_again(group, failed[-1], finer)
             hopeless = (failed[-1] | (finer is None)) & ~begun
@@ -151,7 +154,7 @@ class Refinement:
             error[unknown] = np.inf
             self.change[:, rows[unknown]] = np.nan
         negative = ~(said["lowest"] > 0)
-        if negative.any():
+        if np.count_nonzero(negative):
             error[negative] = np.inf
             if finer is None:
                 reason = f"the pressure is not positive everywhere ({_size(grid)})"
@@ -160,7 +163,7 @@ class Refinement:
             end(np.arange(len(rows)) == k, reason)
         waiting = ~begun
         waiting[list(reasons)] = False
-        good = np.flatnonzero((error <= allowed) & waiting)
+        good = ((error <= allowed) & waiting).nonzero()[0]
         accepted, scale_n = rows[good], batch.scenes.force_scale_n
         solutions.status[accepted] = "ok"
         solutions.force_n[accepted] = (said["mean"] * scale_n)[good]
@@ -169,7 +172,7 @@ class Refinement:
             for k in good.tolist():
                 solutions.states[rows[k]] = _kept(grids, stages, k)
         waiting[good] = False
-        if waiting.any():
+        if np.count_nonzero(waiting):
             most_work = min((term.MOST_WORK for term in terms), default=np.inf)
             dear = solutions.work[rows] > most_work
             if finer is None:
@@ -184,7 +187,7 @@ class Refinement:
                 self.wait(Group(rows[waiting], (grid, finer), terms, group.aspect, guess))
         for k, reason in reasons.items():
             solutions.status[rows[k]] = reason
-        return len(rows) - int(begun.sum() + waiting.sum())
+        return len(rows) - np.count_nonzero(begun) - np.count_nonzero(waiting)
 
     def _estimate(
         self, group: Group, scenes: Scenes, said: np.ndarray

@@ -17,7 +17,7 @@ from squeezefilm.film.outline import Outline
 from squeezefilm.film.scene import Film, Rows, Scenes, rows_alike
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
-from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.needs import MOST_KEPT, Needs
 from squeezefilm.reynolds.terms import Terms, layer_stiffness_of, numbers_of, unknown_fields
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
@@ -326,11 +326,17 @@ def profile_fall(
         coarse, fine: nodes across the finger along x and y (``Grid.across``).
         rows: which of the scenes; all if left out.
     """
-    least = NEXT_TO_NOTHING * tolerance
-    samples = needs.samples(least)
-    missed, before = samples.missed_by(fine, rows), samples.missed_by(coarse, rows)
-    fall = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
-    return np.asarray(fall.max(axis=1))
+
+    def fall(rows: Rows) -> np.ndarray:
+        least = NEXT_TO_NOTHING * tolerance
+        samples = needs.samples(least)
+        missed, before = samples.missed_by(fine, rows), samples.missed_by(coarse, rows)
+        falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
+        return np.asarray(falls.max(axis=1))
+
+    if len(needs) > MOST_KEPT:
+        return fall(rows)
+    return needs.once("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
 
 
 def _coarser(grid: Grid, step: int) -> Grid:

@@ -5,7 +5,6 @@ Here alone are they listed, in the order in which they are spoken of.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import lru_cache, reduce
 from math import inf
 from typing import Any
@@ -131,9 +130,6 @@ def notes_of(scene: Scene) -> list[str]:
     return [note for kind in TERMS if (note := kind.note(scene))]
 
 
-def first_reason(reasons: Iterable[str]) -> str:
-    """The first that is not empty; empty if all are."""
-    for reason in reasons:
-        if reason:
-            return reason
-    return ""
+def refused_on_grid(scene: Scene, terms: Terms) -> str:
+    """Why the periodic state is not solved for a scene with some terms; empty where it is."""
+    return next(filter(None, (term.refused_on_grid(scene) for term in terms)), "")
