@@ -140,9 +140,9 @@ def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> dict[int, 
     found: dict[int, list[str]] = {}
     values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
     bounds = np.array([[LEAST_BOUNDS[symbol]] for symbol in values])
-    within = (np.array(list(values.values())) <= bounds).all(axis=1)
-    for (symbol, value), all_within in zip(values.items(), within.tolist(), strict=True):
-        if all_within:
+    beyond = ~(np.array(list(values.values())) <= bounds)
+    for symbol, value, some in zip(values, values.values(), beyond, strict=True):
+        if not np.count_nonzero(some):
             continue
         for limit in LIMITS:
             if limit.symbol == symbol:

@@ -172,34 +172,19 @@ def _kept_needs(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: byt
 def _needs_of(scenes: Scenes) -> Needs:
     kinds, kind = terms_of_each(scenes)
     fold_x, fold_y, uniform = np.empty((3, len(scenes)), dtype=bool)
-    broken = np.array([_broken(terms) for terms in kinds], dtype=bool)[kind]
+    breaks = ["".join(term.BREAKS for term in terms) for terms in kinds]
     profiles = []
     for film, rows, some in scenes.of_each_film():
         places, at = some.places
         sampled = sampled_profiles(places)
-        even_x, even_y = _even(film)
-        fold_x[rows], fold_y[rows] = even_x & sampled.even_x[at], even_y & sampled.even_y[at]
+        gap, outline = film.finger.gap, film.finger.smooth_outline
+        fold_x[rows] = sampled.even_x[at] & (gap.tilt_x_m == 0 and (not outline or outline.even_x))
+        fold_y[rows] = sampled.even_y[at] & (gap.tilt_y_m == 0 and (not outline or outline.even_y))
         uniform[rows] = sampled.uniform[at]
         profiles.append((rows, sampled, at))
-    fold_x &= ~broken[:, 0]
-    fold_y &= ~broken[:, 1]
+    fold_x &= np.array(["x" not in axes for axes in breaks])[kind]
+    fold_y &= np.array(["y" not in axes for axes in breaks])[kind]
     return Needs(scenes, kinds, kind, fold_x, fold_y, uniform, profiles)
-
-
-@lru_cache(maxsize=256)
-def _broken(terms: Terms) -> tuple[bool, bool]:
-    """Whether terms break the symmetry along x, y."""
-    axes = "".join(term.BREAKS for term in terms)
-    return "x" in axes, "y" in axes
-
-
-def _even(film: Film) -> tuple[bool, bool]:
-    """Whether a film's pad is even about its middle along x, y."""
-    gap, outline = film.finger.gap, film.finger.smooth_outline
-    return (
-        gap.tilt_x_m == 0 and (outline is None or outline.even_x),
-        gap.tilt_y_m == 0 and (outline is None or outline.even_y),
-    )
 
 
 @dataclass(frozen=True, eq=False)

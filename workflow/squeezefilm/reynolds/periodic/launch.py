@@ -18,7 +18,6 @@ from squeezefilm.reynolds.layout import (
     ABSENT,
     Columns,
     Packed,
-    c_enum,
     c_struct,
     c_terms,
     packed,
@@ -74,19 +73,13 @@ class States:
     """What the device returns, one entry per scene.
 
     Attributes:
-        kept: the unknowns, or none where the batch does not ask for them.
+        unknowns: as of a ``State``, (scenes, fields, nx, ny, nt); without fields where the batch
+            does not ask for them.
         said: rows of what is said of the scenes, the properties' values.
     """
 
-    kept: np.ndarray | None
+    unknowns: np.ndarray
     said: np.ndarray
-
-    @property
-    def unknowns(self) -> np.ndarray:
-        """p = P − 1 on the grid and the terms' own unknowns, shape (scenes, fields, nx, ny, nt)."""
-        if self.kept is None:
-            raise ValueError("the batch did not ask for the states on this grid")
-        return self.kept
 
     @property
     def overpressure(self) -> np.ndarray:
@@ -203,13 +196,8 @@ class Launch:
         for batch, spans in zip(self.batches, self.inputs.spans, strict=True):
             count, stages = len(batch.scenes), len(batch.grids)
             of_batch = []
-            for stage, (grid, (_, _, state_at, size)) in enumerate(
-                zip(batch.grids, spans, strict=True)
-            ):
-                unknowns = None
-                if size:
-                    unknowns = results[state_at : state_at + count * size]
-                    unknowns = unknowns.reshape(count, -1, *grid.shape)
+            for stage, (grid, (*_, at, size)) in enumerate(zip(batch.grids, spans, strict=True)):
+                unknowns = results[at : at + count * size].reshape(count, -1, *grid.shape)
                 of_scenes = said[first + stage : first + count * stages : stages]
                 of_batch.append(States(unknowns, of_scenes))
             states.append(of_batch)
@@ -397,7 +385,7 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
             *(f"#define HAS_{term.NAME}" for term in terms),
             c_struct("Row", row),
             c_struct("Said", SAID),
-            c_enum(ENDINGS),
+            f"enum {{ {', '.join(ENDINGS)} }};",
             c_terms(terms),
         ]
     )

@@ -187,7 +187,7 @@ class Refinement:
                 self.wait(Group(rows[waiting], (grid, finer), terms, group.aspect, guess))
         for k, reason in reasons.items():
             solutions.status[rows[k]] = reason
-        return len(rows) - np.count_nonzero(begun) - np.count_nonzero(waiting)
+        return len(rows) - int(np.count_nonzero(begun) + np.count_nonzero(waiting))
 
     def _estimate(
         self, group: Group, scenes: Scenes, said: np.ndarray

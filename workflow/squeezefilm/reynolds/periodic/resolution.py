@@ -63,6 +63,9 @@ UNEVEN_SIGMA = 5e3
 # Above this at the narrowest place of a gap that is shaped at rest the first grid is for a layer as
 # thin again: 60 such films of a draw (1e-4) took half of the time, for fewer went on to more grids.
 THIN_SIGMA = 1e4
+# The most points along an axis, whole or folded, and instants, from which the next finer grid,
+# which tells the error, has room within MOST_SPACE and MOST_TIME.
+MOST_FIRST, MOST_FIRST_FOLDED, MOST_FIRST_TIME = 268, 132, 160
 # Stands for zero in a denominator.
 TINY = 1e-300
 # One number of nx, ny, nt, two folds and the nodes that see the profile along x and y.
@@ -353,34 +356,19 @@ def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS) ->
     """
     finer = replace(
         grid,
-        nx=grid.nx + _part(grid.nx, 5, step, fold=grid.fold_x),
-        ny=grid.ny + _part(grid.ny, 5, step, fold=grid.fold_y),
-        nt=_more_instants(grid.nt),
+        nx=grid.nx + _part(grid.nx, step, fold=grid.fold_x),
+        ny=grid.ny + _part(grid.ny, step, fold=grid.fold_y),
+        nt=grid.nt + _part(grid.nt, FOURS, fold=False),
     )
     if max(finer.x.full_points, finer.y.full_points) > MOST_SPACE or finer.nt > MOST_TIME:
         return None
     return finer if finer.count <= room else None
 
 
-def _part(points: int, share: int, step: int, *, fold: bool) -> int:
-    """About one in so many points, in steps; never less than four nodes across the finger."""
+def _part(points: int, step: int, *, fold: bool) -> int:
+    """About a fifth of the points, in steps; never less than four nodes across the finger."""
     least = 1 if fold else FOURS // step
-    return step * max(least, round(points / share / step))
-
-
-def _more_instants(points: int) -> int:
-    """About a fifth more."""
-    return points + _part(points, 5, FOURS, fold=False)
-
-
-def _most_first(most: int) -> int:
-    """The most points from which the next finer grid, which tells the error, has room."""
-    some = range(4, most + 1, 4)
-    return max(points for points in some if points + _part(points, 5, FOURS, fold=False) <= most)
-
-
-MOST_FIRST, MOST_FIRST_FOLDED = _most_first(MOST_SPACE), _most_first(MOST_SPACE // 2)
-MOST_FIRST_TIME = _most_first(MOST_TIME)
+    return step * max(least, round(points / 5 / step))
 
 
 def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | float]:

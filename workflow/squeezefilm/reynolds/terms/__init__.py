@@ -42,12 +42,8 @@ def terms_of(scene: Scene) -> Terms:
 
 def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
     """What is said of the terms that are not among some."""
-    return _absent(TERMS, frozenset(map(type, terms)))
-
-
-@lru_cache(maxsize=256)
-def _absent(kinds: tuple[type[Term], ...], present: frozenset[type[Term]]) -> tuple[LeftOut, ...]:
-    return tuple(kind.ABSENT for kind in kinds if kind.ABSENT and kind not in present)
+    present = {*map(type, terms)}
+    return tuple(kind.ABSENT for kind in TERMS if kind.ABSENT and kind not in present)
 
 
 def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
