@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -166,7 +166,7 @@ class Device:
             self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
         return self.rooms[0]
 
-    @property
+    @cached_property
     def _in_host_memory(self) -> bool:
         return bool(self.context.devices[0].host_unified_memory)
 

@@ -56,30 +56,34 @@ class Grid:
 
     @cached_property
     def y(self) -> Axis | Around:
-        return self.around if self.outline else axis(self.ny, self.fold_y)
+        if self.outline is None:
+            return axis(self.ny, self.fold_y)
+        return around(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
 
     @property
     def around(self) -> Around:
         """ν of an outline."""
-        if self.outline is None:
-            raise ValueError("a rectangle's grid has nothing around it")
-        return around(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
+        assert isinstance(self.y, Around)
+        return self.y
 
     @property
     def t(self) -> Period:
         return period(self.nt)
 
-    @property
+    @cached_property
     def positions(self) -> tuple[np.ndarray, np.ndarray]:
         """All nodes x, y across the finger, ends and mirror images included, row by row."""
-        return _positions(self.x, self.y, self.outline)
+        along_x, along_y = np.meshgrid(self.x.all_nodes, self.y.all_nodes, indexing="ij")
+        flat = along_x.ravel(), along_y.ravel()
+        return self.outline.positions(*flat) if self.outline else flat
 
-    @property
+    @cached_property
     def density(self) -> np.ndarray | float:
         """Area of the finger that the unknowns stand for, over the mean, shape (nx, ny) or 1."""
         if self.outline is None:
             return 1.0
-        return _stretch(self.x, self.y, self.outline) / self.outline.mean_stretch
+        mu = self.outline.rim * (2 * self.x.nodes - 1)
+        return self.outline.stretch(mu[:, None], self.y.nodes) / self.outline.mean_stretch
 
     @property
     def stretch(self) -> np.ndarray | float:
@@ -110,7 +114,7 @@ class Grid:
     @cached_property
     def in_space(self) -> Grid:
         """What it has in common with grids of the same nodes across the finger."""
-        return _of_few_instants(self)
+        return replace(self, nt=4)
 
     @cached_property
     def count(self) -> int:
@@ -126,25 +130,6 @@ class Grid:
     def sees(self, nodes_x: float, nodes_y: float) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
-
-
-@lru_cache(maxsize=256)
-def _of_few_instants(grid: Grid) -> Grid:
-    return replace(grid, nt=4)
-
-
-@lru_cache(maxsize=256)
-def _positions(x: Axis, y: Axis | Around, outline: Outline | None) -> tuple[np.ndarray, np.ndarray]:
-    along_x, along_y = np.meshgrid(x.all_nodes, y.all_nodes, indexing="ij")
-    if outline:
-        return outline.positions(along_x.ravel(), along_y.ravel())
-    return along_x.ravel(), along_y.ravel()
-
-
-@lru_cache(maxsize=256)
-def _stretch(x: Axis, y: Around, outline: Outline) -> np.ndarray:
-    mu = outline.rim * (2 * x.nodes - 1)
-    return outline.stretch(mu[:, None], y.nodes)
 
 
 @lru_cache(maxsize=256)

@@ -95,13 +95,7 @@ class Needs:
 
     @property
     def terms(self) -> Terms:
-        """The terms that all of the scenes have.
-
-        Raises:
-            ValueError: for scenes of unlike terms.
-        """
-        if (self.kind != self.kind[0]).any():
-            raise ValueError("these scenes have unlike terms")
+        """The terms of scenes that all have the same."""
         return self.kinds[self.kind[0]]
 
     def alike(self) -> Iterator[tuple[np.ndarray, Scene, Terms]]:

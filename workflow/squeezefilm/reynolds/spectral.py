@@ -304,8 +304,8 @@ class Around:
         return self._all.derivative
 
     @cached_property
-    def second_derivative(self) -> np.ndarray:
-        """Of a function of the axis' symmetries, shape (n, n)."""
+    def in_parts(self) -> np.ndarray:
+        """Second derivative of a function of the axis' symmetries, shape (n, n)."""
         fourier, harmonics = self._all.fourier, self._all.harmonics
         return self._fold(-(fourier[:, : self.points].T * harmonics**2) @ fourier)
 
@@ -317,14 +317,9 @@ class Around:
     @cached_property
     def modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Eigenvalues (n,), eigenvectors as columns of unit mean square and their inverse."""
-        values, vectors = np.linalg.eigh(self.second_derivative)
+        values, vectors = np.linalg.eigh(self.in_parts)
         size = np.sqrt(self.points)
         return values[::-1], vectors[:, ::-1] * size, vectors[:, ::-1].T / size
-
-    @property
-    def in_parts(self) -> np.ndarray:
-        """The second derivative, as kernels take it."""
-        return self.second_derivative
 
     @property
     def modes_in_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ Here alone are they listed, in the order in which they are spoken of.
 
 from __future__ import annotations
 
-from functools import lru_cache, reduce
+from functools import reduce
 from math import inf
 from typing import Any
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -27,10 +27,6 @@ class Bearing(Term):
     @classmethod
     def of(cls, scene: Scene) -> Bearing | None:
         return cls() if scene.bearing_number != 0 else None
-
-    @classmethod
-    def put_back(cls, scene: Scene) -> Scene:
-        return replace(scene, finger=replace(scene.finger, speed_x_m_per_s=NEGLIGIBLE))
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"bearing": scene.bearing_number}
