@@ -85,17 +85,11 @@ class Grid:
         mu = self.outline.rim * (2 * self.x.nodes - 1)
         return self.outline.stretch(mu[:, None], self.y.nodes) / self.outline.mean_stretch
 
-    @property
-    def stretch(self) -> np.ndarray | float:
-        """The same over what its lengths are in units of."""
-        if self.outline is None:
-            return 1.0
-        return self.density * self.outline.mean_stretch / self.outline.typical_stretch
-
     def lengths(self, aspect: float) -> tuple[float, float]:
         """Of the axes' units, for a finger whose y side is ``aspect`` of its x side, which is 1.
 
-        Under an outline they are such that the film equation has ``stretch`` with its rates.
+        Under an outline they are such that the film equation has the area behind a point, over the
+        typical, with its rates (terms/outline.py).
         """
         if self.outline is None:
             return 1.0, aspect

@@ -323,16 +323,13 @@ def joined_samples(parts: Sequence[Samples]) -> Samples:
     if len(parts) == 1:
         return parts[0]
     width = max(each.tail.shape[2] for each in parts)
-    tails = np.zeros((sum(len(each.tail) for each in parts), 2, width))
-    first = 0
-    for each in parts:
-        tails[first : first + len(each.tail), :, : each.tail.shape[2]] = each.tail
-        first += len(each.tail)
+    more = [((0, 0), (0, 0), (0, width - each.tail.shape[2])) for each in parts]
+    tails = [np.pad(each.tail, beyond) for each, beyond in zip(parts, more, strict=True)]
     missed, worst, curvature = (
         np.concatenate([getattr(each, name) for each in parts])
         for name in ("missed", "worst", "curvature")
     )
-    return Samples(missed, worst, curvature, tails)
+    return Samples(missed, worst, curvature, np.concatenate(tails))
 
 
 def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:

@@ -44,14 +44,6 @@ class Problems:
     places: np.ndarray
     tolerance: float
 
-    @property
-    def epsilon(self) -> np.ndarray:
-        return np.asarray(self.numbers["epsilon"])
-
-    @property
-    def sigma(self) -> np.ndarray:
-        return np.asarray(self.numbers["sigma"])
-
 
 def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
     """Scenes of one finger shape and like terms on one grid.

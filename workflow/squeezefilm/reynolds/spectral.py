@@ -87,13 +87,6 @@ class Axis:
         return self._fold(matrix[1:-1, 1:-1])
 
     @cached_property
-    def first_derivative(self) -> np.ndarray:
-        """First derivative of a function that is zero at both ends, shape (n, n); unfolded only."""
-        if self.folded:
-            raise ValueError("the first derivative of an even function is odd: unfold the axis")
-        return self.derivative[1:-1, 1:-1]
-
-    @cached_property
     def weights(self) -> np.ndarray:
         """Clenshaw–Curtis weights of the integral over [0, 1], shape (n,); the ends carry zeros."""
         order = self.full_points + 1

@@ -181,10 +181,6 @@ class Launch:
     buffer: Any
     done: Any
 
-    def end(self) -> None:
-        """Let other launches have the arrays, as no one looks at the states any more."""
-        self.device.arrays.release(*self.inputs.arrays)
-
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
         results = self.inputs.results

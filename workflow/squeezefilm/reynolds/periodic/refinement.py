@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
@@ -120,7 +119,21 @@ class Refinement:
         """
         rows, terms, grids, solutions = group.rows, group.terms, group.grids, self.solutions
         said, grid, finer = stages[-1].said, grids[-1], finer_grid(grids[-1], room=self.room)
-        error, allowed = self._estimate(group, batch.scenes, said)
+        coarse, fine = (grids[0], *grids)[-2:]
+        nodes = coarse.across, fine.across
+        error, allowed, change = estimate(
+            said,
+            self.change[:, rows],
+            scenes=batch.scenes,
+            terms=terms,
+            grids=(coarse, fine),
+            of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=rows),
+            least=least_fall(batch.scenes, coarse.across[0]),
+            tolerance=self.tolerance,
+        )
+        if len(grids) == 1:  # a single grid tells no error
+            error[:], change[:] = np.inf, np.nan
+        self.change[:, rows] = change
         newton, krylov = (
             np.array([states.said[name] for states in stages])
             for name in ("newton_steps", "krylov_iterations")
@@ -170,7 +183,10 @@ class Refinement:
         solutions.force_error_n[accepted] = (error * scale_n)[good]
         if self.keep_states:
             for k in good.tolist():
-                solutions.states[rows[k]] = _kept(grids, stages, k)
+                # Copies, for the launch's arrays are used again.
+                last = zip(grids[-2:], stages[-2:], strict=True)
+                kept = tuple(State(each, states.unknowns[k].copy()) for each, states in last)
+                solutions.states[rows[k]] = kept
         waiting[good] = False
         if np.count_nonzero(waiting):
             most_work = min((term.MOST_WORK for term in terms), default=np.inf)
@@ -188,28 +204,6 @@ class Refinement:
         for k, reason in reasons.items():
             solutions.status[rows[k]] = reason
         return len(rows) - int(np.count_nonzero(begun) + np.count_nonzero(waiting))
-
-    def _estimate(
-        self, group: Group, scenes: Scenes, said: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Errors of a group's mean overpressures, and how large they may be; keep the changes."""
-        rows, (coarse, fine) = group.rows, (group.grids[0], *group.grids)[-2:]
-        nodes = coarse.across, fine.across
-        error, allowed, change = estimate(
-            said,
-            self.change[:, rows],
-            scenes=scenes,
-            terms=group.terms,
-            grids=(coarse, fine),
-            of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=rows),
-            least=least_fall(scenes, coarse.across[0]),
-            tolerance=self.tolerance,
-        )
-        if len(group.grids) == 1:  # a single grid tells no error
-            error[:] = np.inf
-            change[:] = np.nan
-        self.change[:, rows] = change
-        return error, allowed
 
     def _begin_again(self, group: Group, failed: np.ndarray, finer: Grid | None) -> np.ndarray:
         """Have scenes without a state on the last grid wait for finer ones, from rest."""
@@ -277,14 +271,9 @@ def solve_periodic(
         groups, landing = flying.popleft()
         landed = zip(groups, landing.batches, landing.states(), strict=True)
         report(sum(refinement.accept_or_refine(*each) for each in landed))
-        landing.end()
+        # Other launches may have the arrays, as no one looks at the states any more.
+        device.arrays.release(*landing.inputs.arrays)
     return solutions
-
-
-def _kept(grids: Sequence[Grid], stages: Sequence[States], k: int) -> tuple[State, ...]:
-    """A scene's states on the last two grids: copies, for the launch's arrays are used again."""
-    last = zip(grids[-2:], stages[-2:], strict=True)
-    return tuple(State(grid, states.unknowns[k].copy()) for grid, states in last)
 
 
 def _size(grid: Grid) -> str:
