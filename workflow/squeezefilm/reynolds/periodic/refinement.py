@@ -134,14 +134,13 @@ class Refinement:
         if len(grids) == 1:  # a single grid tells no error
             error[:], change[:] = np.inf, np.nan
         self.change[:, rows] = change
-        newton, krylov = (
-            np.array([states.said[name] for states in stages])
-            for name in ("newton_steps", "krylov_iterations")
-        )
-        solutions.newton_steps[rows] += newton.sum(axis=0)
-        solutions.krylov_iterations[rows] += krylov.sum(axis=0)
-        flops = np.array([iteration_flops(each, terms) for each in grids])
-        solutions.work[rows] += flops @ (newton + krylov)
+        newton = [states.said["newton_steps"] for states in stages]
+        krylov = [states.said["krylov_iterations"] for states in stages]
+        flops = [iteration_flops(each, terms) for each in grids]
+        solutions.newton_steps[rows] += sum(newton)
+        solutions.krylov_iterations[rows] += sum(krylov)
+        work = zip(flops, newton, krylov, strict=True)
+        solutions.work[rows] += sum([each * (steps + more) for each, steps, more in work])
         solutions.residual[rows] = said["residual"]
         self._write_grid(rows, grid)
         reasons: dict[int, str] = {}  # why scenes end without a force
