@@ -220,7 +220,7 @@ Rows = slice | np.ndarray
 
 def distinct(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first row of each different value, and which of the values each row has, (n,)."""
-    if (values == values[:1]).all():
+    if len(values) == 1 or (values == values[:1]).all():
         return np.arange(len(values))[:1], np.zeros(len(values), dtype=np.int64)
     _, first, which = np.unique(values, return_index=True, return_inverse=True)
     return first, which

@@ -127,14 +127,14 @@ def validities(scenes: Scenes) -> np.ndarray:
 def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[str]]:
     """Return what each scene exceeds, in the list's order."""
     texts: list[list[str]] = [[] for _ in range(len(scenes))]
-    for symbol in symbols:
-        value = QUANTITIES[symbol](scenes)
-        for limit in LIMITS:
-            if limit.symbol == symbol and not (value <= limit.bound).all():
-                # A value that is no number lies within no bound.
-                beyond = FILMS[limit.films](scenes) & ~(value <= limit.bound)
-                for row in np.flatnonzero(beyond).tolist():
-                    texts[row].append(limit.text(float(value[row])))
+    limits = [limit for limit in LIMITS if limit.symbol in symbols]
+    values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
+    # A value that is no number lies within no bound.
+    beyond = ~(np.array([values[each.symbol] for each in limits]) <= [[e.bound] for e in limits])
+    for limit, rows in zip(limits, beyond, strict=True):
+        if rows.any():
+            for row in np.flatnonzero(rows & FILMS[limit.films](scenes)).tolist():
+                texts[row].append(limit.text(float(values[limit.symbol][row])))
     return texts
 
 

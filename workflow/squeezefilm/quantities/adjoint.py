@@ -77,7 +77,7 @@ class Fields:
         seen = (..., slice(len(self.along_x.weights)), slice(len(self.along_y.weights)), None)
         parts = problems.parts[problems.places].swapaxes(0, 1)[seen]
         rest = 1 + self.numbers("per_rise", absent=0.0) * sum(parts[2:])
-        moving = self.number(problems.epsilon) * parts[:2]
+        moving = self.number(problems.numbers["epsilon"]) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         self.gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
         self.gap_rate = sum(map(np.multiply, moving, (cosine, -sine)))
@@ -101,7 +101,7 @@ class Fields:
 
     @cached_property
     def sigma(self) -> np.ndarray:
-        return self.number(self.problems.sigma)
+        return self.number(self.problems.numbers["sigma"])
 
     @cached_property
     def density(self) -> np.ndarray:

@@ -124,7 +124,7 @@ def _growths(
         The growths in newtons and what the adjoint's iteration and differences may leave of them,
         each of shape (numbers, scenes).
     """
-    left = np.maximum(ADJOINT_SHARE * tolerance * films.problems.epsilon, LEAST_LEFT)
+    left = np.maximum(ADJOINT_SHARE * tolerance * films.problems.numbers["epsilon"], LEAST_LEFT)
     sensitive = sensitivity(films, tolerance=left)
     overpressure = films.mean(films.overpressure)
     scale = np.array([scene.force_scale_n for scene in scenes])

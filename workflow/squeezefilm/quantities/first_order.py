@@ -92,7 +92,7 @@ def by_inertia(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarr
     mass_rate = films.gap_rate * films.density
     mass_rate = mass_rate + films.gap * films.pressure_rate * films.density_slope
     shortfall -= total(dot(answers.slope, v), lag * mass_rate) / 7
-    return -films.problems.sigma * _reynolds(scenes) / 10 * shortfall
+    return -films.problems.numbers["sigma"] * _reynolds(scenes) / 10 * shortfall
 
 
 def by_heat(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
@@ -108,7 +108,7 @@ def by_heat(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
     heating = _reynolds(scenes) * [(1 - 1 / gas.heat_capacity_ratio) * gas.prandtl for gas in gases]
     exponent = np.array([gas.viscosity_exponent for gas in gases])
     jump = films.number(np.array([temperature_jump(scene) for scene in scenes]))
-    sigma = films.problems.sigma
+    sigma = films.problems.numbers["sigma"]
     # Times mass per area and H², with which go the flow that is lost and the gas that is missing.
     compression = films.mass * films.gap**2 * films.pressure_rate
     compression *= 1 + JUMP_WARMS * jump / films.mass
@@ -140,7 +140,7 @@ def by_entrance(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndar
         if inwards > 0 or not films.grid.y.folded:
             mean = weights[:, end] - along_y(to_y[end], answers.slope[1] * flow)
             fallen += total(np.maximum(inwards * films.velocity[1][:, :, end], 0.0) ** 2, mean)
-    return -films.problems.sigma * _reynolds(scenes) / 24 * fallen
+    return -films.problems.numbers["sigma"] * _reynolds(scenes) / 24 * fallen
 
 
 def _reynolds(scenes: list[Scene]) -> np.ndarray:

@@ -24,7 +24,7 @@ from squeezefilm.quantities import first_order
 from squeezefilm.quantities.adjoint import Solved, alike, fields_of, sensitivity, with_states
 from squeezefilm.quantities.first_order import ENTRANCE_LEAST, ENTRANCE_MOST, Answers
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.terms import first_reason, terms_of
+from squeezefilm.reynolds.terms import refused_on_grid, terms_of
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.term import Term
@@ -387,7 +387,7 @@ def _refused(scene: Scene, name: str, method: str) -> str:
     if method == "composite":
         derived = OPEN[name].in_expansions
         return "" if derived else "the composite expansion is not derived with it"
-    return first_reason(each.refused_on_grid(scene) for each in terms_of(scene))
+    return refused_on_grid(scene, terms_of(scene))
 
 
 # Per cent of the force, from which on the error of depth-averaged terms is shown.

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +43,7 @@ LEVELS = {
     "x86-64-v4": {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"},
 }
 UNKNOWN = "generic"
+CPU_INFO = Path("/proc/cpuinfo")
 # The record's first bytes, among which the pointer is looked for.
 RECORD_BYTES = 1024
 
@@ -60,10 +61,7 @@ class ArrayPool:
         """An array of so many doubles, or more, as whoever had it before has left it."""
         if count > LARGEST_POOLED:
             return aligned(count)
-        try:
-            array = self.free.pop()
-        except IndexError:
-            array = aligned(LEAST_POOLED)
+        array = self.free.pop() if self.free else aligned(LEAST_POOLED)
         return array if array.size >= count else aligned(count)
 
     def release(self, *arrays: np.ndarray) -> None:
@@ -166,7 +164,7 @@ class Device:
             self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
         return self.rooms[0]
 
-    @property
+    @cached_property
     def _in_host_memory(self) -> bool:
         return bool(self.context.devices[0].host_unified_memory)
 
@@ -328,6 +326,8 @@ def known_processor(device: Any) -> str:
         return ""
     if not device.version.strip().endswith(f"-{UNKNOWN}") or platform.machine() != "x86_64":
         return ""
+    if not CPU_INFO.exists():
+        return ""
     name = level(_flags())
     rename(device.int_ptr, name)
     return name
@@ -368,10 +368,7 @@ def rename(address: int, name: str) -> bool:
 
 
 def _flags() -> frozenset[str]:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").splitlines()
-    except OSError:
-        return frozenset()
+    lines = CPU_INFO.read_text(encoding="ascii", errors="replace").splitlines()
     found = next((line for line in lines if line.startswith("flags")), "")
     return frozenset(found.partition(":")[2].split())
 

@@ -68,14 +68,16 @@ def estimate(
     margin, narrowest = margin_of(terms), scenes.narrowest
     # A mass error w moves the pressure by about n w/H.
     per_residual = stiffness_of(scenes, terms) / narrowest
-    size, residual, new = said["size"], said["residual"], said["newton_steps"] > 0
+    size, residual, moved = said["size"], said["residual"], said["newton_steps"] > 0
     loose = margin == 1 and tolerance >= LOOSE_FROM
     share = np.maximum(LOOSE_SIZE_SHARE if loose else SIZE_SHARE, size_share_of(scenes, terms))
     largest = np.maximum(said["moment"], share * size)
     fall = np.full(len(said), UNKNOWN_FALL)
     again = ~np.isnan(before[1])
     if margin == 1 and again.any():
-        moments, sizes = _ratio(np.array([largest, size]), before)
+        new = np.array([largest, size])
+        none = np.where(new > 0, np.inf, 0.0)  # how much they fell where there was none before
+        moments, sizes = np.divide(new, before, out=none, where=before > 0)
         step = max(grids[0].nx / grids[1].nx, grids[0].ny / grids[1].ny) ** MOST_ORDER
         # That of the moments, but no less than their sizes': chance may make moments small, or a
         # layer at the rim that the grids do not resolve yet. Changes that fall suddenly are not
@@ -87,9 +89,9 @@ def estimate(
         was = np.divide(before[0], before[1], out=np.zeros(len(said)), where=before[1] > 0)
         largest = np.maximum(largest, was * size)
     change = np.array([largest, size])
-    if not new.all():
+    if not moved.all():
         # A grid that took a state over as it is shows no change: what the residual would have made.
-        change += per_residual * np.where(new, 0.0, residual)
+        change += per_residual * np.where(moved, 0.0, residual)
     # Of a profile of finite smoothness the size tells the error. There it goes up and down with
     # where the nodes lie beside the kink, and moments agree by chance: of 110 forces with kinks
     # along an axis 4 were off by up to 1.35 times their estimate.
@@ -99,11 +101,6 @@ def estimate(
     error = margin * (left_after(fall) * telling + per_residual * residual) + floor
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
     return error, tolerance * np.abs(said["mean"]) + ROUNDED * floor / narrowest, change
-
-
-def _ratio(new: np.ndarray, old: np.ndarray) -> np.ndarray:
-    """Factors by which changes fell; infinite where there was none before."""
-    return np.divide(new, old, out=np.where(new > 0, np.inf, 0.0), where=old > 0)
 
 
 def left_after(fall: np.ndarray | float) -> np.ndarray:

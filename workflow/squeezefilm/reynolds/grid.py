@@ -56,42 +56,40 @@ class Grid:
 
     @cached_property
     def y(self) -> Axis | Around:
-        return self.around if self.outline else axis(self.ny, self.fold_y)
+        if self.outline is None:
+            return axis(self.ny, self.fold_y)
+        return around(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
 
     @property
     def around(self) -> Around:
         """ν of an outline."""
-        if self.outline is None:
-            raise ValueError("a rectangle's grid has nothing around it")
-        return around(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
+        assert isinstance(self.y, Around)
+        return self.y
 
     @property
     def t(self) -> Period:
         return period(self.nt)
 
-    @property
+    @cached_property
     def positions(self) -> tuple[np.ndarray, np.ndarray]:
         """All nodes x, y across the finger, ends and mirror images included, row by row."""
-        return _positions(self.x, self.y, self.outline)
+        along_x, along_y = np.meshgrid(self.x.all_nodes, self.y.all_nodes, indexing="ij")
+        flat = along_x.ravel(), along_y.ravel()
+        return self.outline.positions(*flat) if self.outline else flat
 
-    @property
+    @cached_property
     def density(self) -> np.ndarray | float:
         """Area of the finger that the unknowns stand for, over the mean, shape (nx, ny) or 1."""
         if self.outline is None:
             return 1.0
-        return _stretch(self.x, self.y, self.outline) / self.outline.mean_stretch
-
-    @property
-    def stretch(self) -> np.ndarray | float:
-        """The same over what its lengths are in units of."""
-        if self.outline is None:
-            return 1.0
-        return self.density * self.outline.mean_stretch / self.outline.typical_stretch
+        mu = self.outline.rim * (2 * self.x.nodes - 1)
+        return self.outline.stretch(mu[:, None], self.y.nodes) / self.outline.mean_stretch
 
     def lengths(self, aspect: float) -> tuple[float, float]:
         """Of the axes' units, for a finger whose y side is ``aspect`` of its x side, which is 1.
 
-        Under an outline they are such that the film equation has ``stretch`` with its rates.
+        Under an outline they are such that the film equation has the area behind a point, over the
+        typical, with its rates (terms/outline.py).
         """
         if self.outline is None:
             return 1.0, aspect
@@ -110,7 +108,7 @@ class Grid:
     @cached_property
     def in_space(self) -> Grid:
         """What it has in common with grids of the same nodes across the finger."""
-        return _of_few_instants(self)
+        return replace(self, nt=4)
 
     @cached_property
     def count(self) -> int:
@@ -126,25 +124,6 @@ class Grid:
     def sees(self, nodes_x: float, nodes_y: float) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
-
-
-@lru_cache(maxsize=256)
-def _of_few_instants(grid: Grid) -> Grid:
-    return replace(grid, nt=4)
-
-
-@lru_cache(maxsize=256)
-def _positions(x: Axis, y: Axis | Around, outline: Outline | None) -> tuple[np.ndarray, np.ndarray]:
-    along_x, along_y = np.meshgrid(x.all_nodes, y.all_nodes, indexing="ij")
-    if outline:
-        return outline.positions(along_x.ravel(), along_y.ravel())
-    return along_x.ravel(), along_y.ravel()
-
-
-@lru_cache(maxsize=256)
-def _stretch(x: Axis, y: Around, outline: Outline) -> np.ndarray:
-    mu = outline.rim * (2 * x.nodes - 1)
-    return outline.stretch(mu[:, None], y.nodes)
 
 
 @lru_cache(maxsize=256)

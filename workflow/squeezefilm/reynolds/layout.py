@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -24,10 +24,6 @@ def c_struct(name: str, row: np.dtype[Any]) -> str:
         counts = "".join(f"[{count}]" for count in shape)
         members.append(f"{C_TYPES[base.name]} {member}{counts};")
     return f"typedef struct {{ {' '.join(members)} }} {name};"
-
-
-def c_enum(names: Iterable[str]) -> str:
-    return f"enum {{ {', '.join(names)} }};"
 
 
 def c_terms(terms: Terms) -> str:

@@ -95,13 +95,7 @@ class Needs:
 
     @property
     def terms(self) -> Terms:
-        """The terms that all of the scenes have.
-
-        Raises:
-            ValueError: for scenes of unlike terms.
-        """
-        if (self.kind != self.kind[0]).any():
-            raise ValueError("these scenes have unlike terms")
+        """The terms of scenes that all have the same."""
         return self.kinds[self.kind[0]]
 
     def alike(self) -> Iterator[tuple[np.ndarray, Scene, Terms]]:
@@ -172,34 +166,19 @@ def _kept_needs(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: byt
 def _needs_of(scenes: Scenes) -> Needs:
     kinds, kind = terms_of_each(scenes)
     fold_x, fold_y, uniform = np.empty((3, len(scenes)), dtype=bool)
-    broken = np.array([_broken(terms) for terms in kinds], dtype=bool)[kind]
+    breaks = ["".join(term.BREAKS for term in terms) for terms in kinds]
     profiles = []
     for film, rows, some in scenes.of_each_film():
         places, at = some.places
         sampled = sampled_profiles(places)
-        even_x, even_y = _even(film)
-        fold_x[rows], fold_y[rows] = even_x & sampled.even_x[at], even_y & sampled.even_y[at]
+        gap, outline = film.finger.gap, film.finger.smooth_outline
+        fold_x[rows] = sampled.even_x[at] & (gap.tilt_x_m == 0 and (not outline or outline.even_x))
+        fold_y[rows] = sampled.even_y[at] & (gap.tilt_y_m == 0 and (not outline or outline.even_y))
         uniform[rows] = sampled.uniform[at]
         profiles.append((rows, sampled, at))
-    fold_x &= ~broken[:, 0]
-    fold_y &= ~broken[:, 1]
+    fold_x &= np.array(["x" not in axes for axes in breaks])[kind]
+    fold_y &= np.array(["y" not in axes for axes in breaks])[kind]
     return Needs(scenes, kinds, kind, fold_x, fold_y, uniform, profiles)
-
-
-@lru_cache(maxsize=256)
-def _broken(terms: Terms) -> tuple[bool, bool]:
-    """Whether terms break the symmetry along x, y."""
-    axes = "".join(term.BREAKS for term in terms)
-    return "x" in axes, "y" in axes
-
-
-def _even(film: Film) -> tuple[bool, bool]:
-    """Whether a film's pad is even about its middle along x, y."""
-    gap, outline = film.finger.gap, film.finger.smooth_outline
-    return (
-        gap.tilt_x_m == 0 and (outline is None or outline.even_x),
-        gap.tilt_y_m == 0 and (outline is None or outline.even_y),
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -344,16 +323,13 @@ def joined_samples(parts: Sequence[Samples]) -> Samples:
     if len(parts) == 1:
         return parts[0]
     width = max(each.tail.shape[2] for each in parts)
-    tails = np.zeros((sum(len(each.tail) for each in parts), 2, width))
-    first = 0
-    for each in parts:
-        tails[first : first + len(each.tail), :, : each.tail.shape[2]] = each.tail
-        first += len(each.tail)
+    more = [((0, 0), (0, 0), (0, width - each.tail.shape[2])) for each in parts]
+    tails = [np.pad(each.tail, beyond) for each, beyond in zip(parts, more, strict=True)]
     missed, worst, curvature = (
         np.concatenate([getattr(each, name) for each in parts])
         for name in ("missed", "worst", "curvature")
     )
-    return Samples(missed, worst, curvature, tails)
+    return Samples(missed, worst, curvature, np.concatenate(tails))
 
 
 def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from squeezefilm.film.scene import Film, PadProfile, Places, Scene, Scenes
+from squeezefilm.film.scene import PadProfile, Places, Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Packed, packed
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of_each
@@ -17,6 +17,8 @@ from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of_each
 # Numbers of what is kept of the profile at some positions, where it is asked for again for many
 # gaps and amplitudes; more are found anew.
 MOST_KEPT = 100_000
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -42,14 +44,6 @@ class Problems:
     places: np.ndarray
     tolerance: float
 
-    @property
-    def epsilon(self) -> np.ndarray:
-        return np.asarray(self.numbers["epsilon"])
-
-    @property
-    def sigma(self) -> np.ndarray:
-        return np.asarray(self.numbers["sigma"])
-
 
 def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
     """Scenes of one finger shape and like terms on one grid.
@@ -59,12 +53,7 @@ def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: floa
     """
     scenes = Scenes.of(scenes)
     terms = terms_of_all(scenes)
-    parts, places, count = [], np.empty(len(scenes), dtype=np.int64), 0
-    for film, rows, some in scenes.of_each_film():
-        at, which = some.places
-        parts.append(_gap_parts(film, at, (grid,))[0])
-        places[rows] = count + which
-        count += len(at.x_m)
+    parts, places = _at_places(scenes, lambda at: _gap_parts(at, grid))
     return Problems(
         numbers=numbers_table(scenes, terms),
         terms=terms,
@@ -73,6 +62,18 @@ def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: floa
         places=places,
         tolerance=tolerance,
     )
+
+
+def _at_places(scenes: Scenes, find: Callable[[Places], Found]) -> tuple[list[Found], np.ndarray]:
+    """Something for the pad's positions of each film, and which of all these each scene has."""
+    found, count = [], 0
+    which = np.empty(len(scenes), dtype=np.int64)
+    for _, rows, some in scenes.of_each_film():
+        places, at = some.places
+        which[rows] = count + at
+        count += len(places.x_m)
+        found.append(find(places))
+    return found, which
 
 
 def terms_of_all(scenes: Scenes) -> Terms:
@@ -113,25 +114,15 @@ def _kind_of_numbers(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
     return np.dtype([(name, np.float64, (width,) if width else ()) for name, width in widths])
 
 
-def _gap_parts(film: Film | PadProfile, places: Places, grids: Sequence[Grid]) -> list[np.ndarray]:
-    """The gap's parts at each place on all nodes of each grid, as of ``Problems``."""
-    x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids), strict=True))
-    values = places.parts(x, y)
-    finger = film.finger
-    if not finger.gap.flat or len(values) == 2:
+def _gap_parts(places: Places, grid: Grid) -> np.ndarray:
+    """The gap's parts at each place on all nodes of a grid, as of ``Problems``."""
+    x, y = grid.positions
+    values, gap = places.parts(x, y), places.pad.finger.gap
+    if not gap.flat or len(values) == 2:
         second = values[1] if len(values) == 2 else np.zeros_like(values[0])
-        rise_m = np.broadcast_to(finger.gap.rise_m(x, y), second.shape)
-        values = np.stack([values[0], second, rise_m])
-    ends = np.cumsum([grid.positions[0].size for grid in grids])[:-1]
-    return [
-        part.swapaxes(0, 1).reshape(len(places.x_m), len(part), *_whole(grid))
-        for part, grid in zip(np.split(values, ends, axis=2), grids, strict=True)
-    ]
-
-
-def _whole(grid: Grid) -> tuple[int, int]:
-    """Nodes of a grid, ends and mirror images included."""
-    return len(grid.x.all_nodes), len(grid.y.all_nodes)
+        values = np.stack([values[0], second, np.broadcast_to(gap.rise_m(x, y), second.shape)])
+    nodes = len(grid.x.all_nodes), len(grid.y.all_nodes)
+    return values.swapaxes(0, 1).reshape(len(places.x_m), len(values), *nodes)
 
 
 def profiles_at(
@@ -143,16 +134,15 @@ def profiles_at(
         The fields at each position on each grid; which of the positions each scene has, (n,); the
         gap's parts averaged over the pad, of each scene, (n, parts).
     """
-    in_space = tuple(grid.in_space for grid in grids)
-    found, count = [], 0
-    which = np.empty(len(scenes), dtype=np.int64)
-    for _, rows, some in scenes.of_each_film():
-        places, at = some.places
-        which[rows] = count + at
-        count += len(places.x_m)
+    in_space = tuple([grid.in_space for grid in grids])
+
+    def find(places: Places) -> tuple[Packed, np.ndarray]:
         few = len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 <= MOST_KEPT
-        ask = _kept_profiles if few else _profiles
-        found.append(ask(*places.key, in_space, terms))
+        return (_kept_profiles if few else _profiles)(*places.key, in_space, terms)
+
+    found, which = _at_places(scenes, find)
+    if len(found) == 1:
+        return found[0][0], which, found[0][1][which]
     fields = Packed.of_rows([each for each, _ in found])
     return fields, which, np.concatenate([means for _, means in found])[which]
 
@@ -161,7 +151,7 @@ def _profiles(
     pad: PadProfile, x_m: bytes, y_m: bytes, grids: tuple[Grid, ...], terms: Terms
 ) -> tuple[Packed, np.ndarray]:
     places = Places(pad, np.frombuffer(x_m), np.frombuffer(y_m))
-    parts = _gap_parts(pad, places, grids)
+    parts = [_gap_parts(places, grid) for grid in grids]
     aspect = pad.finger.length_y_m / pad.finger.length_x_m
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
@@ -197,12 +187,13 @@ def profile_fields(
 
 
 def mean_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
-    """The gap's parts averaged over the finger, shape (places, parts)."""
-    along_x, along_y = _averaging(grid)
+    """The gap's parts averaged over the finger, shape (places, parts).
+
+    The rule leaves out the ends; what it gives them is small, and the mean is no result.
+    """
+    weights = np.outer(grid.x.weights, grid.y.weights) * grid.density
     inner = parts[..., grid.x.inner, grid.y.inner]
-    if grid.outline:
-        inner = inner * grid.density
-    return np.asarray(along_x @ inner @ along_y)
+    return np.asarray(np.tensordot(inner, weights / weights.sum(), axes=2))
 
 
 def mean_motion(numbers: np.ndarray, means: np.ndarray) -> np.ndarray:
@@ -218,13 +209,3 @@ def mean_motion(numbers: np.ndarray, means: np.ndarray) -> np.ndarray:
         return np.array([means[:, 0] * epsilon, 0 * epsilon])
     first, second, rise_m = means.T
     return np.asarray(epsilon / (1 + numbers["per_rise"] * rise_m) * [first, second])
-
-
-@lru_cache(maxsize=256)
-def _averaging(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """Weights along x and y that average what is times the density.
-
-    The rule leaves out the ends; what it gives them is small, and the mean is no result.
-    """
-    everywhere = np.broadcast_to(grid.density, grid.shape[:2])
-    return grid.x.weights / (grid.x.weights @ everywhere @ grid.y.weights), grid.y.weights

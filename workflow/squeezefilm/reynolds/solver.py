@@ -18,7 +18,7 @@ from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import first_grids, unseen_profiles
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.terms import Terms, first_reason, left_out_of
+from squeezefilm.reynolds.terms import Terms, left_out_of, refused_on_grid
 from squeezefilm.solution import Solution, Solutions
 
 METHODS = ("auto", "composite", "periodic")
@@ -94,6 +94,20 @@ def _solve(
     needs = needs_of(scenes)
     plans = plans_of(needs, tolerance=tolerance, method=method)
     report(len(plans))
+
+    def periodic(needs: Needs) -> Solutions:
+        chosen = device or choose_device()
+        if not chosen.processor:
+            check_device(chosen)
+        how = {"device": chosen, "keep_states": keep_states, "report": report}
+        try:
+            return solve_periodic(needs, tolerance=tolerance, **how)  # type: ignore[arg-type]
+        except Exception:
+            chosen.queue.finish()  # kernels under way write into arrays that this sets free
+            raise
+
+    if not plans:
+        return periodic(needs)
     solutions = Solutions.of_method(method, len(scenes))
     scale_n = np.broadcast_to(scenes.force_scale_n, len(scenes))
     for row, plan in plans.items():
@@ -108,26 +122,9 @@ def _solve(
         if isfinite(plan.error):
             solutions.force_n[row] = plan.mean * scale_n[row]
             solutions.force_error_n[row] = plan.error * scale_n[row]
-    if len(plans) == len(scenes):
-        return solutions
-    rest = np.delete(np.arange(len(scenes)), list(plans)) if plans else None
-    chosen = device or choose_device()
-    if not chosen.processor:
-        check_device(chosen)
-    try:
-        periodic = solve_periodic(
-            needs if rest is None else needs[rest],
-            tolerance=tolerance,
-            device=chosen,
-            keep_states=keep_states,
-            report=report,
-        )
-    except Exception:
-        chosen.queue.finish()  # kernels under way write into arrays that this sets free
-        raise
-    if rest is None:
-        return periodic
-    solutions.put(rest, periodic)
+    rest = np.delete(np.arange(len(scenes)), list(plans))
+    if rest.size:
+        solutions.put(rest, periodic(needs[rest]))
     return solutions
 
 
@@ -158,7 +155,7 @@ def _refused_on_grids(needs: Needs) -> dict[int, Plan]:
     """The scenes whose terms the periodic state does not have, and why: by their films alone."""
     refused: dict[int, Plan] = {}
     for rows, scene, terms in needs.alike():
-        if reason := first_reason(term.refused_on_grid(scene) for term in terms):
+        if reason := refused_on_grid(scene, terms):
             refused |= dict.fromkeys(rows.tolist(), reason)
     return refused
 

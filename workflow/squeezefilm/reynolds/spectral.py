@@ -87,13 +87,6 @@ class Axis:
         return self._fold(matrix[1:-1, 1:-1])
 
     @cached_property
-    def first_derivative(self) -> np.ndarray:
-        """First derivative of a function that is zero at both ends, shape (n, n); unfolded only."""
-        if self.folded:
-            raise ValueError("the first derivative of an even function is odd: unfold the axis")
-        return self.derivative[1:-1, 1:-1]
-
-    @cached_property
     def weights(self) -> np.ndarray:
         """Clenshaw–Curtis weights of the integral over [0, 1], shape (n,); the ends carry zeros."""
         order = self.full_points + 1
@@ -304,8 +297,8 @@ class Around:
         return self._all.derivative
 
     @cached_property
-    def second_derivative(self) -> np.ndarray:
-        """Of a function of the axis' symmetries, shape (n, n)."""
+    def in_parts(self) -> np.ndarray:
+        """Second derivative of a function of the axis' symmetries, shape (n, n)."""
         fourier, harmonics = self._all.fourier, self._all.harmonics
         return self._fold(-(fourier[:, : self.points].T * harmonics**2) @ fourier)
 
@@ -317,14 +310,9 @@ class Around:
     @cached_property
     def modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Eigenvalues (n,), eigenvectors as columns of unit mean square and their inverse."""
-        values, vectors = np.linalg.eigh(self.second_derivative)
+        values, vectors = np.linalg.eigh(self.in_parts)
         size = np.sqrt(self.points)
         return values[::-1], vectors[:, ::-1] * size, vectors[:, ::-1].T / size
-
-    @property
-    def in_parts(self) -> np.ndarray:
-        """The second derivative, as kernels take it."""
-        return self.second_derivative
 
     @property
     def modes_in_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

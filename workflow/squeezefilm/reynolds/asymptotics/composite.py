@@ -28,7 +28,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.asymptotics import core
-from squeezefilm.reynolds.asymptotics.core import Expansion, Part, SecondOrder, joined
+from squeezefilm.reynolds.asymptotics.core import Expansion, SecondOrder
 from squeezefilm.reynolds.asymptotics.films import (
     INERTIA_SQUARE,
     Films,
@@ -197,25 +197,14 @@ def _exchanged(films: Films) -> tuple[Expansion, np.ndarray]:
 
 
 def _expand(films: Films) -> Expansion:
-    return _either(films, core.expand, core.expand_with_inertia)
+    return core.expand_with_inertia(films) if films.reynolds.any() else core.expand(films)
 
 
 def _second_order(films: Films) -> SecondOrder:
     if films.rest is not None:
         raise ValueError("the second order in ε is derived for gaps that are even at rest")
-    return _either(films, core.second_order, core.second_order_with_inertia)
-
-
-def _either(
-    films: Films, without: Callable[[Films], Part], with_inertia: Callable[[Films], Part]
-) -> Part:
-    """Each film by the expansion that its Reynolds number asks for."""
-    still = films.reynolds == 0
-    if still.all():
-        return without(films)
-    if not still.any():
-        return with_inertia(films)
-    return joined(still, without(films.take(still)), with_inertia(films.take(~still)))
+    inertia = films.reynolds.any()
+    return core.second_order_with_inertia(films) if inertia else core.second_order(films)
 
 
 def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
@@ -391,8 +380,10 @@ def expanded(
         np.maximum(expansion_points(tolerance=tolerance, sigma=each), at_least)
         for each, at_least in zip((sigma, sigma * scenes.aspect**2), nodes.T, strict=True)
     ]
-    # Of one kind of fields: numbers real or complex, gaps even at rest or not.
-    fields = scenes.column(lambda film: 2 * film.actuator.profile.is_complex + film.finger.gap.flat)
+    # Of one kind of films: fields real or complex, gaps even at rest or not, with inertia or not.
+    fields = 4 * (scenes.gas.inertia == "included") + scenes.column(
+        lambda film: 2 * film.actuator.profile.is_complex + film.finger.gap.flat
+    )
     code = np.stack([*points, np.broadcast_to(fields, len(rows))], axis=1)
     results = {}
     for nx, ny, kind in np.unique(code, axis=0).tolist():

@@ -16,9 +16,8 @@ gap is H = √(1 − a²) Σ (∓ρ)^|k| exp ikθ, dT = H dθ/√(1 − a²), ea
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import ceil, log
-from typing import TypeVar
 
 import numpy as np
 
@@ -52,20 +51,6 @@ class SecondOrder:
     flow: np.ndarray
     loss: np.ndarray
     rim: np.ndarray
-
-
-Part = TypeVar("Part", Expansion, SecondOrder)
-
-
-def joined(which: np.ndarray, there: Part, elsewhere: Part) -> Part:
-    """Parts of a batch put together: ``there`` where the mask ``which``, (B,), says so."""
-    values: dict[str, np.ndarray] = {}
-    for each in fields(there):
-        some: np.ndarray = getattr(there, each.name)
-        values[each.name] = np.empty((len(which), *some.shape[1:]))
-        values[each.name][which] = some
-        values[each.name][~which] = getattr(elsewhere, each.name)
-    return type(there)(**values)
 
 
 def layer_correction(

@@ -312,8 +312,9 @@ def films_of(
     for points in amplitude.shape[1:]:
         expansion_axis(points - 2)
     given = (epsilon, sigma, aspect, slip, reynolds)
-    numbers = (np.asarray(value, dtype=float) for value in given)
-    epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(*numbers)
+    epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(
+        *(np.asarray(each, dtype=float) for each in given)
+    )
     local = amplitude if rest is None else amplitude / rest
     return Films(epsilon, sigma, local, aspect, slip, reynolds, rest)
 

@@ -18,7 +18,6 @@ from squeezefilm.reynolds.layout import (
     ABSENT,
     Columns,
     Packed,
-    c_enum,
     c_struct,
     c_terms,
     packed,
@@ -74,21 +73,13 @@ class States:
     """What the device returns, one entry per scene.
 
     Attributes:
-        kept: the unknowns, or none where the batch does not ask for them.
-        mean_in_time: overpressure averaged over the period, shape (scenes, nx, ny).
+        unknowns: as of a ``State``, (scenes, fields, nx, ny, nt); without fields where the batch
+            does not ask for them.
         said: rows of what is said of the scenes, the properties' values.
     """
 
-    kept: np.ndarray | None
-    mean_in_time: np.ndarray
+    unknowns: np.ndarray
     said: np.ndarray
-
-    @property
-    def unknowns(self) -> np.ndarray:
-        """p = P − 1 on the grid and the terms' own unknowns, shape (scenes, fields, nx, ny, nt)."""
-        if self.kept is None:
-            raise ValueError("the batch did not ask for the states on this grid")
-        return self.kept
 
     @property
     def overpressure(self) -> np.ndarray:
@@ -114,21 +105,24 @@ def _most_krylov(grid: Grid, terms: Terms) -> int:
 
 
 @lru_cache(maxsize=64)
-def _sizes(grids: tuple[Grid, ...], terms: Terms) -> Columns:
+def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
     """What a kernel must know of each grid before it can find anything."""
-    names = ("nx", "ny", "nt", "most_krylov", "whole_x", "whole_y", "whole_modes_x")
+    sizes = ("nx", "ny", "nt", "most_krylov", "whole_x", "whole_y", "whole_modes_x")
+    largest = unknown_fields(terms) * max(grid.count for grid in grids)
     breaks_x = any("x" in term.BREAKS for term in terms)
-    sizes = [
+    values = [
         (
             *grid.shape,
             _most_krylov(grid, terms),
             grid.x.in_halves,
             grid.y.in_halves,
             grid.x.in_halves and not breaks_x,
+            guessed and stage == 0,
+            largest,
         )
-        for grid in grids
+        for stage, grid in enumerate(grids)
     ]
-    return names, np.array(sizes, dtype=np.int64)
+    return (*sizes, "guessed", "largest_state"), np.array(values, dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -187,10 +181,6 @@ class Launch:
     buffer: Any
     done: Any
 
-    def end(self) -> None:
-        """Let other launches have the arrays, as no one looks at the states any more."""
-        self.device.arrays.release(*self.inputs.arrays)
-
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
         results = self.inputs.results
@@ -202,15 +192,10 @@ class Launch:
         for batch, spans in zip(self.batches, self.inputs.spans, strict=True):
             count, stages = len(batch.scenes), len(batch.grids)
             of_batch = []
-            for stage, (grid, span) in enumerate(zip(batch.grids, spans, strict=True)):
-                mean_at, means, state_at, state = span
-                unknowns = None
-                if state:
-                    unknowns = results[state_at : state_at + count * state]
-                    unknowns = unknowns.reshape(count, -1, *grid.shape)
-                mean = results[mean_at : mean_at + count * means].reshape(count, grid.nx, grid.ny)
+            for stage, (grid, (*_, at, size)) in enumerate(zip(batch.grids, spans, strict=True)):
+                unknowns = results[at : at + count * size].reshape(count, -1, *grid.shape)
                 of_scenes = said[first + stage : first + count * stages : stages]
-                of_batch.append(States(unknowns, mean, of_scenes))
+                of_batch.append(States(unknowns, of_scenes))
             states.append(of_batch)
             first += count * stages
         return states
@@ -316,7 +301,11 @@ def _inputs(batches: Sequence[Batch], device: Device) -> _Inputs:
     for batch in batches:
         of_batch, end = _spans(batch, end)
         numbers = numbers_table(batch.scenes, batch.terms)
-        columns = [_sizes(tuple(batch.grids), batch.terms), _in_results(batch, of_batch)]
+        grids, guessed = tuple(batch.grids), batch.guess is not None
+        at = np.array(of_batch)
+        scene = np.arange(len(batch.scenes))
+        in_results = at[:, ::2] + np.multiply.outer(scene, at[:, 1::2])
+        columns = [_sizes(grids, batch.terms, guessed), (("means", "state"), in_results)]
         for items, which in _arrays(batch, numbers):
             begin = items.starts + size
             if which is not None:
@@ -351,18 +340,6 @@ def _spans(batch: Batch, end: int) -> tuple[list[tuple[int, int, int, int]], int
         spans.append((end, means, behind if returns else ABSENT, state))
         end = behind + len(batch.scenes) * state
     return spans, end
-
-
-def _in_results(batch: Batch, spans: Sequence[tuple[int, int, int, int]]) -> Columns:
-    """Where each scene has its own, on each grid, and what a kernel is to know beside that."""
-    mean_at, means, state_at, state = np.array(spans).T
-    scene = np.arange(len(batch.scenes))[:, None]
-    values = np.zeros((len(scene), len(spans), 4), dtype=np.int64)
-    values[..., 0] = mean_at + scene * means
-    values[..., 1] = state_at + scene * state
-    values[:, 0, 2] = batch.guess is not None
-    values[..., 3] = unknown_fields(batch.terms) * max(grid.count for grid in batch.grids)
-    return ("means", "state", "guessed", "largest_state"), values
 
 
 def _arrays(batch: Batch, numbers: np.ndarray) -> Iterator[tuple[Packed, np.ndarray | None]]:
@@ -404,7 +381,7 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
             *(f"#define HAS_{term.NAME}" for term in terms),
             c_struct("Row", row),
             c_struct("Said", SAID),
-            c_enum(ENDINGS),
+            f"enum {{ {', '.join(ENDINGS)} }};",
             c_terms(terms),
         ]
     )

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
@@ -120,12 +119,28 @@ class Refinement:
         """
         rows, terms, grids, solutions = group.rows, group.terms, group.grids, self.solutions
         said, grid, finer = stages[-1].said, grids[-1], finer_grid(grids[-1], room=self.room)
-        error, allowed = self._estimate(group, batch.scenes, said)
-        for each, states in zip(grids, stages, strict=True):
-            newton, krylov = states.said["newton_steps"], states.said["krylov_iterations"]
-            solutions.newton_steps[rows] += newton
-            solutions.krylov_iterations[rows] += krylov
-            solutions.work[rows] += iteration_flops(each, terms) * (newton + krylov)
+        coarse, fine = (grids[0], *grids)[-2:]
+        nodes = coarse.across, fine.across
+        error, allowed, change = estimate(
+            said,
+            self.change[:, rows],
+            scenes=batch.scenes,
+            terms=terms,
+            grids=(coarse, fine),
+            of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=rows),
+            least=least_fall(batch.scenes, coarse.across[0]),
+            tolerance=self.tolerance,
+        )
+        if len(grids) == 1:  # a single grid tells no error
+            error[:], change[:] = np.inf, np.nan
+        self.change[:, rows] = change
+        newton = [states.said["newton_steps"] for states in stages]
+        krylov = [states.said["krylov_iterations"] for states in stages]
+        flops = [iteration_flops(each, terms) for each in grids]
+        solutions.newton_steps[rows] += sum(newton)
+        solutions.krylov_iterations[rows] += sum(krylov)
+        work = zip(flops, newton, krylov, strict=True)
+        solutions.work[rows] += sum([each * (steps + more) for each, steps, more in work])
         solutions.residual[rows] = said["residual"]
         self._write_grid(rows, grid)
         reasons: dict[int, str] = {}  # why scenes end without a force
@@ -136,7 +151,7 @@ class Refinement:
                 reasons.setdefault(k, f"{reason}: {text}" if with_error else reason)
 
         begun = np.zeros(len(rows), dtype=bool)
-        if any([states.status.any() for states in stages[-2:]]):
+        if any([np.count_nonzero(states.status) for states in stages[-2:]]):
             failed = [states.status != 0 for states in stages[-2:]]
             begun = self._begin_again(group, failed[-1], finer)
             hopeless = (failed[-1] | (finer is None)) & ~begun
@@ -151,7 +166,7 @@ class Refinement:
             error[unknown] = np.inf
             self.change[:, rows[unknown]] = np.nan
         negative = ~(said["lowest"] > 0)
-        if negative.any():
+        if np.count_nonzero(negative):
             error[negative] = np.inf
             if finer is None:
                 reason = f"the pressure is not positive everywhere ({_size(grid)})"
@@ -160,16 +175,19 @@ class Refinement:
             end(np.arange(len(rows)) == k, reason)
         waiting = ~begun
         waiting[list(reasons)] = False
-        good = np.flatnonzero((error <= allowed) & waiting)
+        good = ((error <= allowed) & waiting).nonzero()[0]
         accepted, scale_n = rows[good], batch.scenes.force_scale_n
         solutions.status[accepted] = "ok"
         solutions.force_n[accepted] = (said["mean"] * scale_n)[good]
         solutions.force_error_n[accepted] = (error * scale_n)[good]
         if self.keep_states:
             for k in good.tolist():
-                solutions.states[rows[k]] = _kept(grids, stages, k)
+                # Copies, for the launch's arrays are used again.
+                last = zip(grids[-2:], stages[-2:], strict=True)
+                kept = tuple(State(each, states.unknowns[k].copy()) for each, states in last)
+                solutions.states[rows[k]] = kept
         waiting[good] = False
-        if waiting.any():
+        if np.count_nonzero(waiting):
             most_work = min((term.MOST_WORK for term in terms), default=np.inf)
             dear = solutions.work[rows] > most_work
             if finer is None:
@@ -184,29 +202,7 @@ class Refinement:
                 self.wait(Group(rows[waiting], (grid, finer), terms, group.aspect, guess))
         for k, reason in reasons.items():
             solutions.status[rows[k]] = reason
-        return len(rows) - int(begun.sum() + waiting.sum())
-
-    def _estimate(
-        self, group: Group, scenes: Scenes, said: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Errors of a group's mean overpressures, and how large they may be; keep the changes."""
-        rows, (coarse, fine) = group.rows, (group.grids[0], *group.grids)[-2:]
-        nodes = coarse.across, fine.across
-        error, allowed, change = estimate(
-            said,
-            self.change[:, rows],
-            scenes=scenes,
-            terms=group.terms,
-            grids=(coarse, fine),
-            of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=rows),
-            least=least_fall(scenes, coarse.across[0]),
-            tolerance=self.tolerance,
-        )
-        if len(group.grids) == 1:  # a single grid tells no error
-            error[:] = np.inf
-            change[:] = np.nan
-        self.change[:, rows] = change
-        return error, allowed
+        return len(rows) - int(np.count_nonzero(begun) + np.count_nonzero(waiting))
 
     def _begin_again(self, group: Group, failed: np.ndarray, finer: Grid | None) -> np.ndarray:
         """Have scenes without a state on the last grid wait for finer ones, from rest."""
@@ -274,14 +270,9 @@ def solve_periodic(
         groups, landing = flying.popleft()
         landed = zip(groups, landing.batches, landing.states(), strict=True)
         report(sum(refinement.accept_or_refine(*each) for each in landed))
-        landing.end()
+        # Other launches may have the arrays, as no one looks at the states any more.
+        device.arrays.release(*landing.inputs.arrays)
     return solutions
-
-
-def _kept(grids: Sequence[Grid], stages: Sequence[States], k: int) -> tuple[State, ...]:
-    """A scene's states on the last two grids: copies, for the launch's arrays are used again."""
-    last = zip(grids[-2:], stages[-2:], strict=True)
-    return tuple(State(grid, states.unknowns[k].copy()) for grid, states in last)
 
 
 def _size(grid: Grid) -> str:

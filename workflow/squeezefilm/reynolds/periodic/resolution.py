@@ -17,7 +17,7 @@ from squeezefilm.film.outline import Outline
 from squeezefilm.film.scene import Film, Rows, Scenes, rows_alike
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
-from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.needs import MOST_KEPT, Needs
 from squeezefilm.reynolds.terms import Terms, layer_stiffness_of, numbers_of, unknown_fields
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
@@ -63,6 +63,9 @@ UNEVEN_SIGMA = 5e3
 # Above this at the narrowest place of a gap that is shaped at rest the first grid is for a layer as
 # thin again: 60 such films of a draw (1e-4) took half of the time, for fewer went on to more grids.
 THIN_SIGMA = 1e4
+# The most points along an axis, whole or folded, and instants, from which the next finer grid,
+# which tells the error, has room within MOST_SPACE and MOST_TIME.
+MOST_FIRST, MOST_FIRST_FOLDED, MOST_FIRST_TIME = 268, 132, 160
 # Stands for zero in a denominator.
 TINY = 1e-300
 # One number of nx, ny, nt, two folds and the nodes that see the profile along x and y.
@@ -326,11 +329,17 @@ def profile_fall(
         coarse, fine: nodes across the finger along x and y (``Grid.across``).
         rows: which of the scenes; all if left out.
     """
-    least = NEXT_TO_NOTHING * tolerance
-    samples = needs.samples(least)
-    missed, before = samples.missed_by(fine, rows), samples.missed_by(coarse, rows)
-    fall = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
-    return np.asarray(fall.max(axis=1))
+
+    def fall(rows: Rows) -> np.ndarray:
+        least = NEXT_TO_NOTHING * tolerance
+        samples = needs.samples(least)
+        missed, before = samples.missed_by(fine, rows), samples.missed_by(coarse, rows)
+        falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
+        return np.asarray(falls.max(axis=1))
+
+    if len(needs) > MOST_KEPT:
+        return fall(rows)
+    return needs.once("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
 
 
 def _coarser(grid: Grid, step: int) -> Grid:
@@ -347,34 +356,19 @@ def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS) ->
     """
     finer = replace(
         grid,
-        nx=grid.nx + _part(grid.nx, 5, step, fold=grid.fold_x),
-        ny=grid.ny + _part(grid.ny, 5, step, fold=grid.fold_y),
-        nt=_more_instants(grid.nt),
+        nx=grid.nx + _part(grid.nx, step, fold=grid.fold_x),
+        ny=grid.ny + _part(grid.ny, step, fold=grid.fold_y),
+        nt=grid.nt + _part(grid.nt, FOURS, fold=False),
     )
     if max(finer.x.full_points, finer.y.full_points) > MOST_SPACE or finer.nt > MOST_TIME:
         return None
     return finer if finer.count <= room else None
 
 
-def _part(points: int, share: int, step: int, *, fold: bool) -> int:
-    """About one in so many points, in steps; never less than four nodes across the finger."""
+def _part(points: int, step: int, *, fold: bool) -> int:
+    """About a fifth of the points, in steps; never less than four nodes across the finger."""
     least = 1 if fold else FOURS // step
-    return step * max(least, round(points / share / step))
-
-
-def _more_instants(points: int) -> int:
-    """About a fifth more."""
-    return points + _part(points, 5, FOURS, fold=False)
-
-
-def _most_first(most: int) -> int:
-    """The most points from which the next finer grid, which tells the error, has room."""
-    some = range(4, most + 1, 4)
-    return max(points for points in some if points + _part(points, 5, FOURS, fold=False) <= most)
-
-
-MOST_FIRST, MOST_FIRST_FOLDED = _most_first(MOST_SPACE), _most_first(MOST_SPACE // 2)
-MOST_FIRST_TIME = _most_first(MOST_TIME)
+    return step * max(least, round(points / 5 / step))
 
 
 def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | float]:

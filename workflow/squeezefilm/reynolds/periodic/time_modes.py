@@ -59,7 +59,7 @@ def modes_of(
     first, which = distinct(code)
     near = near[:, first]
     near *= MOST_VARIATION / np.maximum(np.hypot(*near), MOST_VARIATION)
-    instants = tuple(grid.nt for grid in grids)
+    instants = tuple([grid.nt for grid in grids])
     kinds = np.concatenate([near, lags[:, first], slows[:, first]]).T.tolist()
     return Packed.of_rows([_packed_modes(instants, *kind) for kind in kinds]), which
 

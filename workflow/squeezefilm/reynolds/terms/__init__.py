@@ -5,8 +5,7 @@ Here alone are they listed, in the order in which they are spoken of.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from functools import lru_cache, reduce
+from functools import reduce
 from math import inf
 from typing import Any
 
@@ -43,12 +42,8 @@ def terms_of(scene: Scene) -> Terms:
 
 def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
     """What is said of the terms that are not among some."""
-    return _absent(TERMS, frozenset(map(type, terms)))
-
-
-@lru_cache(maxsize=256)
-def _absent(kinds: tuple[type[Term], ...], present: frozenset[type[Term]]) -> tuple[LeftOut, ...]:
-    return tuple(kind.ABSENT for kind in kinds if kind.ABSENT and kind not in present)
+    present = {*map(type, terms)}
+    return tuple(kind.ABSENT for kind in TERMS if kind.ABSENT and kind not in present)
 
 
 def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
@@ -131,9 +126,6 @@ def notes_of(scene: Scene) -> list[str]:
     return [note for kind in TERMS if (note := kind.note(scene))]
 
 
-def first_reason(reasons: Iterable[str]) -> str:
-    """The first that is not empty; empty if all are."""
-    for reason in reasons:
-        if reason:
-            return reason
-    return ""
+def refused_on_grid(scene: Scene, terms: Terms) -> str:
+    """Why the periodic state is not solved for a scene with some terms; empty where it is."""
+    return next(filter(None, (term.refused_on_grid(scene) for term in terms)), "")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -28,15 +28,11 @@ class Bearing(Term):
     def of(cls, scene: Scene) -> Bearing | None:
         return cls() if scene.bearing_number != 0 else None
 
-    @classmethod
-    def put_back(cls, scene: Scene) -> Scene:
-        return replace(scene, finger=replace(scene.finger, speed_x_m_per_s=NEGLIGIBLE))
-
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"bearing": scene.bearing_number}
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        return {"derivative_x": grid.x.first_derivative}
+        return {"derivative_x": grid.x.derivative[1:-1, 1:-1]}
 
     def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
         """Real Schur form of d²/dX² − (Λ/D) d/dX, each (scenes, nx, nx).
@@ -47,10 +43,10 @@ class Bearing(Term):
         """
         from scipy.linalg import schur
 
-        scale = np.sqrt(grid.nx)
+        scale, first = np.sqrt(grid.nx), grid.x.derivative[1:-1, 1:-1]
         vectors, inverse, triangle = np.empty((3, len(numbers), grid.nx, grid.nx))
         for k, (speed, flow) in enumerate(zip(numbers["bearing"], numbers["flow"], strict=True)):
-            operator = grid.x.second_derivative - speed / flow.sum() * grid.x.first_derivative
+            operator = grid.x.second_derivative - speed / flow.sum() * first
             triangle[k], basis = schur(operator, output="real")
             vectors[k], inverse[k] = basis * scale, basis.T / scale
         return {"modes_x": vectors, "to_modes_x": inverse, "triangle": triangle}

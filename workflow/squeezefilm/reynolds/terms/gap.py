@@ -7,12 +7,12 @@ gap that is even at rest and moves in one phase, H = 1 + ε s sin T (grid_over_p
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
 
 SHAPED, TWO_PHASES = "gap that is shaped at rest", "vibration in two phases"
 # Two preconditioners pay where the widest gap at rest is so many times the narrowest, and nothing
@@ -65,11 +65,6 @@ class AnyGap(Term):
         """Whether gaps at rest differ by so much from place to place that two pay, (n,)."""
         least, most = scenes.rest_range
         return np.asarray(most > TWO_FROM * least)
-
-    @classmethod
-    def put_back(cls, scene: Scene) -> Scene:
-        gap = replace(scene.finger.gap, bulge_m=NEGLIGIBLE * scene.h0_m)
-        return replace(scene, finger=replace(scene.finger, gap=gap))
 
     def numbers(self, scenes: Scenes) -> Numbers:
         numbers: Numbers = {"narrowest": scenes.narrowest, "per_rise": 1 / scenes.h0_m}

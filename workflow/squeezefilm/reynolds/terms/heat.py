@@ -25,14 +25,14 @@ for 6j². The numbers in w are those of no slip.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, Inertia, not_derived
-from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -64,10 +64,6 @@ class Heat(Term):
     @classmethod
     def of(cls, scene: Scene) -> Heat | None:
         return cls() if scene.gas.heat == "included" else None
-
-    @classmethod
-    def put_back(cls, scene: Scene) -> Scene:
-        return replace(scene, gas=replace(scene.gas, heat="included", prandtl=NEGLIGIBLE))
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         conduction = scene.gas.prandtl * scene.modified_reynolds

@@ -17,14 +17,14 @@ Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.spectral import FluxPoints, flux_points
-from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -56,6 +56,8 @@ STEEPENING, LAYERED_SIGMA, SIZE_SHARE = 0.3, 300.0, 0.15
 LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF = 2.5, 1e4, 0.05
 # A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
+# Stands for zero in a denominator.
+NEGLIGIBLE = 1e-14
 
 
 @dataclass(frozen=True)
@@ -77,11 +79,6 @@ class Inertia(Term):
     @classmethod
     def of(cls, scene: Scene) -> Inertia | None:
         return cls() if scene.gas.inertia == "included" else None
-
-    @classmethod
-    def put_back(cls, scene: Scene) -> Scene:
-        gas = replace(scene.gas, inertia="included", density_kg_per_m3=NEGLIGIBLE)
-        return replace(scene, gas=gas)
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         reynolds = scene.modified_reynolds

@@ -49,7 +49,9 @@ class SmoothOutline(Term):
         )
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        return {"stretch": np.asarray(grid.stretch) - 1}
+        assert grid.outline
+        area = np.asarray(grid.density) * grid.outline.mean_stretch
+        return {"stretch": area / grid.outline.typical_stretch - 1}
 
     def refused_on_grid(self, scene: Scene) -> str:
         for name in ("inertia", "heat"):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
 
 
 @dataclass(frozen=True)
@@ -20,10 +20,6 @@ class Polytropic(Term):
     @classmethod
     def of(cls, scene: Scene) -> Polytropic | None:
         return cls() if scene.gas.polytropic_exponent != 1 else None
-
-    @classmethod
-    def put_back(cls, scene: Scene) -> Scene:
-        return replace(scene, gas=replace(scene.gas, polytropic_exponent=1 + NEGLIGIBLE))
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"inverse_exponent": 1 / scene.gas.polytropic_exponent}

@@ -6,14 +6,14 @@ The mass flux becomes Σ c_k H^(3−k) ρ^(1−k) ∇P; the mean free path's 1/�
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.film.validity import LEAST_INVERSE_KNUDSEN
-from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
 
 # Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
 # inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
@@ -48,12 +48,6 @@ class Rarefaction(Term):
     @classmethod
     def of(cls, scene: Scene) -> Rarefaction | None:
         return cls(scene.gas.rarefaction) if scene.gas.rarefaction != "none" else None
-
-    @classmethod
-    def put_back(cls, scene: Scene) -> Scene:
-        path_m = NEGLIGIBLE * 1e-6
-        gas = replace(scene.gas, rarefaction="fukui-kaneko", mean_free_path_m=path_m)
-        return replace(scene, gas=gas)
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"flow": flow_coefficients(scene)}

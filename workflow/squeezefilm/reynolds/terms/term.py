@@ -28,9 +28,6 @@ HOOKS = {
     "carry": "(g, film, coarser, coarse)",
 }
 
-# What is put back to see what leaving it out saves.
-NEGLIGIBLE = 1e-14
-
 # A number is one for all scenes, or of shape (n,); a tuple of such is a row of them.
 Numbers = Mapping[str, Any]
 Arrays = Mapping[str, np.ndarray]
@@ -87,14 +84,6 @@ class Term:
     def of(cls, scene: Scene) -> Term | None:
         """The term as the scene has it, if it does."""
         raise NotImplementedError
-
-    @classmethod
-    def put_back(cls, scene: Scene) -> Scene:
-        """A scene that has so little of it that nothing changes but the work.
-
-        The scene itself where there is no such one: what is left out then is another film.
-        """
-        return scene
 
     @classmethod
     def note(cls, scene: Scene) -> str:
