@@ -205,6 +205,12 @@ def limit_tables(space):
     return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
 
 
+def candidate_files(space):
+    """The fits of the models that are compared in a space."""
+    models = CONFIG["comparison"][space]
+    return expand(f"<results>/models/{space}/{{model}}.json", model=models)
+
+
 def refined_files(space):
     """All that the refinement of a space's models leaves."""
     models = CONFIG["refine"][space]

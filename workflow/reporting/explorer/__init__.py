@@ -32,7 +32,6 @@ PARTS = {
     "WORDS": "words.js",
     "SCRIPT": "page.js",
 }
-WORDS = {"two_factor": "two factors", "four_factor": "four factors"}
 FILM = ["h0_m", "hv_m"]
 
 
@@ -94,7 +93,7 @@ def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
     on = f"{fit.points} simulations ({of})" if fit.theta else "nothing fitted"
     return {
         "name": name,
-        "label": f"{WORDS.get(fit.model, fit.model)}, {on}",
+        "label": f"{fit.model.replace('_factor', ' factors')}, {on}",
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
