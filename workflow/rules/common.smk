@@ -234,12 +234,13 @@ def drawing(place):
     caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
     caption = caption.get(folder, name)
     text = (LIBRARY / f"report/captions/{caption}.rst").read_text(encoding="utf-8")
+    shows = text.split("**")[1].rpartition(": ")[2].rstrip(".")
     return listed(
         f"{place}.svg",
         CATEGORIES[folder],
         caption=caption,
         figure=name.replace("fig", "Fig. ").replace("_", " "),
-        shows=text.split("**")[1].rpartition(": ")[2].rstrip("."),
+        shows=shows[0].upper() + shows[1:],
     )
 
 
