@@ -165,7 +165,7 @@ def _recommended(
     every = pd.concat(list(forces.values()), ignore_index=True)
     known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
     model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(known)))
-    errors = (model_n / known["force_n"] - 1).to_numpy()
+    errors = ((model_n - known["force_n"]) / known["force_n"]).to_numpy()
     about = {
         "space": space,
         **{name: best[name] for name in names},

@@ -203,6 +203,12 @@ def limit_tables(space):
     return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
 
 
+def candidate_files(space):
+    """The fits of the models that are compared in a space."""
+    models = CONFIG["comparison"][space]
+    return expand(f"<results>/models/{space}/{{model}}.json", model=models)
+
+
 def refined_files(space):
     """All that the refinement of a space's models leaves."""
     models = CONFIG["refine"][space]
@@ -226,12 +232,13 @@ def drawing(place):
     caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
     caption = caption.get(folder, name)
     text = (LIBRARY / f"report/captions/{caption}.rst").read_text(encoding="utf-8")
+    shows = text.split("**")[1].rpartition(": ")[2].rstrip(".")
     return listed(
         f"{place}.svg",
         CATEGORIES[folder],
         caption=caption,
         figure=name.replace("fig", "Fig. ").replace("_", " "),
-        shows=text.split("**")[1].rpartition(": ")[2].rstrip("."),
+        shows=shows[0].upper() + shows[1:],
     )
 
 

@@ -4,12 +4,6 @@
 RECOMMENDED_BY = ["four_factor", *expand("validation_{space}", space=FITS)]
 
 
-def candidate_files(space):
-    """The fits of the models that are compared in a space."""
-    models = CONFIG["comparison"][space]
-    return expand(f"<results>/models/{space}/{{model}}.json", model=models)
-
-
 wildcard_constraints:
     space="|".join(FITS),
     model="[a-z][a-z0-9_]*",

@@ -12,14 +12,12 @@ from squeezefilm.files import write_text
 snakemake, config = begin_with_study()
 params = snakemake.params
 results = Results(Path(params.results), config)
-films = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
-gains = results.table("simulations/screen/gains.csv", "h0_m", "hv_m", "frequency_hz", "gain")
 page = explorer_page(
     results,
     fits=params.fits,
     candidates=params.candidates,
     forces={plan: results.forces(plan) for plan in params.plans},
     drawing_library=get_plotlyjs(),
-    modulation=modulation_of(films, gains),
+    modulation=modulation_of(results),
 )
 write_text(page, snakemake.output[0])

@@ -19,10 +19,6 @@ table = work_precision(
     rungs=10 if full else 3,
     device=device,
 )
-note = (
-    f"Centred sinc; off centre: by 2.9 mm. Warm, median of {settings['repeats']}; processor "
-    f"time of all threads; {device.name}; a batch has {BATCH} films."
-)
 # Where a solver's error no longer matters.
 model_error = read_fit(snakemake.input.fit).global_error
-write_table(table.assign(model_error=model_error, note=note), snakemake.output[0])
+write_table(table.assign(model_error=model_error, device=device.name), snakemake.output[0])

@@ -11,13 +11,8 @@ from reporting.figures.tables import in_micrometres
 from reporting.notes import one_digit
 from reporting.results import Results
 
-_LOOKS = (
-    (style.BLUE, "o"),
-    (style.VERMILLION, "^"),
-    (style.GREEN, "s"),
-    (style.PURPLE, "D"),
-    (style.ORANGE, "v"),
-)
+_COLOURS = (style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.ORANGE)
+_LOOKS = tuple(zip(_COLOURS, "o^sDv", strict=True))
 _TITLES = {
     "unit": "factors scaled to [0, 1]",
     "micrometre": "factors in µm",

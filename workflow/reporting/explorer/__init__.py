@@ -32,7 +32,6 @@ PARTS = {
     "WORDS": "words.js",
     "SCRIPT": "page.js",
 }
-WORDS = {"two_factor": "two factors", "four_factor": "four factors"}
 FILM = ["h0_m", "hv_m"]
 
 
@@ -94,7 +93,7 @@ def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
     on = f"{fit.points} simulations ({of})" if fit.theta else "nothing fitted"
     return {
         "name": name,
-        "label": f"{WORDS.get(fit.model, fit.model)}, {on}",
+        "label": f"{fit.model.replace('_factor', ' factors')}, {on}",
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
@@ -110,12 +109,14 @@ def _code(name: str, fit: FittedModel) -> str:
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
 
 
-def modulation_of(response: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
+def modulation_of(results: Results) -> dict[str, Any]:
     """How the force follows a modulated amplitude: films on a grid of gap and amplitude.
 
-    From the two tables of ``squeezefilm response`` for one plan of a centred finger. The page
-    shows, at a point, what lies between the films around it.
+    From the two tables of ``squeezefilm response`` for the screen. The page shows, at a point, what
+    lies between the films around it.
     """
+    response = results.table("simulations/screen/response.csv", *FILM, "status")
+    gains = results.table("simulations/screen/gains.csv", *FILM, "frequency_hz", "gain")
     by_film: dict[Any, pd.DataFrame] = dict(iter(gains.groupby(FILM)))
     films = [
         {name: row[name] for name in FILM} | _film(row, by_film[row["h0_m"], row["hv_m"]])
