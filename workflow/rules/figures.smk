@@ -55,7 +55,7 @@ PAGES = {
 }
 # Figures of other stages, each on a page of its own.
 OTHERS = {
-    "numerics/work_precision": ["numerics/work_precision.csv"],
+    **{f"numerics/{name}": [f"numerics/{name}.csv"] for name in ("work_precision", "stability")},
     **({"figures/profile": ["figures/profile.csv", "profile/summary.json"]} if SCAN else {}),
 }
 for space in FITS:

@@ -56,7 +56,11 @@ rule ablation:
 
 rule verification:
     input:
-        expand("<results>/numerics/work_precision.{format}", format=["csv", "png", "svg"]),
-        expand("<results>/numerics/{table}.csv", table=["ablation", "stability"]),
+        expand(
+            "<results>/numerics/{table}.{format}",
+            table=["work_precision", "stability"],
+            format=["csv", "png", "svg"],
+        ),
+        "<results>/numerics/ablation.csv",
     message:
         "Accuracy, run time and stability of the solver are known"
