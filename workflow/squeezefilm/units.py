@@ -17,6 +17,7 @@ BASES = ("N", "m", "s", "deg")
 NONE: Dimension = {}
 MOST_LEVELS = 10_000
 MILLI = 1e-3
+FACTORS = ("h0", "hv", "x", "y", "phi_r", "phi")
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -211,8 +212,11 @@ def in_lines(row: Mapping[Any, Any]) -> str:
         if unit in ("m", "s") and 0 < abs(value) < 1:
             prefix, size = ("m", 1e3) if abs(value) >= MILLI else ("µ", 1e6)
             unit = prefix + unit
-        digits = 6 if unit.endswith("m") else 4  # a length may be what was asked for
-        text = f"{value * size:.{digits}g}" if isinstance(value, float) else str(value)
+        # Without an error three digits, and all before the point; a factor as it was asked for.
+        text = str(value)
+        if isinstance(value, float):
+            digits = 6 if label in FACTORS else max(3, len(f"{abs(value * size):.0f}"))
+            text = f"{value * size:.{digits}g}"
         if error := error_column(name, row):
             text = " ± ".join(to_its_error(size * value, size * row[error]))
         shown[label] = f"{text} {unit}".strip()

@@ -56,7 +56,8 @@ class Response:
         prompt_gain: for one too fast for the gas to leave.
         corner_hz: where what lies between them has fallen by 3 dB.
         prompt_share: of the settled force, that is there when the surface starts.
-        rise_s: until the force stays within 5 % of the settled one.
+        rise_s: until the force stays within 5 % of the settled one; its error and that of
+            ``release_s`` are the phase in which the vibration starts or stops, two periods.
         lasting_share: of the settled force, that is left when the surface stops.
         release_s: until 5 % of the settled force is left.
         error: relative, of the static gain, which is that of the settled force. Corner, shares and
@@ -68,8 +69,10 @@ class Response:
     corner_hz: float
     prompt_share: float
     rise_s: float
+    rise_error_s: float
     lasting_share: float
     release_s: float
+    release_error_s: float
     error: float
 
 
@@ -144,14 +147,17 @@ def _response(scene: Scene, film: AveragedFilm, error: float) -> Response:
     rate = scene.actuator.angular_frequency_rad_per_s
     time, rising, falling = _steps(film)
     settled = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
+    two_periods_s = 2 / scene.actuator.frequency_hz
     return Response(
         static_gain=float(static),
         prompt_gain=float(prompt),
         corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
         prompt_share=float(rising[0] / settled),
         rise_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
+        rise_error_s=two_periods_s,
         lasting_share=float(falling[0] / settled),
         release_s=_crossing(time, np.abs(falling / settled)) / rate,
+        release_error_s=two_periods_s,
         error=error,
     )
 
