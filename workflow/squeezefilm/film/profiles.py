@@ -313,7 +313,16 @@ def _landmarks(formula: Formula) -> tuple[np.ndarray, np.ndarray]:
     tiles = bends.reshape(TILES, side, TILES, side).transpose(0, 2, 1, 3).reshape(TILES**2, -1)
     first = np.argsort(-tiles.max(axis=1), kind="stable")[:FOLLOWED]
     row, column = np.divmod(tiles[first].argmax(axis=1), side)
-    return x_lines_m[first // TILES * side + row], y_lines_m[first % TILES * side + column]
+    # Within two lines of each, where the profile stands out most from what is around.
+    near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / LINES])
+    half_x_m, half_y_m = formula.surface.half_m
+    x_m = x_lines_m[first // TILES * side + row, None] + half_x_m * near[0].ravel()
+    y_m = y_lines_m[first % TILES * side + column, None] + half_y_m * near[1].ravel()
+    with np.errstate(all="ignore"):
+        s = formula.amplitude(x_m=x_m, y_m=y_m)
+        contrast = np.nan_to_num(np.abs(s - s.mean(axis=1, keepdims=True)), posinf=0.0)
+    best = np.arange(len(x_m)), contrast.argmax(axis=1)
+    return x_m[best], y_m[best]
 
 
 def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
