@@ -415,8 +415,6 @@ def _rises_m(finger: Finger) -> np.ndarray:
 @lru_cache(maxsize=256)
 def _rises(finger: Finger) -> tuple[float, float, float, float]:
     """Least, largest, mean and variance of what the gap at rest is more than h0, on a net."""
-    if finger.gap.flat:
-        return 0.0, 0.0, 0.0, 0.0
     rises_m = _rises_m(finger)
     return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]
 
