@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import cos, inf, isfinite, pi, radians, sin
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -22,21 +22,6 @@ from squeezefilm.formulas.expressions import Expression, parse
 UNBOUNDED = Disc(inf)
 MOST_KEPT = 1_000_000
 """Values of modes, points times modes, that are kept to be used again: 8 MB."""
-
-
-class Profile(Protocol):
-    """A vibration over the actuator's surface; hashable."""
-
-    @property
-    def is_complex(self) -> bool:
-        """Whether amplitudes are complex."""
-        ...
-
-    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        """Amplitude s at positions from the actuator's centre, any common shape."""
-        ...
-
-    def __hash__(self) -> int: ...
 
 
 @dataclass(frozen=True)
@@ -197,6 +182,8 @@ class Quadrature:
         return self.shares[0] * first + 1j * (self.shares[1] * second)
 
 
+Profile = Sinc | Piston | StandingWave | BesselMode | Formula | Modes | Quadrature
+"""A vibration over the actuator's surface; amplitudes are complex where it ``is_complex``."""
 KINDS: dict[str, type] = {
     "sinc": Sinc,
     "piston": Piston,

@@ -390,15 +390,14 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         places, which = self.places
         moves, rises_m = _moves(*places.key), _rises_m(places.pad.finger)
-        narrowest, closure = np.empty((2, len(self)))
-        for start in range(0, len(self), ON_NET_TOGETHER):
-            some = slice(start, start + ON_NET_TOGETHER)
+        parts = []
+        for some in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
             rest = 1 + rises_m / self.h0_m[some, None]
             excursion = self.epsilon[some, None] * moves[which[some]]
-            narrowest[some] = (rest - excursion).min(axis=1)
-            touching = (rest <= 0).any(axis=1)
             with np.errstate(all="ignore"):
-                closure[some] = np.where(touching, 1.0, (excursion / rest).max(axis=1))
+                closed = np.where((rest <= 0).any(axis=1), 1.0, (excursion / rest).max(axis=1))
+            parts.append(((rest - excursion).min(axis=1), closed))
+        narrowest, closure = map(np.concatenate, zip(*parts, strict=True))
         return narrowest, closure
 
 

@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from squeezefilm.errors import InputError, naming, needing
+from squeezefilm.errors import InputError, naming, needing, refuse
 from squeezefilm.units import sizes
 
 LENGTHS_M = sizes("m")
@@ -126,13 +126,6 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
         },
     )
     return scan
-
-
-def refuse(where: object, problems: Mapping[str, object]) -> None:
-    """Raise an InputError with the first problem that there is."""
-    for problem, wrong in problems.items():
-        if wrong:
-            raise InputError(f"{where}: {problem}")
 
 
 def _notes(lacking: np.ndarray, *, what: str) -> list[str]:
