@@ -10,8 +10,8 @@ snakemake, config = begin_with_study()
 fit, output = read_fit(snakemake.input.fit), snakemake.output
 designs_of = {"two_factor": two_factor_designs, "four_factor": four_factor_designs}[fit.model]
 with naming(snakemake.input.fit):
-    designs = designs_of(fit, config, processes=snakemake.threads)
-for path, table in zip(output.designs, designs.tables, strict=True):
+    designs, searches, summary = designs_of(fit, config, processes=snakemake.threads)
+for path, table in zip(output.designs, designs, strict=True):
     write_table(table, path)
-write_table(designs.searches, output.searches)
-write_json(designs.summary, output.summary)
+write_table(searches, output.searches)
+write_json(summary, output.summary)

@@ -11,7 +11,7 @@ from squeezefilm.tables import read_json, read_ok_forces, read_scenes, write_jso
 snakemake, config = begin_with_study()
 files, output = snakemake.input, snakemake.output
 with naming(files.fit):
-    found = designs_of_fit(
+    designs, efficiencies, sensitivity, summary = designs_of_fit(
         read_fit(files.fit),
         config,
         forces=read_ok_forces(files.forces),
@@ -19,7 +19,7 @@ with naming(files.fit):
         plans={Path(path).parent.name: read_scenes(path) for path in files.plans},
         patterns=read_json(files.patterns),
     )
-write_table(found.designs, output.designs)
-write_table(found.efficiencies, output.efficiencies)
-write_table(found.sensitivity, output.sensitivity)
-write_json(found.summary, output.summary)
+write_table(designs, output.designs)
+write_table(efficiencies, output.efficiencies)
+write_table(sensitivity, output.sensitivity)
+write_json(summary, output.summary)

@@ -6,8 +6,8 @@ from squeezefilm.tables import write_json, write_table
 
 snakemake, config = begin_with_study()
 output = snakemake.output
-report = scan_report(config)
-write_table(report.forces, output.forces)
-write_table(report.profile, output.figure)
-write_json(report.summary, output.summary)
-print(report.text)
+forces, profile, summary, text = scan_report(config)
+write_table(forces, output.forces)
+write_table(profile, output.figure)
+write_json(summary, output.summary)
+print(text)

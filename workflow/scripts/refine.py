@@ -8,7 +8,7 @@ from squeezefilm.tables import read_forces, write_json, write_table
 
 snakemake, config = begin_with_study()
 files, output = snakemake.input, snakemake.output
-found = refine(
+tables, fit, verdict = refine(
     model_named(snakemake.wildcards.model, config["models"], place=config.path),
     config,
     space=snakemake.wildcards.space,
@@ -16,7 +16,7 @@ found = refine(
     sample_limits=files.sample_limits,
     uncertainty=profile_uncertainty(config, summary=files.scan),
 )
-for name, table in found.tables.items():
+for name, table in tables.items():
     write_table(table, getattr(output, name))
-write_json(found.fit, output.fit)
-write_json(found.verdict, output.verdict)
+write_json(fit, output.fit)
+write_json(verdict, output.verdict)

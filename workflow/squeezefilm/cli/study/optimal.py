@@ -40,13 +40,13 @@ def run(options: argparse.Namespace) -> None:
     fit, forces = read_fit(options.fit), read_ok_forces(options.forces)
     config = load_config(options.config)
     with naming(options.fit):
-        found = designs_of_fit(
+        designs, efficiencies, *_ = designs_of_fit(
             fit,
             config,
             forces=forces,
             limits=limits_for(fit.force_model, forces, config),
             existing=read_scenes(options.existing) if options.existing else None,
         )
-    write_table(found.designs, options.output)
-    shown = found.efficiencies[["plan", "points", "d_efficiency", "lower_bound"]]
+    write_table(designs, options.output)
+    shown = efficiencies[["plan", "points", "d_efficiency", "lower_bound"]]
     print(shown.to_string(index=False))

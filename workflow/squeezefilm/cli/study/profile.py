@@ -29,9 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     if not 2 <= options.draws <= 10_000:
         raise InputError(f"--draws {options.draws}: a spread needs 2 to 10000 profiles")
-    report = scan_report(load_config(options.config), draws=options.draws, seed=options.seed)
+    forces, profile, _, text = scan_report(
+        load_config(options.config), draws=options.draws, seed=options.seed
+    )
     if options.forces:
-        write_table(report.forces, options.forces)
+        write_table(forces, options.forces)
     if options.table:
-        write_table(report.profile, options.table)
-    print(report.text)
+        write_table(profile, options.table)
+    print(text)

@@ -1,7 +1,6 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -45,15 +44,6 @@ TABLES = {
     "where": WHERE_COLUMNS,
 }
 """What a refinement leaves as tables, with the columns that each has at least."""
-
-
-@dataclass(frozen=True, eq=False)
-class Refinement:
-    """How the loop ended: tables by their names (TABLES), the last fit, and the verdict."""
-
-    tables: dict[str, pd.DataFrame]
-    fit: dict[str, Any]
-    verdict: dict[str, Any]
 
 
 class SimulatedSpace:
@@ -102,7 +92,7 @@ def refine(
     sample: pd.DataFrame,
     sample_limits: Path | str,
     uncertainty: float,
-) -> Refinement:
+) -> tuple[dict[str, pd.DataFrame], dict[str, Any], dict[str, Any]]:
     """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
 
     A model that needs the physics limits where they do not hold is refused before anything is
@@ -112,6 +102,8 @@ def refine(
         space: ``two_factor`` or ``four_factor``.
         sample: forces of a validation sample; sample_limits the table of its physics limits.
         uncertainty: share of a force that the scan of a measured profile leaves open.
+
+    Returns: tables by their names (TABLES), the last fit, and the verdict.
 
     Raises InputError where the section allows too few simulations to begin with, and RunError for a
     scene that has no force.
@@ -124,7 +116,7 @@ def refine(
         print(error)
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
         reason = about | {"refused": str(error)}
-        return Refinement(tables, reason, reason)
+        return tables, reason, reason
     goal = Goal(
         global_error=settings["global_error"],
         worst_error=settings["worst_error"],
@@ -176,7 +168,7 @@ def refine(
         "error_by_region": by_region.to_dict("records"),
         "error_by_region_text": in_words(by_region),
     }
-    return Refinement(tables, fit.to_dict(), verdict)
+    return tables, fit.to_dict(), verdict
 
 
 def _print_round(done: Round) -> None:

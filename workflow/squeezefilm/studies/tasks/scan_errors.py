@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -101,21 +101,15 @@ def errors_in_study(
     return points.join(scan_errors(scenes, smoothed, device=device, draws=draws, seed=seed))
 
 
-@dataclass(frozen=True, eq=False)
-class ScanReport:
-    """What a scan leaves open: forces of some scenes, the profile as a table, a summary, a text."""
-
-    forces: pd.DataFrame
-    profile: pd.DataFrame
-    summary: dict[str, Any]
-    text: str
-
-
-def scan_report(config: Config, *, draws: int = DRAWS, seed: int = SEED) -> ScanReport:
+def scan_report(
+    config: Config, *, draws: int = DRAWS, seed: int = SEED
+) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
     """Smooth the scan of a study and simulate some of its scenes with other noise.
 
     Args:
         draws: profiles with other noise; seed of the draws.
+
+    Returns: forces of some scenes, the profile as a table, and a summary in numbers and in words.
 
     Raises InputError for a study whose profile is not measured.
     """
@@ -159,7 +153,7 @@ def scan_report(config: Config, *, draws: int = DRAWS, seed: int = SEED) -> Scan
         *smoothed.warnings,
     ]
     table = profile_table(smoothed).assign(note="; ".join(lines))
-    return ScanReport(forces, table, summary, "\n".join(lines))
+    return forces, table, summary, "\n".join(lines)
 
 
 def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
