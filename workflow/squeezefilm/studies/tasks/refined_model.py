@@ -117,12 +117,7 @@ def refine(
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
         reason = about | {"refused": str(error)}
         return tables, reason, reason
-    goal = Goal(
-        global_error=settings["global_error"],
-        worst_error=settings["worst_error"],
-        most_simulations=settings["simulations"],
-        batch=settings["batch"],
-    )
+    goal = Goal(*(settings[key] for key in ("global_error", "worst_error", "simulations", "batch")))
     loop = Sequential(
         model,
         pool,
