@@ -39,7 +39,7 @@ def scan_errors(
 
     Returns:
         In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
-        ``lowest_n``, ``highest_n``, standard deviation and range over profiles with other noise;
+        the standard deviation over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
         and all that was taken off the profile's maximum as the noise's;
         ``out_of_phase_n``, by what the force is low without motion out of phase that was neglected;
@@ -72,8 +72,6 @@ def scan_errors(
     table["noise_n"] = quantile * spread_n + bias * size_n
     table["out_of_phase_n"] = effect * size_n
     return table.assign(
-        lowest_n=forces[1:].min(axis=0),
-        highest_n=forces[1:].max(axis=0),
         noise_share=table["noise_n"] / size_n,
         scan_error_n=table["noise_n"] + table["out_of_phase_n"],
         scan_error_share=(table["noise_n"] + table["out_of_phase_n"]) / size_n,
