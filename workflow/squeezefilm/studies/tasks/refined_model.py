@@ -157,6 +157,7 @@ def refine(
         "fitted_points": len(last.design),
         "verification_points": settings["verification"],
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
+        "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": {key: _finite(getattr(last, key)) for key in estimated},
         "settings": dict(settings),
         "errors_mapped_by": source,
