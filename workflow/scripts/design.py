@@ -10,7 +10,7 @@ snakemake, config = begin_with_study()
 fit, output = read_fit(snakemake.input.fit), snakemake.output
 designs_of = {"two_factor": two_factor_designs, "four_factor": four_factor_designs}[fit.model]
 with naming(snakemake.input.fit):
-    designs = designs_of(fit, config, processes=snakemake.threads)
-for path, table in zip(output.designs, designs.tables, strict=True):
+    designs, searches, summary = designs_of(fit, config, processes=snakemake.threads)
+for path, table in zip(output.designs, designs, strict=True):
     write_table(table, path)
-write(output, searches=designs.searches, summary=designs.summary)
+write(output, searches=searches, summary=summary)

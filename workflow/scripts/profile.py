@@ -4,6 +4,6 @@ from scripts.job import begin_with_study, write
 from squeezefilm.studies.tasks.scan_errors import scan_report
 
 snakemake, config = begin_with_study()
-report = scan_report(config)
-write(snakemake.output, forces=report.forces, figure=report.profile, summary=report.summary)
-print(report.text)
+forces, profile, summary, text = scan_report(config)
+write(snakemake.output, forces=forces, figure=profile, summary=summary)
+print(text)

@@ -8,7 +8,7 @@ from squeezefilm.tables import read_forces
 
 snakemake, config = begin_with_study()
 files = snakemake.input
-found = refine(
+tables, fit, verdict = refine(
     get_model(snakemake.wildcards.model, config["models"], place=config.path),
     config,
     space=snakemake.wildcards.space,
@@ -16,4 +16,4 @@ found = refine(
     sample_limits=files.sample_limits,
     uncertainty=profile_uncertainty(config, summary=files.scan),
 )
-write(snakemake.output, **found.tables, fit=found.fit, verdict=found.verdict)
+write(snakemake.output, **tables, fit=fit, verdict=verdict)

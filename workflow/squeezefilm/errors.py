@@ -1,6 +1,6 @@
 """The two ways a command can end early, each with a message written for the reader."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
@@ -19,6 +19,13 @@ class RunError(Exception):
 
     The command line prints the message without a traceback and exits with status 1.
     """
+
+
+def refuse(place: object, problems: Mapping[str, object]) -> None:
+    """Raise an InputError with the first of some problems, at a place, that there is."""
+    for problem, wrong in problems.items():
+        if wrong:
+            raise InputError(f"{place}: {problem}")
 
 
 @contextmanager

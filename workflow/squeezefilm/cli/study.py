@@ -38,12 +38,14 @@ def profile(options: argparse.Namespace) -> None:
     """
     if not 2 <= options.draws <= 10_000:
         raise InputError(f"--draws {options.draws}: a spread needs 2 to 10000 profiles")
-    report = scan_report(load_config(options.config), draws=options.draws, seed=options.seed)
+    forces, table, _, text = scan_report(
+        load_config(options.config), draws=options.draws, seed=options.seed
+    )
     if options.forces:
-        write_table(report.forces, options.forces)
+        write_table(forces, options.forces)
     if options.table:
-        write_table(report.profile, options.table)
-    print(report.text)
+        write_table(table, options.table)
+    print(text)
 
 
 @command(
@@ -144,12 +146,12 @@ def optimal(options: argparse.Namespace) -> None:
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     config = load_config(options.config)
     with naming(options.fit):
-        found = designs_of_fit(
+        designs, efficiencies, *_ = designs_of_fit(
             fitted,
             config,
             forces=forces,
             limits=limits_for(fitted.force_model, forces, config),
             existing=read_scenes(options.existing) if options.existing else None,
         )
-    write_table(found.designs, options.output)
-    write_rows(found.efficiencies[["plan", "points", "d_efficiency", "lower_bound"]], None)
+    write_table(designs, options.output)
+    write_rows(efficiencies[["plan", "points", "d_efficiency", "lower_bound"]], None)

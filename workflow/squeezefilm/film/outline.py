@@ -156,18 +156,10 @@ def ellipse(aspect: float) -> Outline:
         rim = atanh(shorter / longer)
     else:
         rim = atanh(1 / LEAST_ASPECT)
-        coefficients = turn * _mapped_ellipse(longer, shorter, rim)
+        curve = _curve(np.array([longer - shorter, 0, longer + shorter]) / 2)
+        coefficients = turn * conformal_map(curve, rim).real
+        coefficients[::2] = 0  # of both symmetries
     return Outline(coefficients, rim, aspect, aspect > 1, even_x=True, even_y=True)
-
-
-def _mapped_ellipse(longer: float, shorter: float, rim: float) -> np.ndarray:
-    def curve(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        c, s = np.cos(angle), np.sin(angle)
-        return longer * c + 1j * shorter * s, -longer * s + 1j * shorter * c
-
-    coefficients = conformal_map(curve, rim).real
-    coefficients[::2] = 0  # of both symmetries
-    return coefficients
 
 
 def conformal_map(

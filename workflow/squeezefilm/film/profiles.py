@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import cos, inf, isfinite, pi, radians, sin
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -22,21 +22,6 @@ from squeezefilm.formulas import Expression, parse
 UNBOUNDED = Disc(inf)
 MOST_KEPT = 1_000_000
 """Values of modes, points times modes, that are kept to be used again: 8 MB."""
-
-
-class Profile(Protocol):
-    """A vibration over the actuator's surface; hashable."""
-
-    @property
-    def is_complex(self) -> bool:
-        """Whether amplitudes are complex."""
-        ...
-
-    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        """Amplitude s at positions from the actuator's centre, any common shape."""
-        ...
-
-    def __hash__(self) -> int: ...
 
 
 @dataclass(frozen=True)
@@ -197,6 +182,8 @@ class Quadrature:
         return self.shares[0] * first + 1j * (self.shares[1] * second)
 
 
+Profile = Sinc | Piston | StandingWave | BesselMode | Formula | Modes | Quadrature
+"""A vibration over the actuator's surface; amplitudes are complex where it ``is_complex``."""
 KINDS: dict[str, type] = {
     "sinc": Sinc,
     "piston": Piston,
@@ -313,7 +300,16 @@ def _landmarks(formula: Formula) -> tuple[np.ndarray, np.ndarray]:
     tiles = bends.reshape(TILES, side, TILES, side).transpose(0, 2, 1, 3).reshape(TILES**2, -1)
     first = np.argsort(-tiles.max(axis=1), kind="stable")[:FOLLOWED]
     row, column = np.divmod(tiles[first].argmax(axis=1), side)
-    return x_lines_m[first // TILES * side + row], y_lines_m[first % TILES * side + column]
+    # Within two lines of each, where the profile stands out most from what is around.
+    near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / LINES])
+    half_x_m, half_y_m = formula.surface.half_m
+    x_m = x_lines_m[first // TILES * side + row, None] + half_x_m * near[0].ravel()
+    y_m = y_lines_m[first % TILES * side + column, None] + half_y_m * near[1].ravel()
+    with np.errstate(all="ignore"):
+        s = formula.amplitude(x_m=x_m, y_m=y_m)
+        contrast = np.nan_to_num(np.abs(s - s.mean(axis=1, keepdims=True)), posinf=0.0)
+    best = np.arange(len(x_m)), contrast.argmax(axis=1)
+    return x_m[best], y_m[best]
 
 
 def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:

@@ -398,15 +398,14 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         places, which = self.places
         moves, rises_m = _moves(*places.key), _rises_m(places.pad.finger)
-        narrowest, closure = np.empty((2, len(self)))
-        for start in range(0, len(self), ON_NET_TOGETHER):
-            some = slice(start, start + ON_NET_TOGETHER)
+        parts = []
+        for some in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
             rest = 1 + rises_m / self.h0_m[some, None]
             excursion = self.epsilon[some, None] * moves[which[some]]
-            narrowest[some] = (rest - excursion).min(axis=1)
-            touching = (rest <= 0).any(axis=1)
             with np.errstate(all="ignore"):
-                closure[some] = np.where(touching, 1.0, (excursion / rest).max(axis=1))
+                closed = np.where((rest <= 0).any(axis=1), 1.0, (excursion / rest).max(axis=1))
+            parts.append(((rest - excursion).min(axis=1), closed))
+        narrowest, closure = map(np.concatenate, zip(*parts, strict=True))
         return narrowest, closure
 
 
@@ -423,8 +422,6 @@ def _rises_m(finger: Finger) -> np.ndarray:
 @lru_cache(maxsize=256)
 def _rises(finger: Finger) -> tuple[float, float, float, float]:
     """Least, largest, mean and variance of what the gap at rest is more than h0, on a net."""
-    if finger.gap.flat:
-        return 0.0, 0.0, 0.0, 0.0
     rises_m = _rises_m(finger)
     return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]
 

@@ -88,15 +88,11 @@ class Directions:
     @property
     def text(self) -> str:
         """Which positions stand for all, in a sentence."""
-        others = "no symmetry is shared by pad and vibration"
+        others = f"turned by {self.width_deg:g} deg"
         if self.mirror:
-            others = (
-                f"others are mirrored at {self.start_deg:g} deg and every {self.width_deg:g} on"
-            )
-        elif self.width_deg < 360:
-            others = f"others are turned by {self.width_deg:g} deg"
+            others = f"mirrored at {self.start_deg:g} deg and every {self.width_deg:g} on"
         sector = f"{self.start_deg:g} to {self.stop_deg:g} deg"
-        return f"Positions are at directions of {sector}, which stand for all: {others}."
+        return f"Positions are at directions of {sector}, which stand for all: others are {others}."
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, ready for JSON."""
@@ -114,9 +110,7 @@ class Mirrors:
     @property
     def text(self) -> str:
         """Which positions stand for all, in a sentence."""
-        sides = [f"{axis} >= 0" for axis in ("x", "y") if getattr(self, axis)]
-        if not sides:
-            return "No positions stand for others: pad and vibration share no mirror axis."
+        sides = ["x >= 0"] * self.x + ["y >= 0"] * self.y or ["any place"]
         return f"Positions are at {' and '.join(sides)}, which stand for all: the rest is mirrored."
 
     def represent(self, *, x_m: Array, y_m: Array) -> dict[str, Array]:
@@ -125,20 +119,14 @@ class Mirrors:
 
     def limits(self, positions: Positions) -> dict[str, tuple[float, float]]:
         """The limits of the positions of a study."""
-        farthest = {name: float(max(positions[name])) for name in self.position}
-        return {
-            "x_m": (0.0 if self.x else -farthest["x_m"], farthest["x_m"]),
-            "y_m": (0.0 if self.y else -farthest["y_m"], farthest["y_m"]),
-        }
+        x_m, y_m = (float(max(positions[name])) for name in self.position)
+        least = (0.0 if self.x else -x_m, 0.0 if self.y else -y_m)
+        return {"x_m": (least[0], x_m), "y_m": (least[1], y_m)}
 
     def places(self, positions: Positions) -> list[tuple[float, float]]:
         """The centre, then every x with every y; those at −x too, or else those on the mirror."""
         x_m, y_m = (
-            sorted(
-                {0.0, *given}
-                if mirror
-                else {sign * each + 0.0 for each in given for sign in (1, -1)}
-            )
+            sorted({0.0, *given} if mirror else {*given, *(0.0 - each for each in given)})
             for given, mirror in ((positions["x_m"], self.x), (positions["y_m"], self.y))
         )
         return [(0.0, 0.0), *((x, y) for x in x_m for y in y_m if (x, y) != (0.0, 0.0))]

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, naming
+from squeezefilm.errors import refuse
 from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
@@ -167,48 +167,26 @@ def check_scene(scene: Scene) -> None:
 
     Raises InputError naming the point, the factor and what is allowed.
     """
-    with naming(f"point {scene.point_id}"):
-        _check_film(scene)
-        _check_place(scene)
-        _check_contact(scene)
-
-
-def _check_film(scene: Scene) -> None:
-    h0_m, hv_m = scene.h0_m, scene.hv_m
-    for name in ("h0_m", "hv_m", "x_m", "y_m"):
-        if not isfinite(getattr(scene, name)):
-            raise InputError(f"{name} is not a finite number")
-    if not GAPS_M[0] <= h0_m <= GAPS_M[1]:
-        raise InputError(
-            f"h0_m = {h0_m:g} must lie between {GAPS_M[0]:g} and {GAPS_M[1]:g} m: the model of "
-            "a gas film is not valid outside this range"
-        )
-    if hv_m < 0:
-        raise InputError(f"hv_m = {hv_m:g} must not be negative")
-    if hv_m >= h0_m:
-        raise InputError(
+    place, h0_m, hv_m = f"point {scene.point_id}", scene.h0_m, scene.hv_m
+    names = ("h0_m", "hv_m", "x_m", "y_m")
+    refuse(
+        place,
+        {f"{name} is not a finite number": not isfinite(getattr(scene, name)) for name in names}
+        | {
+            f"h0_m = {h0_m:g} must lie between {GAPS_M[0]:g} and {GAPS_M[1]:g} m: the model of a "
+            "gas film is not valid outside this range": not GAPS_M[0] <= h0_m <= GAPS_M[1],
+            f"hv_m = {hv_m:g} must not be negative": hv_m < 0,
             f"hv_m = {hv_m:g} reaches h0_m = {h0_m:g}: surface and finger touch; the amplitude "
-            "must stay below the mean gap"
-        )
-
-
-def _check_place(scene: Scene) -> None:
-    surface, outline = scene.actuator.surface, scene.finger.outline()
-    x_m, y_m = scene.x_m + outline[:, 0], scene.y_m + outline[:, 1]
-    reach = surface.reach(x_m, y_m)
-    farthest = int(np.argmax(reach))
-    if reach[farthest] > 1 + SLACK:
-        part = "a corner" if scene.finger.shape == "rectangle" else "the rim"
-        raise InputError(
-            f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm "
-            f"{part} of the finger lies {surface.where(x_m[farthest], y_m[farthest])}, off the "
-            f"actuator's {surface.text}"
-        )
-
-
-def _check_contact(scene: Scene) -> None:
-    if scene.closure() >= 1:
-        why = "they touch within the noise of the measured profile"
-        if not scene.finger.gap.flat:
-            why = "the tilted or bulging finger touches the surface; finger.gap leaves too little"
-        raise InputError(f"h0_m = {scene.h0_m:g}, hv_m = {scene.hv_m:g}: {why}")
+            "must stay below the mean gap": hv_m >= h0_m,
+        },
+    )
+    surface, rim_m = scene.actuator.surface, np.add(scene.finger.outline(), (scene.x_m, scene.y_m))
+    reach = surface.reach(*rim_m.T)
+    part = "a corner" if scene.finger.shape == "rectangle" else "the rim"
+    centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
+    off = f"{surface.where(*rim_m[np.argmax(reach)])}, off the actuator's {surface.text}"
+    refuse(place, {f"{centre} {part} of the finger lies {off}": reach.max() > 1 + SLACK})
+    contact = "they touch within the noise of the measured profile"
+    if not scene.finger.gap.flat:
+        contact = "the tilted or bulging finger touches the surface; finger.gap leaves too little"
+    refuse(place, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})

@@ -217,14 +217,10 @@ def _check_scan(config: Config) -> None:
     from squeezefilm.film.measured.read import read_scan
     from squeezefilm.film.measured.smooth import check_places
 
-    path, actuator = scan_path(config), config["actuator"]
-    if path is not None:
-        check_places(
-            read_scan(path, frequency_hz=actuator["frequency_hz"]),
-            surface_of(config),
-            axisymmetric=actuator["profile"]["axisymmetric"],
-            sign=actuator["profile"]["sign"],
-        )
+    if path := scan_path(config):
+        settings = smoothing_settings(config)
+        scan = read_scan(path, frequency_hz=settings.pop("frequency_hz"))
+        check_places(scan, **settings)
 
 
 def _extreme_points(config: Config) -> Iterator[tuple[str, pd.DataFrame]]:

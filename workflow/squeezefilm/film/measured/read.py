@@ -21,7 +21,6 @@ import csv
 import io
 import math
 import re
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from squeezefilm.errors import InputError, naming, needing
+from squeezefilm.errors import InputError, naming, needing, refuse
 from squeezefilm.units import sizes
 
 LENGTHS_M = sizes("m")
@@ -127,13 +126,6 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
         },
     )
     return scan
-
-
-def refuse(where: object, problems: Mapping[str, object]) -> None:
-    """Raise an InputError with the first problem that there is."""
-    for problem, wrong in problems.items():
-        if wrong:
-            raise InputError(f"{where}: {problem}")
 
 
 def _notes(lacking: np.ndarray, *, what: str) -> list[str]:
@@ -264,21 +256,22 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
         if column.is_velocity:
             table[quantity] /= _angular_frequency(frequency_hz, path=path)
             notes.append(f"{column.name!r} divided by the angular frequency")
-    directed = "phase" in table or "sign" in table
-    amplitudes, absent = table.get("amplitude", np.zeros(1)), np.zeros(1)
-    for problem, wrong in {
-        "r must not be negative": table.get("r", absent) < 0,
-        "sign must be 1 or -1": np.abs(table.get("sign", absent + 1)) != 1,
-        "amplitude must not be negative where phase or sign tells its direction": directed
-        & (amplitudes < 0),
-    }.items():
-        if np.any(wrong):
-            raise InputError(f"{path}: line {lines[int(np.argmax(wrong))]}: {problem}")
+    phase, sign = table.get("phase", 0.0), table.get("sign", np.ones(len(lines)))
+    against = "amplitude must not be negative where phase or sign tells its direction"
+    wrong = {
+        "r must not be negative": table.get("r", sign**2) < 0,
+        "sign must be 1 or -1": sign**2 != 1,
+    }
+    if "phase" in table or "sign" in table:
+        wrong[against] = table.get("amplitude", sign**2) < 0
+    for problem, rows in wrong.items():
+        for line in lines[rows][:1]:
+            raise InputError(f"{path}: line {line}: {problem}")
     if "real" in table:
         amplitude = table["real"] + 1j * table["imaginary"]
     else:
-        amplitude = table["amplitude"] * np.exp(1j * table.get("phase", 0.0))
-    amplitude = amplitude * table.get("sign", 1.0)
+        amplitude = table["amplitude"] * np.exp(1j * phase)
+    amplitude = amplitude * sign
     if "r" in table:
         place = table["r"] * np.exp(1j * table.get("phi", 0.0))
     else:
@@ -400,7 +393,7 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
     sets = sets if isinstance(sets, list) else [sets]
     length = next((float(each["length"]) for each in sets if each.get("type") == UNITS), 1.0)
     places = {
-        int(node): (float(x) / length, float(y) / length)
+        int(node): complex(x, y) / length
         for each in sets
         if each.get("type") in NODES
         for node, x, y in zip(each["node_nums"], each["x"], each["y"], strict=True)
@@ -410,36 +403,32 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
         functions = [each for each in functions if abs(int(each["rsp_dir"])) == NORMAL]
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
-    unplaced = [node for node in nodes if node not in places]
-    twice = [node for node, count in Counter(nodes).items() if count > 1]
+    unplaced = set(nodes) - set(places)
     refuse(
         path,
         {
             "no places of points (data set 15 or 2411) are in the file": not places,
             "no functions (data set 58) along one direction or z are in the file": not functions,
             f"the node {min(unplaced, default=0)} of a function has no place (set 15)": unplaced,
-            f"node {min(twice, default=0)} has several functions; export one for each point": twice,
+            "a node has several functions; export one for each point": len(set(nodes)) < len(nodes),
             "the functions are neither displacements (type 8) nor velocities (11) but of type "
             f"{', '.join(map(str, sorted(kinds)))}": kinds not in ({DISPLACEMENT}, {VELOCITY}),
         },
     )
     rows = [_line_at(each, frequency_hz=omega / (2 * math.pi), path=path) for each in functions]
-    x_m, y_m = np.array([places[node] for node in nodes]).T
-    measured = np.array([value for value, _ in rows])
+    measured, lines_hz = (np.array(column) for column in zip(*rows, strict=True))
     amplitude = measured.astype(complex) / (omega if kinds == {VELOCITY} else 1.0)
     seen, numbers = np.isfinite(amplitude), 1 + np.arange(len(nodes))
+    place = np.array([places[node] for node in nodes])[seen]
     return Scan(
         path=path,
-        x_m=x_m[seen],
-        y_m=y_m[seen],
+        x_m=place.real,
+        y_m=place.imag,
         amplitude_m=amplitude[seen],
         lines=numbers[seen],
         missing=int(np.sum(~seen)),
         signed=np.iscomplexobj(measured) or bool(np.any(amplitude[seen].real < 0)),
-        notes=(
-            f"read at {min(line for _, line in rows):.7g} Hz",
-            *_notes(numbers[~seen], what="function"),
-        ),
+        notes=(f"read at {lines_hz.min():.7g} Hz", *_notes(numbers[~seen], what="function")),
     )
 
 

@@ -25,10 +25,10 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError
+from squeezefilm.errors import InputError, refuse
 from squeezefilm.files import digest, whole_file
 from squeezefilm.film.measured.least_squares import Fit, Points, best_fit, wants_angles
-from squeezefilm.film.measured.read import Scan, read_scan, refuse
+from squeezefilm.film.measured.read import Scan, read_scan
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 

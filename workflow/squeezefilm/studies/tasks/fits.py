@@ -22,7 +22,7 @@ from squeezefilm.solution import as_in
 from squeezefilm.studies.space import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
-from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
+from squeezefilm.studies.tasks.scan_errors import errors_in_study
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
 
 Limits = pd.DataFrame | Path | str | None
@@ -39,8 +39,7 @@ def profile_uncertainty(config: Config, *, summary: Path | str | None = None) ->
     scan = smoothed_scan_of(config)
     if scan is None:
         return 0.0
-    errors = errors_in_study(config, scan, draws=DRAWS, seed=SEED)
-    return float(errors["scan_error_share"].max())
+    return float(errors_in_study(config, scan)["scan_error_share"].max())
 
 
 def limits_of(points: pd.DataFrame, config: Config) -> pd.DataFrame:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -192,9 +192,8 @@ def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame
         ends = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0]]
         if box.names[2:] == CARTESIAN:
             ends = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [1.0, 1.0]]
-        layers["gap"] = box.from_unit(
-            np.concatenate([np.column_stack([gaps, np.tile(end, (len(gaps), 1))]) for end in ends])
-        )
+        everywhere = np.repeat(gaps, len(ends), axis=0), np.tile(ends, (len(gaps), 1))
+        layers["gap"] = box.from_unit(np.hstack(everywhere))
         narrow = np.tile([0.0, 1.0], (len(gaps), 1))
         layers["position"] = box.from_unit(np.column_stack([narrow, gaps]))
     parts = []
@@ -216,16 +215,6 @@ def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame
     return pd.concat(parts, ignore_index=True)
 
 
-@dataclass(frozen=True, eq=False)
-class OptimalDesigns:
-    """The optimal designs of a fit as tables: points, efficiencies beside other plans, a map."""
-
-    designs: pd.DataFrame
-    efficiencies: pd.DataFrame
-    sensitivity: pd.DataFrame
-    summary: dict[str, Any]
-
-
 def designs_of_fit(
     fit: FittedModel,
     config: Config,
@@ -235,7 +224,7 @@ def designs_of_fit(
     existing: pd.DataFrame | None = None,
     plans: Mapping[str, pd.DataFrame] | None = None,
     patterns: Mapping[str, Any] | None = None,
-) -> OptimalDesigns:
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame, dict[str, Any]]:
     """All optimal designs of a fit, with its plans and patterns beside them.
 
     Args:
@@ -243,6 +232,9 @@ def designs_of_fit(
         existing: scenes that a design adds to.
         plans: scenes of other plans, by their names.
         patterns: summary of the searches by the paper's criterion.
+
+    Returns: the designs' points, efficiencies beside other plans, a map of the sensitivity, and a
+        summary.
 
     Raises InputError where the model cannot be used on these points, or has no parameters.
     """
@@ -271,7 +263,7 @@ def designs_of_fit(
         "parameter_ranges_note": RANGES_NOTE,
     }
     points = [_table(study, *each, existing) for each in designs.items()]
-    return OptimalDesigns(
+    return (
         pd.concat(points, ignore_index=True),
         table,
         sensitivity_map(study, designs["local"]),

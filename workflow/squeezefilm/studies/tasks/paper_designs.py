@@ -5,7 +5,7 @@ found with the study's own scaling are united and extended to the wanted number 
 factors: the determinant alone, and once more with the points physically distinct.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -37,13 +37,8 @@ TWO_FACTOR_LEVELS, FOUR_FACTOR_LEVELS = 181, 7
 """Levels per factor of the grid on which the optimum to compare with is sought."""
 
 
-@dataclass(frozen=True, eq=False)
-class PaperDesigns:
-    """Designs as tables, every point of every search, and the patterns found, ready for JSON."""
-
-    tables: list[pd.DataFrame]
-    searches: pd.DataFrame
-    summary: dict[str, Any]
+PaperDesigns = tuple[list[pd.DataFrame], pd.DataFrame, dict[str, Any]]
+"""Designs as tables, every point of every search, and the patterns found, ready for JSON."""
 
 
 def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
@@ -68,7 +63,7 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
         "scalings": summary,
         "d_efficiency": d_efficiency(determinant.derivatives(points), optimal),
     }
-    return PaperDesigns([design], pd.concat(searches, ignore_index=True), about)
+    return [design], pd.concat(searches, ignore_index=True), about
 
 
 def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
@@ -84,7 +79,7 @@ def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> 
         searches.append(table)
         designs.append(_design(patterns[0].design.points, form, box, box.names[2:]))
     about = {"searches": settings["searches"], "forms": summary}
-    return PaperDesigns(designs, pd.concat(searches, ignore_index=True), about)
+    return designs, pd.concat(searches, ignore_index=True), about
 
 
 def _criterion(fit: FittedModel, box: Box) -> Criterion:

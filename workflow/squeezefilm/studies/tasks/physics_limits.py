@@ -37,7 +37,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
 )
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.studies.space import box_of, plan
-from squeezefilm.studies.study import film_in, scenes_in
+from squeezefilm.studies.study import scenes_in
 
 TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below what the limits leave out."""
@@ -97,24 +97,19 @@ def limit_table_of(config: Config) -> LimitTable:
     ranges = {"h0_m": box.pop("h0_m"), "epsilon_square": (0.0, LARGEST_EPSILON_SQUARE), **box}
     random = np.random.default_rng(CHECK_SEED)
     at, shape = nodes(ranges, _counts(config, ranges, random))
-    limits = _limits(config, at)
-    table = LimitTable.model_validate(
-        {
-            "ranges": ranges,
-            "shape": shape,
-            "coefficients": {
-                name: coefficients_of(_over_square(limits, at, name).reshape(shape))
-                .ravel()
-                .tolist()
-                for name in EXPANSIONS
-            },
-            "sigma_h0_square_m2": limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2,
-            "largest_relative_error": np.nan,
-        }
-    )
+    limits, smooth = _limits(config, at)
+    coefficients = (coefficients_of(each.reshape(shape)).ravel().tolist() for each in smooth)
+    values = {
+        "ranges": ranges,
+        "shape": shape,
+        "coefficients": dict(zip(EXPANSIONS, coefficients, strict=True)),
+        "sigma_h0_square_m2": limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2,
+        "largest_relative_error": np.nan,
+    }
+    table = LimitTable.model_validate(values)
     drawn = {axis: random.uniform(*ranges[axis], CHECK_POINTS) for axis in ranges}
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
-    checked = _limits(config, drawn)
+    checked, _ = _limits(config, drawn)
     found = table.complete(factors_of(checked))
     errors = [np.abs(found.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
     return table.model_copy(update={"largest_relative_error": float(max(errors))})
@@ -133,25 +128,18 @@ def _counts(
             for axis, limits in ranges.items()
         }
         at[along] = np.tile(between((low, high), chebyshev.chebpts1(LINE_POINTS)), LINES)
-        limits = _limits(config, at)
-        lines = (_over_square(limits, at, name).reshape(LINES, LINE_POINTS) for name in EXPANSIONS)
-        tails_of[along] = np.max([tails(line) for line in lines], axis=0)
-    h0_m = ranges["h0_m"][1]
-    gas = _with_inertia(film_in(config).scene(h0_m, 0.1 * h0_m)).gas
-    inertia = gas.inertia == "included"
+        _, smooth = _limits(config, at)
+        tails_of[along] = np.max([tails(each.reshape(LINES, LINE_POINTS)) for each in smooth], 0)
+    inertia = config["gas"]["inertia"] != "none"
     tolerance = TABLE_TOLERANCE_WITH_INERTIA if inertia else TABLE_TOLERANCE
     return counts_for(tails_of, tolerance=tolerance)
 
 
-def _over_square(limits: pd.DataFrame, at: dict[str, np.ndarray], name: str) -> np.ndarray:
-    """A limit over ε², which is smooth, shape (n,)."""
-    return limits[name].to_numpy() / at["epsilon_square"]
-
-
-def _limits(config: Config, at: dict[str, np.ndarray]) -> pd.DataFrame:
+def _limits(config: Config, at: dict[str, np.ndarray]) -> tuple[pd.DataFrame, np.ndarray]:
+    """The limits at points, and both EXPANSIONS over ε², which is smooth, shape (2, n)."""
     factors = pd.DataFrame(at).assign(hv_m=at["h0_m"] * np.sqrt(at["epsilon_square"]))
     table = plan(factors.drop(columns="epsilon_square"))
     limits = with_limits(table, scenes_in(table, config))
     if missing := [status for status in limits["status"] if status != "ok"]:
         raise InputError(f"{config.path}: {missing[0]} (of the study's space)")
-    return limits
+    return limits, limits[[*EXPANSIONS]].to_numpy().T / at["epsilon_square"]

@@ -1,7 +1,6 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -44,15 +43,6 @@ TABLES = {
     "where": WHERE_COLUMNS,
 }
 """What a refinement leaves as tables, with the columns that each has at least."""
-
-
-@dataclass(frozen=True, eq=False)
-class Refinement:
-    """How the loop ended: tables by their names (TABLES), the last fit, and the verdict."""
-
-    tables: dict[str, pd.DataFrame]
-    fit: dict[str, Any]
-    verdict: dict[str, Any]
 
 
 class SimulatedSpace:
@@ -101,7 +91,7 @@ def refine(
     sample: pd.DataFrame,
     sample_limits: Path | str,
     uncertainty: float,
-) -> Refinement:
+) -> tuple[dict[str, pd.DataFrame], dict[str, Any], dict[str, Any]]:
     """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
 
     A model that needs the physics limits where they do not hold is refused before anything is
@@ -111,6 +101,8 @@ def refine(
         space: ``two_factor`` or ``four_factor``.
         sample: forces of a validation sample; sample_limits the table of its physics limits.
         uncertainty: share of a force that the scan of a measured profile leaves open.
+
+    Returns: tables by their names (TABLES), the last fit, and the verdict.
 
     Raises InputError where the section allows too few simulations to begin with, and RunError for a
     scene that has no force.
@@ -123,7 +115,7 @@ def refine(
         print(error)
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
         reason = about | {"refused": str(error)}
-        return Refinement(tables, reason, reason)
+        return tables, reason, reason
     loop = Sequential(
         model,
         pool,
@@ -161,13 +153,14 @@ def refine(
         "fitted_points": len(last.design),
         "verification_points": settings["verification"],
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
+        "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": {key: _finite(getattr(last, key)) for key in estimated},
         "settings": dict(settings),
         "errors_mapped_by": source,
         "error_by_region": by_region.to_dict("records"),
         "error_by_region_text": in_words(by_region),
     }
-    return Refinement(tables, fit.to_dict(), verdict)
+    return tables, fit.to_dict(), verdict
 
 
 def _print_round(done: Round) -> None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import pandas as pd
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.quantities.model_error import resolve_auto_terms
@@ -39,7 +39,7 @@ def scan_errors(
 
     Returns:
         In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
-        ``lowest_n``, ``highest_n``, standard deviation and range over profiles with other noise;
+        the standard deviation over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
         and all that was taken off the profile's maximum as the noise's;
         ``out_of_phase_n``, by what the force is low without motion out of phase that was neglected;
@@ -57,16 +57,14 @@ def scan_errors(
         for profile in profiles
         for scene in scenes
     ]
-    solutions = solve(every, tolerance=TOLERANCE, device=device)
-    for scene, solution in zip(every, solutions, strict=True):
-        if solution.status != "ok":
-            raise RunError(f"point {scene.point_id}: {solution.status}")
-    forces = np.array([solution.force_n for solution in solutions]).reshape(len(profiles), -1)
+    solved = solve(every, tolerance=TOLERANCE, device=device).to_frame()
+    for row in np.flatnonzero(solved["status"] != "ok")[:1]:
+        raise RunError(f"point {every[row].point_id}: {solved['status'][row]}")
+    forces = solved["force_n"].to_numpy().reshape(len(profiles), -1)
     spread_n = forces[1:].std(axis=0, ddof=1)
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
-    share = smoothed.profile.largest - 1
-    bias = np.array([2 * share / (1 - scene.epsilon) for scene in scenes])
+    bias = 2 * (smoothed.profile.largest - 1) / (1 - Scenes.of(scenes).epsilon)
     neglected = not smoothed.profile.is_complex
     effect = [out_of_phase_effect(scene, smoothed) if neglected else 0.0 for scene in scenes]
     table = pd.DataFrame({"force_n": forces[0], "spread_n": spread_n})
@@ -74,8 +72,6 @@ def scan_errors(
     table["noise_n"] = quantile * spread_n + bias * size_n
     table["out_of_phase_n"] = effect * size_n
     return table.assign(
-        lowest_n=forces[1:].min(axis=0),
-        highest_n=forces[1:].max(axis=0),
         noise_share=table["noise_n"] / size_n,
         scan_error_n=table["noise_n"] + table["out_of_phase_n"],
         scan_error_share=(table["noise_n"] + table["out_of_phase_n"]) / size_n,
@@ -95,31 +91,23 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
 
 
 def errors_in_study(
-    config: Config, smoothed: SmoothedScan, *, draws: int, seed: int
+    config: Config, smoothed: SmoothedScan, *, draws: int = DRAWS, seed: int = SEED
 ) -> pd.DataFrame:
     """Forces of some of a study's scenes, and what the scan leaves open in them."""
-    points = _points(config)
+    points, device = _points(config), device_of(config)
     scenes = scenes_in(points, config)
-    return points.join(
-        scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
-    )
+    return points.join(scan_errors(scenes, smoothed, device=device, draws=draws, seed=seed))
 
 
-@dataclass(frozen=True, eq=False)
-class ScanReport:
-    """What a scan leaves open: forces of some scenes, the profile as a table, a summary, a text."""
-
-    forces: pd.DataFrame
-    profile: pd.DataFrame
-    summary: dict[str, Any]
-    text: str
-
-
-def scan_report(config: Config, *, draws: int = DRAWS, seed: int = SEED) -> ScanReport:
+def scan_report(
+    config: Config, *, draws: int = DRAWS, seed: int = SEED
+) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
     """Smooth the scan of a study and simulate some of its scenes with other noise.
 
     Args:
         draws: profiles with other noise; seed of the draws.
+
+    Returns: forces of some scenes, the profile as a table, and a summary in numbers and in words.
 
     Raises InputError for a study whose profile is not measured.
     """
@@ -132,36 +120,38 @@ def scan_report(config: Config, *, draws: int = DRAWS, seed: int = SEED) -> Scan
     x_m, y_m, _ = smoothed.profile.surface.net()
     unsure = float(smoothed.standard_error(x_m=x_m, y_m=y_m).max())
     outliers = smoothed.scan.lines[smoothed.outliers].tolist()
+    peak_um, complex_ = smoothed.peak_m * 1e6, smoothed.profile.is_complex
     summary = {
         "points": len(smoothed.measured_m),
         "missing": smoothed.scan.missing,
         "outlier_lines": outliers,
         "degree": smoothed.degree,
-        "peak_um": smoothed.peak_m * 1e6,
+        "peak_um": peak_um,
         "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
         "noise_share": smoothed.noise_m / smoothed.peak_m,
         "quadrature_share": smoothed.quadrature,
         "largest_standard_error_share": unsure,
-        "two_phases": smoothed.profile.is_complex,
+        "two_phases": complex_,
         "largest_force_noise_share": noise,
         "largest_force_error_share": error,
         "notes": smoothed.warnings,
     }
+    phases = f"motion out of phase {100 * smoothed.quadrature:.2g} % in rms with its noise"
     lines = [
-        f"points {summary['points']}",
-        f"outliers, not fitted {len(outliers)} (lines {str(outliers[:6])[1:-1]})" * bool(outliers),
+        f"points {len(smoothed.measured_m)}",
+        *[f"outliers, not fitted {len(outliers)} (lines {str(outliers[:6])[1:-1]})"][
+            : len(outliers)
+        ],
         f"degree of the modes {smoothed.degree}",
-        f"largest amplitude {summary['peak_um']:.4g} µm",
-        f"noise {100 * summary['noise_share']:.2g} % of it",
+        f"largest amplitude {peak_um:.4g} µm",
+        f"noise {100 * smoothed.noise_m / smoothed.peak_m:.2g} % of it",
         f"standard error of the profile {100 * unsure:.2g} % of it, at most",
         f"error of a force by the noise {100 * noise:.2g} % at most, at 95 %",
-        f"motion out of phase {100 * smoothed.quadrature:.2g} % in rms with its noise"
-        + ", neglected" * (not smoothed.profile.is_complex),
+        phases + ("" if complex_ else ", neglected"),
         *smoothed.warnings,
     ]
-    lines = [line for line in lines if line]
     table = profile_table(smoothed).assign(note="; ".join(lines))
-    return ScanReport(forces, table, summary, "\n".join(lines))
+    return forces, table, summary, "\n".join(lines)
 
 
 def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
