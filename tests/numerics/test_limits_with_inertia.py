@@ -86,7 +86,7 @@ def test_rim_of_small_excursions(reynolds: float) -> None:
     ],
 )
 def test_table_between_its_rows(a: float, reynolds: float, found: tuple[float, ...]) -> None:
-    """Layers solved for (layer_state.py at the git tag verification-2026-11)."""
+    """Layers solved for (layer_state.py at commit cde05ac)."""
     assert at(a, reynolds) == pytest.approx(found, abs=1e-4)
     assert at(a, reynolds)[0] == pytest.approx(found[0], rel=1e-6)
 

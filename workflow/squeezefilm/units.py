@@ -16,7 +16,7 @@ Dimension = Mapping[str, Fraction]
 BASES = ("N", "m", "s", "deg")
 NONE: Dimension = {}
 MOST_LEVELS = 10_000
-MILLI = 1e-3
+LEAST_MILLI = 1e-4
 FACTORS = ("h0", "hv", "x", "y", "phi_r", "phi")
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
@@ -210,7 +210,7 @@ def in_lines(row: Mapping[Any, Any]) -> str:
         label, unit = unit_of_column(name)
         size = 1.0
         if unit in ("m", "s") and 0 < abs(value) < 1:
-            prefix, size = ("m", 1e3) if abs(value) >= MILLI else ("µ", 1e6)
+            prefix, size = ("m", 1e3) if abs(value) >= LEAST_MILLI else ("µ", 1e6)
             unit = prefix + unit
         # Without an error three digits, and all before the point; a factor as it was asked for.
         text = str(value)

@@ -13,13 +13,13 @@ Where the surface moves in two phases the layer at a point is that of a = ε √
 instant; the gap's slope then has a part a quarter of a period from the motion itself, of which the
 force sees q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
 
-They were computed once, at the git tag verification-2026-11 (reynolds/limits/boundary_layer.py),
+They were computed once, at commit cde05ac (reynolds/limits/boundary_layer.py),
 and are stored as d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series
 give them.
 
 With the gas' inertia the core sees ψ² on the rim, the layer's own overpressure d, and the changes g
 and h of the rim's ψ² with the slopes of the profile and of the core. They were computed once, at
-the git tag verification-2026-11 (reynolds/limits/inertial_layer.py, half an hour of one core), and
+commit cde05ac (reynolds/limits/inertial_layer.py, half an hour of one core), and
 are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev points: in Re up to MOST_REYNOLDS and,
 for each Re, in −ln(1 − a²) up to a = ``largest(Re)``. Somewhere beyond, waves steepen to a shock in
 the layer, and no periodic state was found that a finer grid would not change.
