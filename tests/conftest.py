@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from snakemake.iocontainers import InputFiles, OutputFiles
+from snakemake.iocontainers import InputFiles, OutputFiles, Wildcards
 
 from scripts import job
 from squeezefilm.cli.main import main
@@ -82,7 +82,7 @@ def script() -> Callable[..., None]:
             output=OutputFiles(fromdict=files),
             params=SimpleNamespace(**params or {}),
             threads=threads,
-            wildcards=SimpleNamespace(**wildcards),
+            wildcards=Wildcards(fromdict=wildcards),
         )
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(job, "begin", lambda: snakemake)

@@ -4,9 +4,11 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
+from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.study import film_of
 from squeezefilm.tables import write_json
 
+MODEL = get_model("two_factor")
 THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
 
 
@@ -25,6 +27,9 @@ def fit(tmp_path, paper):
     path = tmp_path / "fit.json"
     values = {
         "model": "two_factor",
+        "expression": MODEL.expression,
+        "parameters": list(MODEL.parameter_names),
+        "parameter_units": list(MODEL.parameter_units),
         "theta": [7.8, 1.83, -1.0],
         "points": 60,
         "global_error": 0.005,

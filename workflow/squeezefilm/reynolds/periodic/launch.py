@@ -389,5 +389,5 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
 
 def warm(device: Device, scene: Scene) -> None:
     """Build and load the kernels that a scene needs, so that the first batch need not wait."""
-    grid = Grid(nx=4, ny=4, nt=8, fold_x=False, fold_y=False)
+    grid = Grid(4, 4, 8, False, False, scene.finger.smooth_outline)
     solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device)
