@@ -96,7 +96,8 @@ class Command:
 
 def pages(repository: Path) -> list[Path]:
     docs = sorted((repository / "docs").rglob("*.md"))
-    return [repository / name for name in PAGES] + docs
+    written = [page for page in docs if page.parent.name != "_generated"]
+    return [repository / name for name in PAGES] + written
 
 
 def commands_on(page: Path, *, root: Path) -> Iterator[Command]:
