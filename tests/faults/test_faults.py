@@ -51,7 +51,7 @@ def wait_for_job(running: psutil.Popen, command: str) -> psutil.Process:
 
 @pytest.mark.parametrize(
     ("victim", "command"),
-    [("group", "draw_figures"), ("snakemake", "simulate_plan"), ("job", "fit")],
+    [("group", "draw_figures"), ("snakemake", "simulate"), ("job", "fit")],
 )
 def test_a_killed_run_goes_on(victim, command, undisturbed, tmp_path):
     folder = copy_checkout(CHECKOUT, tmp_path)
