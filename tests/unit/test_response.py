@@ -46,3 +46,8 @@ def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     assert slip == pytest.approx([0.12, 7.6, -7.8, -8.0], rel=0.03)
     assert told["inertia_gain"].startswith("-0.11 ± 0.0")
     assert told["heat_gain"].startswith("0.0")
+
+
+@pytest.mark.parametrize("frequencies", ["10kHz", "0Hz,100Hz"])
+def test_a_modulation_that_is_not_slow_ends_with_a_message(frequencies, refused):
+    assert "must lie above 0 and up to 4327 Hz" in refused(*ONE, "--frequencies", frequencies)

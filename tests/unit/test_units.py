@@ -1,10 +1,13 @@
 """Units of formulas: what does not fit is refused, what is not said is inferred."""
 
+import math
+
 import pytest
 from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
 from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, make_model
+from squeezefilm.units import in_lines
 
 
 def model(expression: str, **settings) -> ExpressionModel:
@@ -74,3 +77,10 @@ def test_a_position_is_cartesian_unless_the_formula_is_polar():
     assert model("t0*r*cos(angle)").factor_names == ("h0_m", "hv_m", "phi_r_m", "phi_deg")
     assert model("t0*hv").factor_names == ("h0_m", "hv_m")
     assert model("limit").factor_names == ("h0_m", "hv_m", "x_m", "y_m")
+
+
+def test_a_row_in_lines_has_texts_and_says_what_is_not_known():
+    row = {"h0_m": 4e-6, "others_m": "2e-06", "h0_modelling_error_lower_m": math.nan}
+    assert [line.split(maxsplit=1)[1] for line in in_lines(row).splitlines()] == [
+        *("4 µm", "2e-06 m", "not known"),
+    ]

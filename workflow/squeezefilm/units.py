@@ -17,6 +17,8 @@ BASES = ("N", "m", "s", "deg")
 NONE: Dimension = {}
 MOST_LEVELS = 10_000
 LEAST_MILLI = 1e-4
+NOT_KNOWN = ("modelling_error", "left_out_")
+"""Parts of the names of columns whose values are missed where there are none."""
 FACTORS = ("h0", "hv", "x", "y", "phi_r", "phi")
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
@@ -167,6 +169,8 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
 
     Three digits where the error is not known.
     """
+    if not math.isfinite(value):
+        return "", ""
     if error == 0:
         return f"{value:g}", "0"
     if not math.isfinite(error):
@@ -205,11 +209,13 @@ def in_lines(row: Mapping[Any, Any]) -> str:
     errors = {error for name in row if (error := error_column(name, row))}
     shown: dict[str, str] = {}
     for name, value in row.items():
+        label, unit = unit_of_column(name)
+        if value != value and any(part in name for part in NOT_KNOWN):
+            shown[label] = "not known"
         if name in errors or value is None or value == "" or value != value:
             continue
-        label, unit = unit_of_column(name)
         size = 1.0
-        if unit in ("m", "s") and 0 < abs(value) < 1:
+        if isinstance(value, float) and unit in ("m", "s") and 0 < abs(value) < 1:
             prefix, size = ("m", 1e3) if abs(value) >= LEAST_MILLI else ("µ", 1e6)
             unit = prefix + unit
         # Without an error three digits, and all before the point; a factor as it was asked for.

@@ -158,6 +158,8 @@ def response(options: argparse.Namespace) -> None:
         with naming(options.scenes):
             scenes = film.scenes(table)
     alone = options.scenes is None
+    if alone or options.gains is not None:
+        gained = all_gains(table, scenes, frequency_hz)
     if alone or options.output is not None:
         with one_build_at_a_time():
             device = device_of(film.config, option=options.device)
@@ -165,10 +167,11 @@ def response(options: argparse.Namespace) -> None:
         found = responses(table, scenes, tolerance=tolerance, device=device)
         if alone and found["status"].iloc[0] != OK:
             raise RunError(found["status"].iloc[0])
+        for reason in gained.loc[gained["status"] != OK, "status"] if alone else ():
+            raise InputError(f"--frequencies {options.frequencies}: {reason}")
         write_rows(found, options.output)
     if alone or options.gains is not None:
-        found = all_gains(table, scenes, frequency_hz)
         shown = ["frequency_hz", "gain", "phase_deg", "error"]
-        write_rows(found if options.gains else found[shown], options.gains)
+        write_rows(gained if options.gains else gained[shown], options.gains)
     if options.steps is not None:
         write_rows(all_steps(table, scenes), options.steps)

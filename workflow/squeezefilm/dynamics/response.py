@@ -268,7 +268,8 @@ def all_gains(
     unknown = dict.fromkeys(("gain", "phase_deg", "error"), nan)
 
     def found(scene: Scene) -> pd.DataFrame:
-        slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz
+        most_hz = MOST_MODULATION * scene.actuator.frequency_hz
+        slow = (frequency_hz > 0) & (frequency_hz <= most_hz)
         parts = [
             _or_reason(partial(gains, scene, some), frequency_hz=some, **unknown)
             for some in (frequency_hz[slow], frequency_hz[~slow])

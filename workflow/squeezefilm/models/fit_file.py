@@ -126,7 +126,9 @@ class FittedModel(BaseModel):
 
         Raises InputError naming the file, for a formula that is refused.
         """
-        parameters = dict(zip(self.parameters, self.parameter_units, strict=False))
+        if len(self.parameters) != len(self.parameter_units):
+            raise InputError(f"{self.place}: give one of 'parameter_units' for each parameter")
+        parameters = dict(zip(self.parameters, self.parameter_units, strict=True))
         entry = {"expression": self.expression, "parameters": parameters}
         model = make_model(self.model, entry, place=self.place)
         if len(model.parameter_names) != len(self.theta):
