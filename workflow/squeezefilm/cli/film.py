@@ -196,9 +196,7 @@ def budget(options: argparse.Namespace) -> None:
     CONFIG,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
     option("--places", None, f"each way, {LEAST_PLACES} to {MOST_PLACES}", type=int, default=41),
-    option(
-        *("--instants", None, f"even, {LEAST_INSTANTS} to {MOST_INSTANTS}"), type=int, default=32
-    ),
+    option("--instants", help=f"even, {LEAST_INSTANTS} to {MOST_INSTANTS}", type=int, default=32),
     points(many=False),
 )
 def pressure(options: argparse.Namespace) -> None:

@@ -31,37 +31,38 @@ POINTS = {
 }
 MANY = "each one value, several (5um,6um), or a range first:last:count (5:10:6um)"
 
-Adds = Callable[[argparse.ArgumentParser], object]
+OptionAdder = Callable[[argparse.ArgumentParser], object]
+Run = Callable[[argparse.Namespace], int | None]
 
 
 @dataclass(frozen=True)
 class Command:
     """A command: the function that runs it, and what adds its options to a parser."""
 
-    run: Callable[[argparse.Namespace], int | None]
-    options: Sequence[Adds]
+    run: Run
+    options: Sequence[OptionAdder]
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         for add in self.options:
             add(parser)
 
 
-def command(*options: Adds) -> Callable[[Callable[[argparse.Namespace], int | None]], Command]:
+def command(*options: OptionAdder) -> Callable[[Run], Command]:
     """Make a function a command that has some options."""
     return lambda run: Command(run, options)
 
 
-def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> Adds:
+def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> OptionAdder:
     """An option, or what stands without one."""
     return lambda parser: parser.add_argument(name, metavar=metavar, help=help, **how)
 
 
-def flag(name: str, help: str) -> Adds:
+def flag(name: str, help: str) -> OptionAdder:
     """An option without a value."""
     return lambda parser: parser.add_argument(name, action="store_true", help=help)
 
 
-def points(*without: str, many: bool = True) -> Adds:
+def points(*without: str, many: bool = True) -> OptionAdder:
     """Options for the factors, but for those in ``without``; ``many`` values of each."""
 
     def add(parser: argparse.ArgumentParser) -> None:
