@@ -127,14 +127,14 @@ class Force:
             "force_n": self.force_n,
             "force_error_n": self.error_n,
             **parts,
+            "modelling error": budget_text(self.budget),
             **{name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")},
             "epsilon": scene.epsilon,
             "sigma": scene.sigma,
             "method": f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
             f"{found.krylov_iterations} Krylov iterations, on {self.device}",
-            "left out": found.left_out,
+            "simplifications": found.left_out,
             "validity": self.validity,
-            "beyond the equation": budget_text(self.budget),
             **found.asked_columns,
         }
         notes = (*self.notes, *notes_of(scene), *([self.status] * (self.status != OK)))

@@ -56,7 +56,7 @@ CALLED = {
     "depth_averaged": "the error of depth-averaged terms",
     "slip": "slip",
     "kinetic": "what first-order slip lacks",
-    "rim": "the rim's entrance loss",
+    "rim": "inlet loss at the film edge",
     "bearing": "sliding",
     "passing": "the profile that passes a sliding finger",
 }
@@ -392,24 +392,27 @@ def _refused(scene: Scene, name: str, method: str) -> str:
 
 # Per cent of the force, from which on the error of depth-averaged terms is shown.
 LEAST_SHOWN = 0.01
-ABOVE = " (first order, above its range)"
+ABOVE = " (first order, outside its range)"
 
 
 def budget_text(budget: ErrorBudget) -> str:
-    """Every effect and their sum on one line."""
+    """Return the modelling error of a force, and the effects that it neglects and includes."""
     if budget.status != "ok":
         return f"not known: {budget.status}"
-    shown = [
-        _shown(name, effect)
-        for name, effect in budget.effects.items()
-        if not (effect.most_percent < LEAST_SHOWN if effect.estimate else effect.percent == 0)
-    ]
     lower, upper = budget.modelling_error_percent
-    neglected = "not known" if isnan(lower) else f"{_band(lower, upper)} with higher orders"
+    total = "not known" if isnan(lower) else f"{_band(lower, upper)} of the force"
     if budget.above_range:
-        neglected += f" (above the range of first orders: {', '.join(budget.above_range)})"
-    basis = f" (of {budget.basis})" if budget.basis else ""
-    return f"{', '.join(shown)}; left out in all {neglected}{basis}"
+        total += f" (outside the range of first orders: {', '.join(budget.above_range)})"
+    parts = [total + (f" (of {budget.basis})" if budget.basis else "")]
+    for what, included in (("neglected", False), ("included", True)):
+        effects = [
+            _shown(name, effect)
+            for name, effect in budget.effects.items()
+            if effect.included == included
+            and not (effect.most_percent < LEAST_SHOWN if effect.estimate else effect.percent == 0)
+        ]
+        parts += [f"{what}: {', '.join(effects)}"] if effects else []
+    return "; ".join(parts)
 
 
 def budget_row(budget: ErrorBudget) -> dict[str, object]:
@@ -448,7 +451,7 @@ def _shown(name: str, effect: Effect) -> str:
     if name == "rim":
         ends = sorted((each * effect.percent for each in (ENTRANCE_LEAST, ENTRANCE_MOST)), key=abs)
         return f"{label} {_band(*ends)}{above}"
-    return f"{label} {effect.percent:+.2g} %{', in it' if effect.included else ''}{above}"
+    return f"{label} {effect.percent:+.2g} %{above}"
 
 
 def _band(first: float, last: float) -> str:
