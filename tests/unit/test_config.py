@@ -72,6 +72,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
     ("study: paper", "study: ../paper", "study: '../paper' should match pattern"),
     ("", "study: other\n", "line 3: the key 'study' stands twice"),
+    ("", "a: &b [c]\nd: *b\n", "line 1: an alias of this value is not allowed"),
     ("", "<<: {a: 1}\n", "line 1: top level: unknown key '<<'"),
     ("", "a: [\n", "not valid YAML"),
     ("stop: 2 µm", "stop: 5 µm", "hv_m = 5e-06 reaches h0_m = 5e-06: surface and finger touch"),

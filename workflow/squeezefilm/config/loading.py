@@ -118,11 +118,17 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
     """The values of a YAML text, and the line of each.
 
     Of YAML its plain part: true, false, null, decimal numbers, text, lists and mappings, for YAML's
-    own rules read 12:30 as 750 and 010 as 8. A key may stand only once.
+    own rules read 12:30 as 750 and 010 as 8. A key may stand only once, and no alias: a file is
+    no larger than it looks.
     """
     lines: dict[Place, int] = {}
+    seen: set[yaml.Node] = set()
 
     def value_of(node: yaml.Node, place: Place) -> Any:
+        if node in seen:
+            line = node.start_mark.line + 1
+            raise InputError(f"{path}: line {line}: an alias of this value is not allowed")
+        seen.add(node)
         lines.setdefault(place, node.start_mark.line + 1)
         if isinstance(node, yaml.SequenceNode):
             return [value_of(item, (*place, i)) for i, item in enumerate(node.value)]
