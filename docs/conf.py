@@ -51,8 +51,18 @@ def claims() -> list[str]:
     return [f"{agreeing} of {len(claims)} claims agree.", "", *rows]
 
 
+def measured(path: Path) -> str:
+    """Return a stored table of measured values, and what made it, as the page shows it."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    origin = dict(line[2:].split(": ", 1) for line in lines if line.startswith("# "))
+    head, *rows = csv.reader(line for line in lines if not line.startswith("# "))
+    table = [head, ["---"] * len(head), *rows]
+    source = f"*Commit {origin['commit']}, {origin['date']}; {origin['machine']}.*"
+    return "\n".join([*(f"| {' | '.join(row)} |" for row in table), "", source])
+
+
 def write_generated() -> None:
-    """Write keys of a study, help of all commands, limits of validity and the paper's claims."""
+    """Write keys, help of all commands, limits of validity, claims and measured tables."""
     GENERATED.mkdir(exist_ok=True)
     rows = [
         f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
@@ -62,6 +72,8 @@ def write_generated() -> None:
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
     (GENERATED / "claims.md").write_text("\n".join(claims()), encoding="utf-8")
+    for path in sorted((HERE / "data").glob("*.csv")):
+        (GENERATED / f"{path.stem}.md").write_text(measured(path), encoding="utf-8")
     helps = []
     for name in commands_of():
         words = [sys.executable, "-m", "squeezefilm", name, "--help"]
