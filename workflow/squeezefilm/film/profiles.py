@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import cos, inf, isfinite, pi, radians, sin
+from math import cos, inf, isfinite, pi, radians, remainder, sin
 from typing import Any
 
 import numpy as np
@@ -62,16 +62,10 @@ class StandingWave:
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
         wave: np.ndarray = np.cos(2 * pi * (along - self.crest_m) / self.wavelength_m)
-        return wave / self.crest_share
-
-    @property
-    def crest_share(self) -> float:
-        """Largest magnitude over a crest's: 1 if the phase passes a multiple of π there."""
-        middle = -2 * pi * self.crest_m / self.wavelength_m
+        # How far the surface ends before the crest or trough that is nearest, as a phase.
         reach = 2 * pi * self.surface.reach_along(self.direction_deg) / self.wavelength_m
-        if abs(middle - pi * round(middle / pi)) <= reach:
-            return 1.0
-        return max(abs(cos(middle - reach)), abs(cos(middle + reach)))
+        before = abs(remainder(2 * pi * self.crest_m / self.wavelength_m, pi)) - reach
+        return wave / cos(max(before, 0.0))
 
 
 @dataclass(frozen=True)
@@ -238,12 +232,8 @@ def largest_magnitude(
     if not np.all(np.isfinite(sizes)):
         return np.nan
     simplex = net[:, np.argmax(sizes)] + np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
-    found = minimize(
-        lambda at: -float(size(at)),
-        simplex[0],
-        method="Nelder-Mead",
-        options={"initial_simplex": simplex},
-    )
+    better = {"method": "Nelder-Mead", "options": {"initial_simplex": simplex}}
+    found = minimize(lambda at: -float(size(at)), simplex[0], **better)
     return max(float(sizes.max()), -float(found.fun))
 
 
@@ -277,36 +267,34 @@ TILES = 20
 FOLLOWED = 16
 
 
+@lru_cache(maxsize=16)
 def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     """Points x_m, y_m that a sampling of the profile should not leave out; none but for formulas.
 
     They are where it differs most from its neighbourhood. A spot narrower than a five-hundredth of
     half the surface, with no trace beyond, can be missed.
     """
-    return _landmarks(profile) if isinstance(profile, Formula) else (np.zeros(0), np.zeros(0))
-
-
-@lru_cache(maxsize=16)
-def _landmarks(formula: Formula) -> tuple[np.ndarray, np.ndarray]:
+    if not isinstance(profile, Formula):
+        return np.zeros(0), np.zeros(0)
     # Uneven lines, so that nothing with a period hides between them.
     uneven = np.arange(LINES) * 0.6180339887498949 % 1
     lines = 2 * (np.arange(LINES) + uneven) / LINES - 1
-    x_lines_m, y_lines_m = (half * lines for half in formula.surface.half_m)
+    x_lines_m, y_lines_m = (half * lines for half in profile.surface.half_m)
     with np.errstate(all="ignore"):
-        s = formula.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
+        s = profile.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
         bends = np.maximum(_bends(s, x_lines_m), _bends(s.T, y_lines_m).T)
-    bends[formula.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
+    bends[profile.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
     side = LINES // TILES
     tiles = bends.reshape(TILES, side, TILES, side).transpose(0, 2, 1, 3).reshape(TILES**2, -1)
     first = np.argsort(-tiles.max(axis=1), kind="stable")[:FOLLOWED]
     row, column = np.divmod(tiles[first].argmax(axis=1), side)
     # Within two lines of each, where the profile stands out most from what is around.
     near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / LINES])
-    half_x_m, half_y_m = formula.surface.half_m
+    half_x_m, half_y_m = profile.surface.half_m
     x_m = x_lines_m[first // TILES * side + row, None] + half_x_m * near[0].ravel()
     y_m = y_lines_m[first % TILES * side + column, None] + half_y_m * near[1].ravel()
     with np.errstate(all="ignore"):
-        s = formula.amplitude(x_m=x_m, y_m=y_m)
+        s = profile.amplitude(x_m=x_m, y_m=y_m)
         contrast = np.nan_to_num(np.abs(s - s.mean(axis=1, keepdims=True)), posinf=0.0)
     best = np.arange(len(x_m)), contrast.argmax(axis=1)
     return x_m[best], y_m[best]

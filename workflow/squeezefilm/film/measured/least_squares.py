@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
@@ -26,12 +25,10 @@ class Points:
     """Where a scan was measured.
 
     Attributes:
-        path: of the scan, for messages.
         axisymmetric: whether modes have no angles.
         x_m, y_m: the points, shape (points,).
     """
 
-    path: Path
     surface: Surface
     axisymmetric: bool
     x_m: np.ndarray
@@ -41,25 +38,25 @@ class Points:
         """Some of the points."""
         return replace(self, x_m=self.x_m[rows], y_m=self.y_m[rows])
 
-    def orders(self, degree: int) -> Orders:
-        """The modes up to a degree; those of a degree come before those of the next."""
-        return self.surface.orders_up_to(degree, axisymmetric=self.axisymmetric)
-
     def modes(self, orders: Orders) -> np.ndarray:
         """Values of modes at the points, shape (points, modes)."""
         return self.surface.modes_at(orders, self.x_m, self.y_m)
 
     @cached_property
-    def degrees(self) -> list[int]:
-        """Degrees that so many points allow."""
-        step = 2 if self.axisymmetric else 1
+    def orders(self) -> dict[int, Orders]:
+        """The modes up to each degree that so many points allow.
+
+        Those of a degree come before those of the next.
+        """
+        degrees = range(0, LARGEST_DEGREE + 1, 2 if self.axisymmetric else 1)
+        every = {n: self.surface.orders_up_to(n, axisymmetric=self.axisymmetric) for n in degrees}
         enough = len(self.x_m) / POINTS_PER_MODE
-        return [n for n in range(0, LARGEST_DEGREE + 1, step) if len(self.orders(n)) <= enough]
+        return {n: orders for n, orders in every.items() if len(orders) <= enough}
 
     @cached_property
     def decomposed(self) -> tuple[np.ndarray, np.ndarray]:
         """The QR decomposition of the modes up to the largest degree, which serves all."""
-        q, r = np.linalg.qr(self.modes(self.orders(self.degrees[-1])))
+        q, r = np.linalg.qr(self.modes(self.orders[max(self.orders)]))
         return q, r
 
 
@@ -92,8 +89,8 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
     # More modes are never better determined: where the most are, one condition number will do.
     sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
     scores: dict[int, float] = {}
-    for degree in points.degrees:
-        count = len(points.orders(degree))
+    for degree, orders in points.orders.items():
+        count = len(orders)
         leverage = np.sum(orthogonal[:, :count] ** 2, axis=1)
         determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
         if not determined or leverage.max() > 1 - 1e-6:
@@ -101,12 +98,12 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
         residual = measured - orthogonal[:, :count] @ along[:count]
         scores[degree] = float(np.sqrt(np.mean(np.abs(residual / (1 - leverage)) ** 2)))
     if not scores:
-        raise InputError(f"{points.path}: the points do not determine a profile")
+        raise InputError("the points do not determine a profile")
     best = min(scores, key=scores.__getitem__)
     degree = max(each for each in scores if each <= best + DEGREES_MORE)
-    orders = points.orders(degree)
-    root = np.linalg.inv(triangle[: len(orders), : len(orders)])
-    return Fit(degree, orders, root @ along[: len(orders)], root, scores[best])
+    count = len(points.orders[degree])
+    root = np.linalg.inv(triangle[:count, :count])
+    return Fit(degree, points.orders[degree], root @ along[:count], root, scores[best])
 
 
 def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:

@@ -17,7 +17,6 @@ size tell; that much is taken off the maximum to which the profile is scaled.
 
 import math
 import pickle
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -25,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, refuse
+from squeezefilm.errors import InputError, naming, refuse
 from squeezefilm.files import digest, whole_file
 from squeezefilm.film.measured.least_squares import Fit, Points, best_fit, wants_angles
 from squeezefilm.film.measured.read import Scan, read_scan
@@ -151,17 +150,18 @@ def smoothed(
     """
     check_places(scan, surface, axisymmetric=axisymmetric, sign=sign)
     scan = thinned(scan)
-    points = Points(scan.path, surface, axisymmetric, scan.x_m, scan.y_m)
+    points = Points(surface, axisymmetric, scan.x_m, scan.y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
     quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
-    fit, kept, fitted = _without_outliers(points, scan.lines, measured.real)
-    other = best_fit(fitted, measured.imag[kept])
-    if _mean_square(other, surface) > LARGEST_OUT_OF_PHASE * _mean_square(fit, surface):
-        fit, kept, _ = _without_outliers(points, scan.lines, measured)
-    else:
-        measured = measured.real
+    with naming(scan.path):
+        fit, kept, fitted = _without_outliers(points, scan.lines, measured.real)
+        other = best_fit(fitted, measured.imag[kept])
+        if _mean_square(other, surface) > LARGEST_OUT_OF_PHASE * _mean_square(fit, surface):
+            fit, kept, _ = _without_outliers(points, scan.lines, measured)
+        else:
+            measured = measured.real
     smooth = points.modes(fit.orders) @ fit.coefficients
     # Half a period later every amplitude has the other sign: positive at its largest by choice.
     turn = 1.0 if smooth.real[np.argmax(np.abs(smooth.real))] > 0 else -1.0
@@ -250,8 +250,8 @@ def _without_outliers(
     if len(outliers) > max(1, MOST_OUTLIERS * len(measured)):
         named = ", ".join(map(str, lines[outliers[:6]]))
         raise InputError(
-            f"{points.path}: {len(outliers)} of {len(measured)} points (lines {named}, …) lie far "
-            "from every smooth profile through the rest: more than stray points; look at them"
+            f"{len(outliers)} of {len(measured)} points (lines {named}, …) lie far from every "
+            "smooth profile through the rest: more than stray points; look at them"
         )
     return best_fit(kept, measured[near]), near, kept
 
@@ -295,17 +295,17 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     from scipy.spatial import cKDTree
 
     scan, surface = smoothed.scan, smoothed.profile.surface
-    seen, (x_m, y_m, _) = ~smoothed.outliers, surface.net()
-    measured = np.column_stack([scan.x_m, scan.y_m])[seen]
-    places = np.stack([x_m, y_m], axis=-1)
+    x_m, y_m, _ = surface.net()
+    measured, places = (scan.x_m + 1j * scan.y_m)[~smoothed.outliers], x_m + 1j * y_m
     if axisymmetric:  # a point stands for the circle through it
-        measured, places = (np.hypot(*each.T).T[..., None] for each in (measured, places))
-    distance, _ = cKDTree(measured).query(places)
+        measured, places = np.abs(measured) + 0j, np.abs(places) + 0j
+    tree = cKDTree(np.stack([measured.real, measured.imag], axis=-1))
+    distance, _ = tree.query(np.stack([places.real, places.imag], axis=-1))
     error = smoothed.standard_error(x_m=x_m, y_m=y_m)
     hole, worst = (np.unravel_index(np.argmax(each), each.shape) for each in (distance, error))
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
     if axisymmetric:
-        named[0] = f"r = {places[hole][0] * 1e3:.2f} mm"
+        named[0] = f"r = {places[hole].real * 1e3:.2f} mm"
     refuse(
         scan.path,
         {
@@ -320,7 +320,7 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     )
 
 
-def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str, Any]) -> None:
+def write_smoothed(smoothed: SmoothedScan, path: Path, **settings: Any) -> None:
     """Write a smoothed scan, whole or not at all: smoothing takes up to a minute, reading no time.
 
     Args:
@@ -329,31 +329,22 @@ def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str,
     Raises InputError where the file cannot be written.
     """
     with whole_file(path) as part:
-        part.write_bytes(pickle.dumps((_made_from(smoothed.scan.path, settings), smoothed)))
+        part.write_bytes(pickle.dumps(((digest(smoothed.scan.path), settings), smoothed)))
 
 
 @lru_cache(maxsize=4)
-def _read(path: Path, changed_ns: int) -> tuple[str, SmoothedScan]:
-    try:
-        made_from, smoothed = pickle.loads(path.read_bytes())
-    except Exception as error:  # whatever a damaged file makes of it
-        raise InputError(f"{path}: not a smoothed scan: {error}") from None
-    return made_from, smoothed
-
-
-def read_smoothed(path: Path, scan: Path, *, settings: Mapping[str, Any]) -> SmoothedScan:
+def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
     """What write_smoothed wrote, for a scan's file; read from the run's own folder alone.
 
     Raises InputError for a file that is none, or was made from another scan or other settings.
     """
-    made_from, smoothed = _read(path, path.stat().st_mtime_ns)
-    if made_from != _made_from(scan, settings):
+    try:
+        made_from, smoothed = pickle.loads(path.read_bytes())
+    except Exception as error:  # whatever a damaged file makes of it
+        raise InputError(f"{path}: not a smoothed scan: {error}") from None
+    if made_from != (digest(scan), settings):
         raise InputError(
             f"{path}: was smoothed from another {scan.name}, or with other settings of "
             "actuator.profile; `snakemake profile` makes it anew"
         )
-    return replace(smoothed, scan=replace(smoothed.scan, path=scan))
-
-
-def _made_from(scan: Path, settings: Mapping[str, Any]) -> str:
-    return f"{digest(scan)} {sorted(settings.items())}"
+    return smoothed
