@@ -33,8 +33,12 @@ MAP_EXACT = 1e-12
 CURVE_POINTS = 512
 CURVE_EXACT = 1e-8
 MOST_STEPS = 30
+TOO_SHARP = (
+    "a notch, a neck or a corner is too sharp for its coordinates; smooth the outline, or take the "
+    "ellipse that it is most like"
+)
+# Points by which an outline is drawn.
 DENSE = 1024
-"""Points by which an outline is drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +178,7 @@ def conformal_map(
         first_guess: of the curve's parameter at ν.
 
     Raises:
-        ValueError: if the map does not meet the curve.
+        InputError: if the map does not meet the curve.
     """
     half = points // 2
     nu = 2 * pi * np.arange(points) / points
@@ -194,14 +198,12 @@ def conformal_map(
         step = np.linalg.lstsq(rows, -np.concatenate([off.real, off.imag]), rcond=1e-10)[0]
         angle = angle + step * min(1.0, 0.3 / float(np.abs(step).max()))
     else:
-        raise ValueError("no conformal map of the outline was found")
-    coefficients = np.zeros(half, dtype=complex)
-    coefficients[0] = spectrum[0]
-    coefficients[1:] = 2 * spectrum[1:half] * np.exp(-n * rim)
+        raise InputError(f"no conformal map of the outline was found: {TOO_SHARP}")
+    coefficients = spectrum[:half] * np.append(1, 2 * np.exp(-n * rim))
     kept = np.abs(coefficients[1:]) * np.cosh(np.minimum(n * rim, 700)) > exact * size
     last = int(np.flatnonzero(kept).max(initial=0)) + 2
     if last >= half - 2:
-        raise ValueError("the conformal map of the outline has too many waves")
+        raise InputError(f"the conformal map of the outline has too many waves: {TOO_SHARP}")
     return coefficients[:last]
 
 
@@ -209,15 +211,15 @@ FORM = (
     "a header x_mm,y_mm (or another unit) and a point of the rim in each row, one after the other"
 )
 FEWEST, MOST = 16, 4000
+# Waves around the rim, the shortest that a smooth curve through the points may have.
 MOST_WAVES = 40
-"""Waves around the rim, the shortest that a smooth curve through the points may have."""
+# How far points may lie off that curve where nothing else is said, over the longer side; and how
+# near it comes, if it can.
 SCATTER, NEAR = 1e-4, 1e-5
-"""How far points may lie off that curve where nothing else is said, over the longer side; and how
-near it comes, if it can."""
+# The way from the last point to the first, over the longest between others, that is no gap.
 GAP = 4.0
-"""The way from the last point to the first, over the longest between others, that is no gap."""
+# How well the sides that a study says must be the curve's, relative.
 ENOUGH = 1e-4
-"""How well the sides that a study says must be the curve's, relative."""
 
 
 def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float = 0.0) -> Outline:
@@ -350,14 +352,8 @@ def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float)
         return np.interp(wanted - 2 * np.pi * turns, along, parameters) + 2 * np.pi * turns
 
     mu = float(np.arctanh(1 / shape))
-    try:
-        coefficients = conformal_map(
-            curve, mu, points=CURVE_POINTS, exact=CURVE_EXACT, first_guess=first_guess
-        )
-    except ValueError as error:
-        raise InputError(
-            f"{error}: a notch, a neck or a corner is too sharp for its coordinates; smooth the "
-            "outline, or take the ellipse that it is most like"
-        ) from None
+    coefficients = conformal_map(
+        curve, mu, points=CURVE_POINTS, exact=CURVE_EXACT, first_guess=first_guess
+    )
     aspect, scatter = sides_m[1] / sides_m[0], off_m / sides_m[0]
     return Outline(coefficients, mu, aspect, exact=CURVE_EXACT, scatter=scatter)

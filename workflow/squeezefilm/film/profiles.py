@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import cos, inf, isfinite, pi, radians, remainder, sin
 from typing import Any
 
@@ -20,33 +20,43 @@ from squeezefilm.film.surfaces import Disc, Orders, Surface
 from squeezefilm.formulas import Expression, parse
 
 UNBOUNDED = Disc(inf)
+# Values of modes, points times modes, that are kept to be used again: 8 MB.
 MOST_KEPT = 1_000_000
-"""Values of modes, points times modes, that are kept to be used again: 8 MB."""
+
+
+class Profile:
+    """A vibration over the actuator's surface."""
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """s at points of any common shape."""
+        raise NotImplementedError
+
+    @cached_property
+    def is_complex(self) -> bool:
+        """Whether the amplitudes are complex: of two phases."""
+        return np.iscomplexobj(self.amplitude(x_m=np.zeros(1), y_m=np.zeros(1)))
 
 
 @dataclass(frozen=True)
-class Sinc:
+class Sinc(Profile):
     """s = sin(πkr)/(πkr), the paper's eq. (2) with k = 109.8 per metre (MATLAB's sinc)."""
 
     wave_number_per_m: float
-    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.sinc(self.wave_number_per_m * np.hypot(x_m, y_m))
 
 
 @dataclass(frozen=True)
-class Piston:
+class Piston(Profile):
     """s = 1: a flat surface that moves as a whole, the case of the paper's eq. (6)."""
-
-    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.ones(np.broadcast(x_m, y_m).shape)
 
 
 @dataclass(frozen=True)
-class StandingWave:
+class StandingWave(Profile):
     """s ~ cos(2π u/λ), u the distance along ``direction_deg`` from a crest at ``crest_m``.
 
     Over its largest magnitude on the surface, which is below the crest's where no crest or trough
@@ -57,7 +67,6 @@ class StandingWave:
     direction_deg: float
     crest_m: float
     surface: Surface = UNBOUNDED
-    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
@@ -69,7 +78,7 @@ class StandingWave:
 
 
 @dataclass(frozen=True)
-class BesselMode:
+class BesselMode(Profile):
     """A disc's bending mode, s ~ [J_n(kr) + c I_n(kr)] cos n(φ − φ0), over its largest magnitude.
 
     n is the number of nodal diameters, k the bending wave number and c, zero for a membrane, the
@@ -81,7 +90,6 @@ class BesselMode:
     edge_share: float
     direction_deg: float
     surface: Surface
-    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         angle = np.arctan2(y_m, x_m) - radians(self.direction_deg)
@@ -98,7 +106,7 @@ class BesselMode:
 
 
 @dataclass(frozen=True)
-class Formula:
+class Formula(Profile):
     """An expression in x, y, r (metres) and phi (radians), over its largest magnitude.
 
     ``quadrature`` is another for what moves a quarter of a period ahead.
@@ -108,10 +116,6 @@ class Formula:
     surface: Surface
     quadrature: str = "0"
 
-    @property
-    def is_complex(self) -> bool:
-        return self.quadrature != "0"
-
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return self.unscaled(x_m, y_m) / largest_unscaled(self)
 
@@ -120,13 +124,13 @@ class Formula:
         x, y = np.broadcast_arrays(x_m, y_m)
         places = {"x": x, "y": y, "r": np.hypot(x, y), "phi": np.arctan2(y, x)}
         value = _parsed(self.expression).evaluate(**places)
-        if self.is_complex:
+        if self.quadrature != "0":
             value = value + 1j * _parsed(self.quadrature).evaluate(**places)
         return np.broadcast_to(value, x.shape)
 
 
 @dataclass(frozen=True)
-class Modes:
+class Modes(Profile):
     """A sum of smooth modes on the surface: a measured profile, smoothed (measured/smooth.py).
 
     ``orders`` are the modes' two numbers (surfaces.py). ``largest`` is the largest magnitude on
@@ -137,10 +141,6 @@ class Modes:
     coefficients: tuple[complex, ...]
     surface: Surface
     largest: float = 1.0
-
-    @property
-    def is_complex(self) -> bool:
-        return any(isinstance(each, complex) for each in self.coefficients)
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
@@ -160,7 +160,7 @@ def _modes_again(
 
 
 @dataclass(frozen=True)
-class Quadrature:
+class Quadrature(Profile):
     """s = a s₁ + i b s₂: two components a quarter of a period apart, the second one ahead.
 
     ``shares`` are a and b, such that the largest |s| on the surface is 1.
@@ -169,15 +169,12 @@ class Quadrature:
     first: Profile
     second: Profile
     shares: tuple[float, float] = (1.0, 1.0)
-    is_complex = True
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         first, second = (each.amplitude(x_m=x_m, y_m=y_m) for each in (self.first, self.second))
         return self.shares[0] * first + 1j * (self.shares[1] * second)
 
 
-Profile = Sinc | Piston | StandingWave | BesselMode | Formula | Modes | Quadrature
-"""A vibration over the actuator's surface; amplitudes are complex where it ``is_complex``."""
 KINDS: dict[str, type] = {
     "sinc": Sinc,
     "piston": Piston,

@@ -36,15 +36,14 @@ LENGTHS_M = sizes("m")
 SPEEDS_M_PER_S = {f"{name}/s": size for name, size in LENGTHS_M.items()}
 MOTIONS = LENGTHS_M | SPEEDS_M_PER_S
 ANGLES_RAD = {name: math.radians(degrees) for name, degrees in sizes("deg").items()}
-AMPLITUDES = ("amplitude", "magnitude", "amp", "ampl", "mag")
-AMPLITUDES += ("displacement", "disp", "displ", "velocity", "vel")
+MOTION_NAMES = ("displacement", "disp", "displ", "velocity", "vel")
 # Each with its units, in small letters, and their sizes, and its names.
 QUANTITIES = {
     "x": (LENGTHS_M, ("x",)),
     "y": (LENGTHS_M, ("y",)),
     "r": (LENGTHS_M, ("r", "radius")),
     "phi": (ANGLES_RAD, ("phi", "theta", "angle")),
-    "amplitude": (MOTIONS, AMPLITUDES),
+    "amplitude": (MOTIONS, ("amplitude", "magnitude", "amp", "ampl", "mag", *MOTION_NAMES)),
     "real": (MOTIONS, ("real", "re")),
     "imaginary": (MOTIONS, ("imaginary", "imag", "im")),
     "phase": (ANGLES_RAD, ("phase", "phase angle")),
@@ -52,7 +51,7 @@ QUANTITIES = {
 }
 NAMES = {name: quantity for quantity, (_, names) in QUANTITIES.items() for name in names}
 # Words beside the one that names the quantity.
-BESIDE = {"position", "pos", "coordinate", "coord", "part", "value", *AMPLITUDES[5:]}
+BESIDE = {"position", "pos", "coordinate", "coord", "part", "value", *MOTION_NAMES}
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
 
 BLANKS = " "
@@ -63,10 +62,7 @@ COMMENT = re.compile(r"\s*#[#\s]*")
 MISSING = ("", "nan", "na", "n/a", "-")
 # In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity.
 LARGEST = 1e9
-FEWEST_POINTS, MOST_POINTS = 8, 3_000_000
-# Share of a scan's points that may lack an amplitude.
-MOST_MISSING = 0.5
-PLACES_NAMED = 6
+FEWEST_POINTS, PLACES_NAMED = 8, 6
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 # Data sets; types of abscissa and ordinate; types of functions; the direction z.
@@ -114,16 +110,13 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
         raise InputError(f"{path}: there is no such scan")
     with naming(path):
         scan = (_universal if path.suffix.lower() in UNIVERSAL else _table)(path, frequency_hz)
-    points, missing = len(scan.x_m), scan.missing
+    points = len(scan.x_m)
     refuse(
         path,
         {
-            f"{points} points; at most {MOST_POINTS} are taken": points > MOST_POINTS,
-            f"{points} measured points ({missing} missing); a profile needs at least "
+            f"{points} measured points ({scan.missing} missing); a profile needs at least "
             f"{FEWEST_POINTS}": points < FEWEST_POINTS,
             "every amplitude is zero: there is no profile": not np.any(scan.amplitude_m),
-            f"{missing} of {points + missing} points have no amplitude; at most "
-            f"{MOST_MISSING:.0%} of them may lack it": missing > MOST_MISSING * (points + missing),
         },
     )
     return scan
@@ -240,7 +233,7 @@ def read_points(
         if column.unit in SPEEDS_M_PER_S:
             table[column.quantity] /= _angular_frequency(frequency_hz)
             notes.append(f"{column.name!r} divided by the angular frequency")
-    return table, line, lacking, [*notes, *_lacking(lacking, what="line")]
+    return table, line, lacking, [*notes, *_lacking(lacking.tolist(), what="line")]
 
 
 def _table(path: Path, frequency_hz: float | None) -> Scan:
@@ -249,7 +242,7 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
         path, what="scan", form=FORM, frequency_hz=frequency_hz
     )
     known = set(table)
-    columns = "; ".join([f"the columns are {', '.join(table)}", *notes])
+    columns = "; ".join([f"the columns are {', '.join(map(str, table))}", *notes])
     refuse(
         f"line {line}",
         {
@@ -408,7 +401,10 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
     amplitude = measured[seen].astype(complex) / (omega if kinds == {VELOCITY} else 1.0)
     place = np.array([places[node] for node in nodes])[seen]
     signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
-    notes = (f"read at {lines_hz.min():.7g} Hz", *_lacking(numbers[~seen], what="function"))
+    notes = (
+        f"read at {lines_hz.min():.7g} Hz",
+        *_lacking(numbers[~seen].tolist(), what="function"),
+    )
     missing = int(np.sum(~seen))
     return Scan(path, place.real, place.imag, amplitude, numbers[seen], missing, signed, notes)
 
