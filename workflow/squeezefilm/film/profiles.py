@@ -175,15 +175,6 @@ class Quadrature(Profile):
         return self.shares[0] * first + 1j * (self.shares[1] * second)
 
 
-KINDS: dict[str, type] = {
-    "sinc": Sinc,
-    "piston": Piston,
-    "standing-wave": StandingWave,
-    "bessel": BesselMode,
-    "formula": Formula,
-}
-
-
 def make_profile(*, kind: str, surface: Surface, **settings: Any) -> Profile:
     """The profile of a config's ``actuator.profile`` section, whose keys the schema has checked.
 
@@ -194,15 +185,20 @@ def make_profile(*, kind: str, surface: Surface, **settings: Any) -> Profile:
     Raises:
         InputError: for a formula that is no profile, naming the place.
     """
-    if kind == "travelling-wave":
-        # sin T cos ku − cos T sin ku = sin(T − ku): it travels towards larger u.
-        wave = StandingWave(**settings, crest_m=0.0)
-        return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
-    if kind in ("standing-wave", "bessel", "formula"):
-        settings["surface"] = surface
-    profile: Profile = KINDS[kind](**settings)
-    if isinstance(profile, BesselMode | Formula):
-        largest_unscaled(profile)
+    match kind:
+        case "sinc":
+            return Sinc(**settings)
+        case "piston":
+            return Piston()
+        case "standing-wave":
+            return StandingWave(**settings, surface=surface)
+        case "travelling-wave":
+            # sin T cos ku − cos T sin ku = sin(T − ku): it travels towards larger u.
+            wave = StandingWave(**settings, crest_m=0.0)
+            return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
+    kinds = {"bessel": BesselMode, "formula": Formula}
+    profile: BesselMode | Formula = kinds[kind](**settings, surface=surface)
+    largest_unscaled(profile)
     return profile
 
 

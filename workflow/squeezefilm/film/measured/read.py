@@ -242,12 +242,12 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
         path, what="scan", form=FORM, frequency_hz=frequency_hz
     )
     known = set(table)
+    place = known & {"x", "y", "r", "phi"}
     columns = "; ".join([f"the columns are {', '.join(map(str, table))}", *notes])
     refuse(
         f"line {line}",
         {
-            f"the place of a point is x and y, or r, or r and phi; {columns}": known
-            & {"x", "y", "r", "phi"}
+            f"the place of a point is x and y, or r, or r and phi; {columns}": place
             not in ({"x", "y"}, {"r", "phi"}, {"r"}),
             f"column 'amplitude_um' is missing; a scan has {FORM}; {columns}": not known
             & {"amplitude", "real", "imaginary"},
@@ -268,12 +268,10 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
         for number in table.index[rows][:1]:
             raise InputError(f"line {number}: {problem}")
     amplitude = (size * np.exp(1j * phase) + real + 1j * imaginary) * sign
-    place = x + 1j * y + r * np.exp(1j * phi)
+    z = x + 1j * y + r * np.exp(1j * phi)
     signed = directed or "imaginary" in known or bool(np.any(amplitude.real < 0))
-    lines, radial = table.index.to_numpy(), known & {"r", "phi"} == {"r"}
-    return Scan(
-        path, place.real, place.imag, amplitude, lines, len(lacking), signed, tuple(notes), radial
-    )
+    lines, missing, radial = table.index.to_numpy(), len(lacking), place == {"r"}
+    return Scan(path, z.real, z.imag, amplitude, lines, missing, signed, tuple(notes), radial)
 
 
 def _cells(path: Path, *, what: str, form: str) -> tuple[list[str], int, pd.DataFrame, list[str]]:

@@ -74,11 +74,10 @@ class SmoothedScan:
         peak_m: amplitude at the maximum, and ``peak_bias_m`` what was taken off it as the noise's.
         noise_m: standard deviation of the noise, from the residuals.
         quadrature: rms share of the motion that is out of phase, its noise included.
-        degree: of the polynomial.
+        fit: the modes' least squares.
         measured_m: the points' amplitudes, turned to the phase of most of the motion; complex where
             the profile is, else the part in this phase.
         outliers: which of them lie further from the rest than noise does; they are not fitted.
-        root: (modes, modes) factor by which noise enters the coefficients.
     """
 
     scan: Scan
@@ -88,15 +87,14 @@ class SmoothedScan:
     peak_bias_m: float
     noise_m: float
     quadrature: float
-    degree: int
+    fit: Fit
     measured_m: np.ndarray
     outliers: np.ndarray
-    root: np.ndarray
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Standard error of the profile, of each part of a complex one, over its maximum."""
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
-        return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.root, axis=-1)
+        return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.fit.root, axis=-1)
 
     @property
     def residual_m(self) -> np.ndarray:
@@ -125,7 +123,7 @@ class SmoothedScan:
             residual * math.sqrt(points / (points - modes)), size=(count, points)
         )
         raw_m = self.peak_m * np.array(self.profile.coefficients)
-        drawn_m = raw_m + (noise_m @ basis) @ self.root @ self.root.T
+        drawn_m = raw_m + (noise_m @ basis) @ self.fit.root @ self.fit.root.T
         # The finer search for the maximum moves it by as little for each.
         finer = (self.peak_m + self.peak_bias_m) / _largest_on_net(raw_m, orders, surface)
         peaks = _largest_on_net(drawn_m, orders, surface) * finer - self.peak_bias_m
@@ -176,28 +174,27 @@ def smoothed(
     turn = 1.0 if smooth.real[np.argmax(np.abs(smooth.real))] > 0 else -1.0
     freedom = (1 + np.iscomplexobj(measured)) * (kept.sum() - len(fit.orders))
     noise_m = float(np.linalg.norm((measured - smooth)[kept]) / math.sqrt(freedom))
-    raw = Modes(fit.orders, tuple((turn * fit.coefficients).tolist()), surface)
+
+    def profile_of(fit: Fit, size_m: float) -> Modes:
+        return Modes(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
+
+    raw = profile_of(fit, 1.0)
     largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
     bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
     if axisymmetric and not scan.radial:
         scan = replace(scan, notes=(*scan.notes, *wants_angles(points, measured.real, fit)))
-    profile, out_of_phase = (
-        Modes(each.orders, tuple((turn * each.coefficients / peak_m).tolist()), surface)
-        for each in (fit, other)
-    )
     result = SmoothedScan(
         scan=scan,
-        profile=replace(profile, largest=largest_m / peak_m),
-        out_of_phase=out_of_phase,
+        profile=replace(profile_of(fit, peak_m), largest=largest_m / peak_m),
+        out_of_phase=profile_of(other, peak_m),
         peak_m=peak_m,
         peak_bias_m=bias_m,
         noise_m=noise_m,
         quadrature=quadrature,
-        degree=fit.degree,
+        fit=fit,
         measured_m=turn * measured,
         outliers=~kept,
-        root=fit.root,
     )
     _refuse_unknown(result, axisymmetric=axisymmetric)
     return result
