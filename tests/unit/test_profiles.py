@@ -122,7 +122,7 @@ HEADER, ROWS = GOOD.split("\n", 1)
 WRONG = {
     "an unknown column": (
         GOOD.replace("amplitude_um", "height_um"),
-        "unknown columns: 'height_um'",
+        "ignored columns: 'height_um'",
     ),
     "no unit": (GOOD.replace("x_mm", "x"), "line 1: column 'x' needs a unit, one of x_m, x_mm"),
     "a cell too many": (GOOD.replace("-1.50,-9.75", "-1.50,-9.75,1"), "line 2: 5 cells where"),

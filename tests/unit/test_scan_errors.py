@@ -156,8 +156,8 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path = tmp_path / "scan.csv"
     path.write_text("as measured")
     scan = smooth(replace(with_two_phases(0.5), path=path))
-    write_smoothed(scan, tmp_path / "smoothed.pickle", settings={"surface": Disc(RADIUS_M)})
-    again = read_smoothed(tmp_path / "smoothed.pickle", path, settings={"surface": Disc(RADIUS_M)})
+    write_smoothed(scan, tmp_path / "smoothed.pickle", surface=Disc(RADIUS_M))
+    again = read_smoothed(tmp_path / "smoothed.pickle", path, surface=Disc(RADIUS_M))
     assert scan.profile.is_complex
     assert again.profile == scan.profile
     assert again.scan.notes == scan.scan.notes
@@ -166,5 +166,6 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     assert first == second
     assert len({*first, scan.profile}) == 4
     path.write_text("measured again")
+    read_smoothed.cache_clear()
     with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
-        read_smoothed(tmp_path / "smoothed.pickle", path, settings={"surface": Disc(RADIUS_M)})
+        read_smoothed(tmp_path / "smoothed.pickle", path, surface=Disc(RADIUS_M))

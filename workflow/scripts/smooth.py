@@ -9,5 +9,5 @@ from squeezefilm.studies.study import smoothed_scan_of, smoothing_settings
 snakemake, config = begin_with_study()
 smoothed = smoothed_scan_of(config, anew=True)
 assert smoothed is not None
-write_smoothed(smoothed, Path(snakemake.output[0]), settings=smoothing_settings(config))
+write_smoothed(smoothed, Path(snakemake.output[0]), **smoothing_settings(config))
 print(*smoothed.warnings, sep="\n")

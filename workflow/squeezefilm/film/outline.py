@@ -4,8 +4,9 @@ The inside of an outline is the image of the strip |μ| ≤ rim, ν around, unde
 
     x + iy = Σ_n a_n cosh n(μ + iν),
 
-each point twice, at (μ, ν) and (−μ, −ν). One coefficient is an ellipse in elliptic coordinates. The
-map is analytic, so that Δ = (∂²/∂μ² + ∂²/∂ν²) / |dz/dζ|².
+each point twice, at (μ, ν) and (−μ, −ν): cosh nζ is Chebyshev's polynomial of cosh ζ. One
+coefficient is an ellipse in elliptic coordinates. The map is analytic, so that
+Δ = (∂²/∂μ² + ∂²/∂ν²) / |dz/dζ|².
 """
 
 from __future__ import annotations
@@ -17,9 +18,10 @@ from math import atanh, log, pi, sqrt
 from pathlib import Path
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebval
 
 from squeezefilm.errors import InputError, naming
-from squeezefilm.film.measured.read import columns_of, numbers, read_cells
+from squeezefilm.film.measured.read import read_points
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
 # of the disc itself would need no ν at the centre.
@@ -31,11 +33,12 @@ MAP_EXACT = 1e-12
 CURVE_POINTS = 512
 CURVE_EXACT = 1e-8
 MOST_STEPS = 30
+TOO_SHARP = (
+    "a notch, a neck or a corner is too sharp for its coordinates; smooth the outline, or take the "
+    "ellipse that it is most like"
+)
+# Points by which an outline is drawn.
 DENSE = 1024
-"""Points by which an outline is drawn."""
-
-
-Curve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +94,12 @@ class Outline:
 
     def place(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """x + iy of coordinates of a common shape."""
-        return self._sum(self.coefficients, np.cosh, mu + 1j * np.asarray(nu))
+        return np.asarray(chebval(np.cosh(mu + 1j * np.asarray(nu)), self.coefficients))
 
     def slope(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """d(x + iy)/d(μ + iν)."""
-        n = np.arange(len(self.coefficients))
-        return self._sum(n * self.coefficients, np.sinh, mu + 1j * np.asarray(nu))
+        zeta = mu + 1j * np.asarray(nu)
+        return np.asarray(np.sinh(zeta) * chebval(np.cosh(zeta), chebder(self.coefficients)))
 
     def stretch(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """J, the area of the pad per area of μ and ν."""
@@ -138,13 +141,6 @@ class Outline:
             found = found - step * np.minimum(1, 0.1 / np.maximum(np.abs(step), 1e-300))
         return (1 + np.clip(found.real / self.rim, -1, 1)) / 2, found.imag
 
-    @staticmethod
-    def _sum(coefficients: np.ndarray, function: np.ufunc, zeta: np.ndarray) -> np.ndarray:
-        total = np.zeros(np.shape(zeta), dtype=complex)
-        for n in np.flatnonzero(coefficients):
-            total += coefficients[n] * function(n * zeta)
-        return total
-
 
 @lru_cache(maxsize=256)
 def ellipse(aspect: float) -> Outline:
@@ -156,14 +152,14 @@ def ellipse(aspect: float) -> Outline:
         rim = atanh(shorter / longer)
     else:
         rim = atanh(1 / LEAST_ASPECT)
-        curve = _curve(np.array([longer - shorter, 0, longer + shorter]) / 2)
-        coefficients = turn * conformal_map(curve, rim).real
+        waves = np.array([longer - shorter, 0, longer + shorter]) / 2
+        coefficients = turn * conformal_map(waves, rim).real
         coefficients[::2] = 0  # of both symmetries
     return Outline(coefficients, rim, aspect, aspect > 1, even_x=True, even_y=True)
 
 
 def conformal_map(
-    curve: Curve,
+    curve: np.ndarray,
     rim: float,
     *,
     points: int = MAP_POINTS,
@@ -176,13 +172,13 @@ def conformal_map(
     x + iy obey Z_(−n) = exp(−2 n rim) Z_n.
 
     Args:
-        curve: x + iy and its derivative at parameters, of period 2π, against the clock.
+        curve: waves of x + iy, against the clock (``_on_curve``).
         points: around, by which it is found.
         exact: how well it meets the curve, relative to its size.
         first_guess: of the curve's parameter at ν.
 
     Raises:
-        ValueError: if the map does not meet the curve.
+        InputError: if the map does not meet the curve.
     """
     half = points // 2
     nu = 2 * pi * np.arange(points) / points
@@ -191,7 +187,7 @@ def conformal_map(
     waves = np.exp(-1j * np.outer(n, nu)) / points
     angle = first_guess(nu)
     for _ in range(MOST_STEPS):
-        z, slope = curve(angle)
+        z, slope = _on_curve(curve, angle)
         spectrum = np.fft.fft(z) / points
         off = spectrum[:half:-1] - decay * spectrum[1:half]
         size = float(np.abs(z - z.mean()).max())
@@ -202,14 +198,12 @@ def conformal_map(
         step = np.linalg.lstsq(rows, -np.concatenate([off.real, off.imag]), rcond=1e-10)[0]
         angle = angle + step * min(1.0, 0.3 / float(np.abs(step).max()))
     else:
-        raise ValueError("no conformal map of the outline was found")
-    coefficients = np.zeros(half, dtype=complex)
-    coefficients[0] = spectrum[0]
-    coefficients[1:] = 2 * spectrum[1:half] * np.exp(-n * rim)
+        raise InputError(f"no conformal map of the outline was found: {TOO_SHARP}")
+    coefficients = spectrum[:half] * np.append(1, 2 * np.exp(-n * rim))
     kept = np.abs(coefficients[1:]) * np.cosh(np.minimum(n * rim, 700)) > exact * size
     last = int(np.flatnonzero(kept).max(initial=0)) + 2
     if last >= half - 2:
-        raise ValueError("the conformal map of the outline has too many waves")
+        raise InputError(f"the conformal map of the outline has too many waves: {TOO_SHARP}")
     return coefficients[:last]
 
 
@@ -217,15 +211,15 @@ FORM = (
     "a header x_mm,y_mm (or another unit) and a point of the rim in each row, one after the other"
 )
 FEWEST, MOST = 16, 4000
+# Waves around the rim, the shortest that a smooth curve through the points may have.
 MOST_WAVES = 40
-"""Waves around the rim, the shortest that a smooth curve through the points may have."""
+# How far points may lie off that curve where nothing else is said, over the longer side; and how
+# near it comes, if it can.
 SCATTER, NEAR = 1e-4, 1e-5
-"""How far points may lie off that curve where nothing else is said, over the longer side; and how
-near it comes, if it can."""
+# The way from the last point to the first, over the longest between others, that is no gap.
 GAP = 4.0
-"""The way from the last point to the first, over the longest between others, that is no gap."""
+# How well the sides that a study says must be the curve's, relative.
 ENOUGH = 1e-4
-"""How well the sides that a study says must be the curve's, relative."""
 
 
 def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float = 0.0) -> Outline:
@@ -246,33 +240,30 @@ def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float =
 
 @lru_cache(maxsize=16)
 def _read(path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: float) -> Outline:
-    points = _points(path)
     with naming(path):
-        waves, off_m = _fitted(points, scatter_m=scatter_m)
+        waves, off_m = _fitted(_points(path), scatter_m=scatter_m)
         return _mapped_curve(_scaled(waves, off_m, sides_m), sides_m, off_m)
 
 
 def _points(path: Path) -> np.ndarray:
     """Points x + iy in metres, against the clock, checked."""
-    header, header_line, cells, _ = read_cells(path, what="outline", form=FORM)
-    where = f"{path}: line {header_line}"
-    columns = columns_of(header, ("x", "y"), where=where)
-    if len(columns) < 2:
-        names = ", ".join(header)
-        raise InputError(f"{where}: there is no column x or y among {names}; an outline is {FORM}")
-    x_m, y_m = (numbers(cells, columns[name], path=path) for name in ("x", "y"))
-    z = x_m + 1j * y_m
+    table, header, _, notes = read_points(path, ("x", "y"), what="outline", form=FORM)
+    if len(table.columns) < 2:
+        raise InputError(
+            f"line {header}: there is no column x or y; {'; '.join(notes)}; an outline is {FORM}"
+        )
+    z = (table["x"] + 1j * table["y"]).to_numpy()
     if len(z) > 1 and z[0] == z[-1]:  # the first again closes it
         z = z[:-1]
     if not FEWEST <= len(z) <= MOST:
-        raise InputError(f"{path}: {len(z)} points; an outline has {FEWEST} to {MOST}")
+        raise InputError(f"{len(z)} points; an outline has {FEWEST} to {MOST}")
     steps = np.abs(np.roll(z, -1) - z)
     if (twice := np.flatnonzero(steps == 0)).size:
-        raise InputError(f"{path}: line {cells.index[twice[0] + 1]}: the point before stands again")
+        raise InputError(f"line {table.index[twice[0] + 1]}: the point before stands again")
     if steps[-1] > GAP * steps[:-1].max():
         raise InputError(
-            f"{path}: the outline is not closed: its last point is {steps[-1] * 1e3:.3g} mm from "
-            f"the first, and no others that follow each other are more than "
+            f"the outline is not closed: its last point is {steps[-1] * 1e3:.3g} mm from the "
+            "first, and no others that follow each other are more than "
             f"{steps[:-1].max() * 1e3:.3g} mm apart"
         )
     return z if _area_shares(z).sum() > 0 else z[::-1]
@@ -308,20 +299,16 @@ def _fitted(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]
     )
 
 
-def _curve(waves: np.ndarray) -> Curve:
-    """The closed curve x + iy = Σ_k waves_k exp(i k parameter), k = −n … n."""
+def _on_curve(waves: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x + iy = Σ_k waves_k exp(i k parameter), k = −n … n, on a closed curve; its derivative."""
     k = np.arange(len(waves)) - len(waves) // 2
-
-    def curve(parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        terms = np.exp(1j * np.multiply.outer(parameter, k))
-        return terms @ waves, terms @ (1j * k * waves)
-
-    return curve
+    terms = np.exp(1j * np.multiply.outer(parameter, k))
+    return terms @ waves, terms @ (1j * k * waves)
 
 
-def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> Curve:
+def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np.ndarray:
     """The curve over its extent along x, from the middle of extents that are those of the study."""
-    rim = _curve(waves)(2 * np.pi * np.arange(4 * DENSE) / (4 * DENSE))[0]
+    rim, _ = _on_curve(waves, 2 * np.pi * np.arange(4 * DENSE) / (4 * DENSE))
     extents = np.array([np.ptp(rim.real), np.ptp(rim.imag)])
     if np.any(np.abs(extents - sides_m) > ENOUGH * extents + 2 * off_m):
         x, y, study_x, study_y = (f"{1e3 * side:.6g} mm" for side in (*extents, *sides_m))
@@ -333,15 +320,14 @@ def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> Cu
     waves[len(waves) // 2] -= complex(*(f.max() + f.min() for f in (rim.real, rim.imag))) / 2
     # What the study's digits leave out of the sides is taken up, so that both are the same pad.
     mirrored, aspect = waves[::-1].conj(), sides_m[1] / sides_m[0]
-    return _curve(
-        (waves + mirrored) / 2 / extents[0] + (waves - mirrored) / 2 / extents[1] * aspect
-    )
+    along_x, along_y = (waves + mirrored) / 2 / extents[0], (waves - mirrored) / 2 / extents[1]
+    return np.asarray(along_x + along_y * aspect)
 
 
-def _mapped_curve(curve: Curve, sides_m: tuple[float, float], off_m: float) -> Outline:
+def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float) -> Outline:
     """A curve in conformal coordinates; raises InputError where there are none."""
     parameters = 2 * np.pi * np.arange(DENSE + 1) / DENSE
-    rim = curve(parameters[:-1])[0]
+    rim, _ = _on_curve(curve, parameters[:-1])
     weights = _area_shares(rim)
     from_centre = rim - (weights * (rim + np.roll(rim, -1))).sum() / 3 / weights.sum()
     # Second moments of the inside tell the ellipse that it is most like.
@@ -366,14 +352,8 @@ def _mapped_curve(curve: Curve, sides_m: tuple[float, float], off_m: float) -> O
         return np.interp(wanted - 2 * np.pi * turns, along, parameters) + 2 * np.pi * turns
 
     mu = float(np.arctanh(1 / shape))
-    try:
-        coefficients = conformal_map(
-            curve, mu, points=CURVE_POINTS, exact=CURVE_EXACT, first_guess=first_guess
-        )
-    except ValueError as error:
-        raise InputError(
-            f"{error}: a notch, a neck or a corner is too sharp for its coordinates; smooth the "
-            "outline, or take the ellipse that it is most like"
-        ) from None
+    coefficients = conformal_map(
+        curve, mu, points=CURVE_POINTS, exact=CURVE_EXACT, first_guess=first_guess
+    )
     aspect, scatter = sides_m[1] / sides_m[0], off_m / sides_m[0]
     return Outline(coefficients, mu, aspect, exact=CURVE_EXACT, scatter=scatter)

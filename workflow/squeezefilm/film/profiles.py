@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from math import cos, inf, isfinite, pi, radians, sin
+from functools import cached_property, lru_cache
+from math import cos, inf, isfinite, pi, radians, remainder, sin
 from typing import Any
 
 import numpy as np
@@ -20,33 +20,43 @@ from squeezefilm.film.surfaces import Disc, Orders, Surface
 from squeezefilm.formulas import Expression, parse
 
 UNBOUNDED = Disc(inf)
+# Values of modes, points times modes, that are kept to be used again: 8 MB.
 MOST_KEPT = 1_000_000
-"""Values of modes, points times modes, that are kept to be used again: 8 MB."""
+
+
+class Profile:
+    """A vibration over the actuator's surface."""
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """s at points of any common shape."""
+        raise NotImplementedError
+
+    @cached_property
+    def is_complex(self) -> bool:
+        """Whether the amplitudes are complex: of two phases."""
+        return np.iscomplexobj(self.amplitude(x_m=np.zeros(1), y_m=np.zeros(1)))
 
 
 @dataclass(frozen=True)
-class Sinc:
+class Sinc(Profile):
     """s = sin(πkr)/(πkr), the paper's eq. (2) with k = 109.8 per metre (MATLAB's sinc)."""
 
     wave_number_per_m: float
-    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.sinc(self.wave_number_per_m * np.hypot(x_m, y_m))
 
 
 @dataclass(frozen=True)
-class Piston:
+class Piston(Profile):
     """s = 1: a flat surface that moves as a whole, the case of the paper's eq. (6)."""
-
-    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.ones(np.broadcast(x_m, y_m).shape)
 
 
 @dataclass(frozen=True)
-class StandingWave:
+class StandingWave(Profile):
     """s ~ cos(2π u/λ), u the distance along ``direction_deg`` from a crest at ``crest_m``.
 
     Over its largest magnitude on the surface, which is below the crest's where no crest or trough
@@ -57,25 +67,18 @@ class StandingWave:
     direction_deg: float
     crest_m: float
     surface: Surface = UNBOUNDED
-    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
         wave: np.ndarray = np.cos(2 * pi * (along - self.crest_m) / self.wavelength_m)
-        return wave / self.crest_share
-
-    @property
-    def crest_share(self) -> float:
-        """Largest magnitude over a crest's: 1 if the phase passes a multiple of π there."""
-        middle = -2 * pi * self.crest_m / self.wavelength_m
+        # How far the surface ends before the crest or trough that is nearest, as a phase.
         reach = 2 * pi * self.surface.reach_along(self.direction_deg) / self.wavelength_m
-        if abs(middle - pi * round(middle / pi)) <= reach:
-            return 1.0
-        return max(abs(cos(middle - reach)), abs(cos(middle + reach)))
+        before = abs(remainder(2 * pi * self.crest_m / self.wavelength_m, pi)) - reach
+        return wave / cos(max(before, 0.0))
 
 
 @dataclass(frozen=True)
-class BesselMode:
+class BesselMode(Profile):
     """A disc's bending mode, s ~ [J_n(kr) + c I_n(kr)] cos n(φ − φ0), over its largest magnitude.
 
     n is the number of nodal diameters, k the bending wave number and c, zero for a membrane, the
@@ -87,7 +90,6 @@ class BesselMode:
     edge_share: float
     direction_deg: float
     surface: Surface
-    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         angle = np.arctan2(y_m, x_m) - radians(self.direction_deg)
@@ -104,7 +106,7 @@ class BesselMode:
 
 
 @dataclass(frozen=True)
-class Formula:
+class Formula(Profile):
     """An expression in x, y, r (metres) and phi (radians), over its largest magnitude.
 
     ``quadrature`` is another for what moves a quarter of a period ahead.
@@ -114,10 +116,6 @@ class Formula:
     surface: Surface
     quadrature: str = "0"
 
-    @property
-    def is_complex(self) -> bool:
-        return self.quadrature != "0"
-
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return self.unscaled(x_m, y_m) / largest_unscaled(self)
 
@@ -126,13 +124,13 @@ class Formula:
         x, y = np.broadcast_arrays(x_m, y_m)
         places = {"x": x, "y": y, "r": np.hypot(x, y), "phi": np.arctan2(y, x)}
         value = _parsed(self.expression).evaluate(**places)
-        if self.is_complex:
+        if self.quadrature != "0":
             value = value + 1j * _parsed(self.quadrature).evaluate(**places)
         return np.broadcast_to(value, x.shape)
 
 
 @dataclass(frozen=True)
-class Modes:
+class Modes(Profile):
     """A sum of smooth modes on the surface: a measured profile, smoothed (measured/smooth.py).
 
     ``orders`` are the modes' two numbers (surfaces.py). ``largest`` is the largest magnitude on
@@ -143,10 +141,6 @@ class Modes:
     coefficients: tuple[complex, ...]
     surface: Surface
     largest: float = 1.0
-
-    @property
-    def is_complex(self) -> bool:
-        return any(isinstance(each, complex) for each in self.coefficients)
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
@@ -166,7 +160,7 @@ def _modes_again(
 
 
 @dataclass(frozen=True)
-class Quadrature:
+class Quadrature(Profile):
     """s = a s₁ + i b s₂: two components a quarter of a period apart, the second one ahead.
 
     ``shares`` are a and b, such that the largest |s| on the surface is 1.
@@ -175,22 +169,10 @@ class Quadrature:
     first: Profile
     second: Profile
     shares: tuple[float, float] = (1.0, 1.0)
-    is_complex = True
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         first, second = (each.amplitude(x_m=x_m, y_m=y_m) for each in (self.first, self.second))
         return self.shares[0] * first + 1j * (self.shares[1] * second)
-
-
-Profile = Sinc | Piston | StandingWave | BesselMode | Formula | Modes | Quadrature
-"""A vibration over the actuator's surface; amplitudes are complex where it ``is_complex``."""
-KINDS: dict[str, type] = {
-    "sinc": Sinc,
-    "piston": Piston,
-    "standing-wave": StandingWave,
-    "bessel": BesselMode,
-    "formula": Formula,
-}
 
 
 def make_profile(*, kind: str, surface: Surface, **settings: Any) -> Profile:
@@ -203,15 +185,20 @@ def make_profile(*, kind: str, surface: Surface, **settings: Any) -> Profile:
     Raises:
         InputError: for a formula that is no profile, naming the place.
     """
-    if kind == "travelling-wave":
-        # sin T cos ku − cos T sin ku = sin(T − ku): it travels towards larger u.
-        wave = StandingWave(**settings, crest_m=0.0)
-        return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
-    if kind in ("standing-wave", "bessel", "formula"):
-        settings["surface"] = surface
-    profile: Profile = KINDS[kind](**settings)
-    if isinstance(profile, BesselMode | Formula):
-        largest_unscaled(profile)
+    match kind:
+        case "sinc":
+            return Sinc(**settings)
+        case "piston":
+            return Piston()
+        case "standing-wave":
+            return StandingWave(**settings, surface=surface)
+        case "travelling-wave":
+            # sin T cos ku − cos T sin ku = sin(T − ku): it travels towards larger u.
+            wave = StandingWave(**settings, crest_m=0.0)
+            return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
+    kinds = {"bessel": BesselMode, "formula": Formula}
+    profile: BesselMode | Formula = kinds[kind](**settings, surface=surface)
+    largest_unscaled(profile)
     return profile
 
 
@@ -238,12 +225,8 @@ def largest_magnitude(
     if not np.all(np.isfinite(sizes)):
         return np.nan
     simplex = net[:, np.argmax(sizes)] + np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
-    found = minimize(
-        lambda at: -float(size(at)),
-        simplex[0],
-        method="Nelder-Mead",
-        options={"initial_simplex": simplex},
-    )
+    better = {"method": "Nelder-Mead", "options": {"initial_simplex": simplex}}
+    found = minimize(lambda at: -float(size(at)), simplex[0], **better)
     return max(float(sizes.max()), -float(found.fun))
 
 
@@ -277,36 +260,34 @@ TILES = 20
 FOLLOWED = 16
 
 
+@lru_cache(maxsize=16)
 def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     """Points x_m, y_m that a sampling of the profile should not leave out; none but for formulas.
 
     They are where it differs most from its neighbourhood. A spot narrower than a five-hundredth of
     half the surface, with no trace beyond, can be missed.
     """
-    return _landmarks(profile) if isinstance(profile, Formula) else (np.zeros(0), np.zeros(0))
-
-
-@lru_cache(maxsize=16)
-def _landmarks(formula: Formula) -> tuple[np.ndarray, np.ndarray]:
+    if not isinstance(profile, Formula):
+        return np.zeros(0), np.zeros(0)
     # Uneven lines, so that nothing with a period hides between them.
     uneven = np.arange(LINES) * 0.6180339887498949 % 1
     lines = 2 * (np.arange(LINES) + uneven) / LINES - 1
-    x_lines_m, y_lines_m = (half * lines for half in formula.surface.half_m)
+    x_lines_m, y_lines_m = (half * lines for half in profile.surface.half_m)
     with np.errstate(all="ignore"):
-        s = formula.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
+        s = profile.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
         bends = np.maximum(_bends(s, x_lines_m), _bends(s.T, y_lines_m).T)
-    bends[formula.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
+    bends[profile.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
     side = LINES // TILES
     tiles = bends.reshape(TILES, side, TILES, side).transpose(0, 2, 1, 3).reshape(TILES**2, -1)
     first = np.argsort(-tiles.max(axis=1), kind="stable")[:FOLLOWED]
     row, column = np.divmod(tiles[first].argmax(axis=1), side)
     # Within two lines of each, where the profile stands out most from what is around.
     near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / LINES])
-    half_x_m, half_y_m = formula.surface.half_m
+    half_x_m, half_y_m = profile.surface.half_m
     x_m = x_lines_m[first // TILES * side + row, None] + half_x_m * near[0].ravel()
     y_m = y_lines_m[first % TILES * side + column, None] + half_y_m * near[1].ravel()
     with np.errstate(all="ignore"):
-        s = formula.amplitude(x_m=x_m, y_m=y_m)
+        s = profile.amplitude(x_m=x_m, y_m=y_m)
         contrast = np.nan_to_num(np.abs(s - s.mean(axis=1, keepdims=True)), posinf=0.0)
     best = np.arange(len(x_m)), contrast.argmax(axis=1)
     return x_m[best], y_m[best]

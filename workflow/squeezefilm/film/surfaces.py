@@ -29,7 +29,6 @@ class Disc:
     radius_m: float
     position = POLAR
     key = "actuator.surface_radius"
-    modes = "Zernike"
 
     @property
     def half_m(self) -> tuple[float, float]:
@@ -43,8 +42,7 @@ class Disc:
 
     def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """How far out points lie: 0 at the centre, 1 on the edge."""
-        reach: np.ndarray = np.hypot(x_m, y_m) / self.radius_m
-        return reach
+        return np.asarray(np.hypot(x_m, y_m) / self.radius_m)
 
     def reach_along(self, direction_deg: float) -> float:
         """Farthest distance from the centre along a direction, in metres."""
@@ -100,7 +98,6 @@ class Rectangle:
     length_y_m: float
     position = CARTESIAN
     key = "actuator.surface"
-    modes = "Legendre"
 
     @property
     def half_m(self) -> tuple[float, float]:
@@ -112,8 +109,7 @@ class Rectangle:
 
     def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         half_x, half_y = self.half_m
-        reach: np.ndarray = np.maximum(np.abs(x_m) / half_x, np.abs(y_m) / half_y)
-        return reach
+        return np.maximum(np.abs(x_m) / half_x, np.abs(y_m) / half_y)
 
     def reach_along(self, direction_deg: float) -> float:
         c, s = cos(radians(direction_deg)), sin(radians(direction_deg))

@@ -7,14 +7,14 @@ is unknown, or the equation does not apply. The list, with reasons and sources, 
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from squeezefilm.errors import refuse
 from squeezefilm.film.scene import Scene, Scenes
@@ -95,15 +95,8 @@ class Limit:
         return f"{named} is above {bound:.2g}{kind}: {NOT_APPLICABLE if never else UNKNOWN}"
 
 
-def _read(path: Path) -> tuple[Limit, ...]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return tuple(
-            Limit(quantity, symbol, films, float(unknown or inf), float(never or inf), source)
-            for quantity, symbol, films, unknown, never, source in list(csv.reader(file))[1:]
-        )
-
-
-LIMITS = _read(Path(__file__).with_name("validity.csv"))
+_LIST = pd.read_csv(Path(__file__).with_name("validity.csv")).fillna(inf)
+LIMITS = tuple(Limit(*row) for row in _LIST.itertuples(index=False))
 
 
 def exceeded(scene: Scene, symbols: Iterable[str] = QUANTITIES) -> tuple[str, ...]:
@@ -150,10 +143,8 @@ def check_scenes(scenes: Scenes) -> None:
 
 def exist(scenes: Scenes) -> np.ndarray:
     """Return which scenes have a solution and lie on the actuator, shape (n,)."""
-    columns = (scenes.h0_m, scenes.hv_m, scenes.x_m, scenes.y_m)
-    sound = np.isfinite(np.stack(columns)).all(axis=0)
-    sound &= (GAPS_M[0] <= scenes.h0_m) & (scenes.h0_m <= GAPS_M[1])
-    sound &= (scenes.hv_m >= 0) & (scenes.hv_m < scenes.h0_m)
+    h0_m, hv_m = scenes.h0_m, scenes.hv_m
+    sound = (GAPS_M[0] <= h0_m) & (h0_m <= GAPS_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
     for film, rows, some in scenes.of_each_film():
         outline = film.finger.outline()
         x_m, y_m = (np.add.outer(at, outline[:, k]) for k, at in enumerate((some.x_m, some.y_m)))
@@ -168,14 +159,12 @@ def check_scene(scene: Scene) -> None:
     Raises InputError naming the point, the factor and what is allowed.
     """
     place, h0_m, hv_m = f"point {scene.point_id}", scene.h0_m, scene.hv_m
-    names = ("h0_m", "hv_m", "x_m", "y_m")
     refuse(
         place,
-        {f"{name} is not a finite number": not isfinite(getattr(scene, name)) for name in names}
-        | {
+        {
             f"h0_m = {h0_m:g} must lie between {GAPS_M[0]:g} and {GAPS_M[1]:g} m: the model of a "
             "gas film is not valid outside this range": not GAPS_M[0] <= h0_m <= GAPS_M[1],
-            f"hv_m = {hv_m:g} must not be negative": hv_m < 0,
+            f"hv_m = {hv_m:g} must not be negative": not hv_m >= 0,
             f"hv_m = {hv_m:g} reaches h0_m = {h0_m:g}: surface and finger touch; the amplitude "
             "must stay below the mean gap": hv_m >= h0_m,
         },
@@ -185,7 +174,7 @@ def check_scene(scene: Scene) -> None:
     part = "a corner" if scene.finger.shape == "rectangle" else "the rim"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
     off = f"{surface.where(*rim_m[np.argmax(reach)])}, off the actuator's {surface.text}"
-    refuse(place, {f"{centre} {part} of the finger lies {off}": reach.max() > 1 + SLACK})
+    refuse(place, {f"{centre} {part} of the finger lies {off}": not reach.max() <= 1 + SLACK})
     contact = "they touch within the noise of the measured profile"
     if not scene.finger.gap.flat:
         contact = "the tilted or bulging finger touches the surface; finger.gap leaves too little"

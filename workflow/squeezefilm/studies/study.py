@@ -86,7 +86,7 @@ def smoothed_scan_of(config: Config, *, anew: bool = False) -> SmoothedScan | No
     settings, kept = smoothing_settings(config), Path(os.environ.get(SMOOTHED_VARIABLE, ""))
     if anew or not kept.is_file():
         return smoothed_scan(path, **settings)
-    return read_smoothed(kept, path, settings=settings)
+    return read_smoothed(kept, path, **settings)
 
 
 def planned_profile_of(config: Config) -> Profile:

@@ -15,23 +15,31 @@ The largest of a noisy profile is too large on average, by what profiles with mo
 size tell; that much is taken off the maximum to which the profile is scaled.
 """
 
+from __future__ import annotations
+
 import math
 import pickle
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, refuse
+from squeezefilm.errors import InputError, naming, refuse
 from squeezefilm.files import digest, whole_file
-from squeezefilm.film.measured.least_squares import Fit, Points, best_fit, wants_angles
 from squeezefilm.film.measured.read import Scan, read_scan
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
+LARGEST_DEGREE = 24
+POINTS_PER_MODE = 3
+LARGEST_CONDITION = 1e8
+# Degrees above the best by cross-validation, so that the misfit is small beside the noise.
+DEGREES_MORE = 2
+# An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
+# the points that this is looked at with.
+LESS_WITH_ANGLES, MOST_LOOKED_AT = 0.5, 2000
 # A profile that is less sure than this share of its maximum somewhere is not known there.
 LARGEST_ERROR = 0.25
 # Nor is one that has no measured point within this share of a disc's radius, or of half a
@@ -66,11 +74,10 @@ class SmoothedScan:
         peak_m: amplitude at the maximum, and ``peak_bias_m`` what was taken off it as the noise's.
         noise_m: standard deviation of the noise, from the residuals.
         quadrature: rms share of the motion that is out of phase, its noise included.
-        degree: of the polynomial.
+        fit: the modes' least squares.
         measured_m: the points' amplitudes, turned to the phase of most of the motion; complex where
             the profile is, else the part in this phase.
         outliers: which of them lie further from the rest than noise does; they are not fitted.
-        root: (modes, modes) factor by which noise enters the coefficients.
     """
 
     scan: Scan
@@ -80,15 +87,14 @@ class SmoothedScan:
     peak_bias_m: float
     noise_m: float
     quadrature: float
-    degree: int
+    fit: Fit
     measured_m: np.ndarray
     outliers: np.ndarray
-    root: np.ndarray
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Standard error of the profile, of each part of a complex one, over its maximum."""
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
-        return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.root, axis=-1)
+        return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.fit.root, axis=-1)
 
     @property
     def residual_m(self) -> np.ndarray:
@@ -117,7 +123,7 @@ class SmoothedScan:
             residual * math.sqrt(points / (points - modes)), size=(count, points)
         )
         raw_m = self.peak_m * np.array(self.profile.coefficients)
-        drawn_m = raw_m + (noise_m @ basis) @ self.root @ self.root.T
+        drawn_m = raw_m + (noise_m @ basis) @ self.fit.root @ self.fit.root.T
         # The finer search for the maximum moves it by as little for each.
         finer = (self.peak_m + self.peak_bias_m) / _largest_on_net(raw_m, orders, surface)
         peaks = _largest_on_net(drawn_m, orders, surface) * finer - self.peak_bias_m
@@ -151,47 +157,147 @@ def smoothed(
     """
     check_places(scan, surface, axisymmetric=axisymmetric, sign=sign)
     scan = thinned(scan)
-    points = Points(scan.path, surface, axisymmetric, scan.x_m, scan.y_m)
+    points = Points(surface, axisymmetric, scan.x_m, scan.y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
     quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
-    fit, kept, fitted = _without_outliers(points, scan.lines, measured.real)
-    other = best_fit(fitted, measured.imag[kept])
-    if _mean_square(other, surface) > LARGEST_OUT_OF_PHASE * _mean_square(fit, surface):
-        fit, kept, _ = _without_outliers(points, scan.lines, measured)
-    else:
-        measured = measured.real
+    with naming(scan.path):
+        fit, kept, fitted = _without_outliers(points, scan.lines, measured.real)
+        other = best_fit(fitted, measured.imag[kept])
+        if _mean_square(other, surface) > LARGEST_OUT_OF_PHASE * _mean_square(fit, surface):
+            fit, kept, _ = _without_outliers(points, scan.lines, measured)
+        else:
+            measured = measured.real
     smooth = points.modes(fit.orders) @ fit.coefficients
     # Half a period later every amplitude has the other sign: positive at its largest by choice.
     turn = 1.0 if smooth.real[np.argmax(np.abs(smooth.real))] > 0 else -1.0
     freedom = (1 + np.iscomplexobj(measured)) * (kept.sum() - len(fit.orders))
     noise_m = float(np.linalg.norm((measured - smooth)[kept]) / math.sqrt(freedom))
-    raw = Modes(fit.orders, tuple((turn * fit.coefficients).tolist()), surface)
+
+    def profile_of(fit: Fit, size_m: float) -> Modes:
+        return Modes(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
+
+    raw = profile_of(fit, 1.0)
     largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
     bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
     if axisymmetric and not scan.radial:
         scan = replace(scan, notes=(*scan.notes, *wants_angles(points, measured.real, fit)))
-    profile, out_of_phase = (
-        Modes(each.orders, tuple((turn * each.coefficients / peak_m).tolist()), surface)
-        for each in (fit, other)
-    )
     result = SmoothedScan(
         scan=scan,
-        profile=replace(profile, largest=largest_m / peak_m),
-        out_of_phase=out_of_phase,
+        profile=replace(profile_of(fit, peak_m), largest=largest_m / peak_m),
+        out_of_phase=profile_of(other, peak_m),
         peak_m=peak_m,
         peak_bias_m=bias_m,
         noise_m=noise_m,
         quadrature=quadrature,
-        degree=fit.degree,
+        fit=fit,
         measured_m=turn * measured,
         outliers=~kept,
-        root=fit.root,
     )
     _refuse_unknown(result, axisymmetric=axisymmetric)
     return result
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Where a scan was measured.
+
+    Attributes:
+        axisymmetric: whether modes have no angles.
+        x_m, y_m: the points, shape (points,).
+    """
+
+    surface: Surface
+    axisymmetric: bool
+    x_m: np.ndarray
+    y_m: np.ndarray
+
+    def some(self, rows: np.ndarray | slice) -> Points:
+        """Some of the points."""
+        return replace(self, x_m=self.x_m[rows], y_m=self.y_m[rows])
+
+    def modes(self, orders: Orders) -> np.ndarray:
+        """Values of modes at the points, shape (points, modes)."""
+        return self.surface.modes_at(orders, self.x_m, self.y_m)
+
+    @cached_property
+    def orders(self) -> dict[int, Orders]:
+        """The modes up to each degree that so many points allow.
+
+        Those of a degree come before those of the next.
+        """
+        degrees = range(0, LARGEST_DEGREE + 1, 2 if self.axisymmetric else 1)
+        every = {n: self.surface.orders_up_to(n, axisymmetric=self.axisymmetric) for n in degrees}
+        enough = len(self.x_m) / POINTS_PER_MODE
+        return {n: orders for n, orders in every.items() if len(orders) <= enough}
+
+    @cached_property
+    def decomposed(self) -> tuple[np.ndarray, np.ndarray]:
+        """The QR decomposition of the modes up to the largest degree, which serves all."""
+        q, r = np.linalg.qr(self.modes(self.orders[max(self.orders)]))
+        return q, r
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Least squares on the modes up to one degree.
+
+    ``score`` is the least rms error, over degrees, at points left out, and ``root`` (modes, modes)
+    the factor by which the points' noise enters the coefficients: their covariance is
+    noise² root rootᵀ.
+    """
+
+    degree: int
+    orders: Orders
+    coefficients: np.ndarray
+    root: np.ndarray
+    score: float
+
+
+def best_fit(points: Points, measured: np.ndarray) -> Fit:
+    """Least squares, DEGREES_MORE above the degree of least leave-one-out error.
+
+    The error at a left-out point is e/(1 − h), h its leverage, without fitting again (Allen's
+    PRESS).
+
+    Raises InputError where the points determine no profile.
+    """
+    orthogonal, triangle = points.decomposed
+    along = orthogonal.T @ measured
+    # More modes are never better determined: where the most are, one condition number will do.
+    sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
+    scores: dict[int, float] = {}
+    for degree, orders in points.orders.items():
+        count = len(orders)
+        leverage = np.sum(orthogonal[:, :count] ** 2, axis=1)
+        determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
+        if not determined or leverage.max() > 1 - 1e-6:
+            break
+        residual = measured - orthogonal[:, :count] @ along[:count]
+        scores[degree] = float(np.sqrt(np.mean(np.abs(residual / (1 - leverage)) ** 2)))
+    if not scores:
+        raise InputError("the points do not determine a profile")
+    best = min(scores, key=scores.__getitem__)
+    degree = max(each for each in scores if each <= best + DEGREES_MORE)
+    count = len(points.orders[degree])
+    root = np.linalg.inv(triangle[:count, :count])
+    return Fit(degree, points.orders[degree], root @ along[:count], root, scores[best])
+
+
+def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
+    """A note where a profile with angles leaves far less."""
+    some = slice(None, None, -(-len(measured) // MOST_LOOKED_AT))
+    try:
+        free = best_fit(replace(points.some(some), axisymmetric=False), measured[some])
+    except InputError:  # too few points for angles
+        return []
+    share = free.score / fit.score
+    return [
+        f"the scan is not axisymmetric: a profile with angles leaves {share:.2g} of what this one "
+        "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
+    ] * (share <= LESS_WITH_ANGLES)
 
 
 def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str) -> None:
@@ -250,8 +356,8 @@ def _without_outliers(
     if len(outliers) > max(1, MOST_OUTLIERS * len(measured)):
         named = ", ".join(map(str, lines[outliers[:6]]))
         raise InputError(
-            f"{points.path}: {len(outliers)} of {len(measured)} points (lines {named}, …) lie far "
-            "from every smooth profile through the rest: more than stray points; look at them"
+            f"{len(outliers)} of {len(measured)} points (lines {named}, …) lie far from every "
+            "smooth profile through the rest: more than stray points; look at them"
         )
     return best_fit(kept, measured[near]), near, kept
 
@@ -295,17 +401,17 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     from scipy.spatial import cKDTree
 
     scan, surface = smoothed.scan, smoothed.profile.surface
-    seen, (x_m, y_m, _) = ~smoothed.outliers, surface.net()
-    measured = np.column_stack([scan.x_m, scan.y_m])[seen]
-    places = np.stack([x_m, y_m], axis=-1)
+    x_m, y_m, _ = surface.net()
+    measured, places = (scan.x_m + 1j * scan.y_m)[~smoothed.outliers], x_m + 1j * y_m
     if axisymmetric:  # a point stands for the circle through it
-        measured, places = (np.hypot(*each.T).T[..., None] for each in (measured, places))
-    distance, _ = cKDTree(measured).query(places)
+        measured, places = np.abs(measured) + 0j, np.abs(places) + 0j
+    tree = cKDTree(np.stack([measured.real, measured.imag], axis=-1))
+    distance, _ = tree.query(np.stack([places.real, places.imag], axis=-1))
     error = smoothed.standard_error(x_m=x_m, y_m=y_m)
     hole, worst = (np.unravel_index(np.argmax(each), each.shape) for each in (distance, error))
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
     if axisymmetric:
-        named[0] = f"r = {places[hole][0] * 1e3:.2f} mm"
+        named[0] = f"r = {places[hole].real * 1e3:.2f} mm"
     refuse(
         scan.path,
         {
@@ -320,7 +426,7 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     )
 
 
-def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str, Any]) -> None:
+def write_smoothed(smoothed: SmoothedScan, path: Path, **settings: Any) -> None:
     """Write a smoothed scan, whole or not at all: smoothing takes up to a minute, reading no time.
 
     Args:
@@ -329,31 +435,22 @@ def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str,
     Raises InputError where the file cannot be written.
     """
     with whole_file(path) as part:
-        part.write_bytes(pickle.dumps((_made_from(smoothed.scan.path, settings), smoothed)))
+        part.write_bytes(pickle.dumps(((digest(smoothed.scan.path), settings), smoothed)))
 
 
 @lru_cache(maxsize=4)
-def _read(path: Path, changed_ns: int) -> tuple[str, SmoothedScan]:
-    try:
-        made_from, smoothed = pickle.loads(path.read_bytes())
-    except Exception as error:  # whatever a damaged file makes of it
-        raise InputError(f"{path}: not a smoothed scan: {error}") from None
-    return made_from, smoothed
-
-
-def read_smoothed(path: Path, scan: Path, *, settings: Mapping[str, Any]) -> SmoothedScan:
+def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
     """What write_smoothed wrote, for a scan's file; read from the run's own folder alone.
 
     Raises InputError for a file that is none, or was made from another scan or other settings.
     """
-    made_from, smoothed = _read(path, path.stat().st_mtime_ns)
-    if made_from != _made_from(scan, settings):
+    try:
+        made_from, smoothed = pickle.loads(path.read_bytes())
+    except Exception as error:  # whatever a damaged file makes of it
+        raise InputError(f"{path}: not a smoothed scan: {error}") from None
+    if made_from != (digest(scan), settings):
         raise InputError(
             f"{path}: was smoothed from another {scan.name}, or with other settings of "
             "actuator.profile; `snakemake profile` makes it anew"
         )
-    return replace(smoothed, scan=replace(smoothed.scan, path=scan))
-
-
-def _made_from(scan: Path, settings: Mapping[str, Any]) -> str:
-    return f"{digest(scan)} {sorted(settings.items())}"
+    return smoothed

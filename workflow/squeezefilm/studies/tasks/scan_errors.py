@@ -125,7 +125,7 @@ def scan_report(
         "points": len(smoothed.measured_m),
         "missing": smoothed.scan.missing,
         "outlier_lines": outliers,
-        "degree": smoothed.degree,
+        "degree": smoothed.fit.degree,
         "peak_um": peak_um,
         "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
         "noise_share": smoothed.noise_m / smoothed.peak_m,
@@ -142,7 +142,7 @@ def scan_report(
         *[f"outliers, not fitted {len(outliers)} (lines {str(outliers[:6])[1:-1]})"][
             : len(outliers)
         ],
-        f"degree of the modes {smoothed.degree}",
+        f"degree of the modes {smoothed.fit.degree}",
         f"largest amplitude {peak_um:.4g} µm",
         f"noise {100 * smoothed.noise_m / smoothed.peak_m:.2g} % of it",
         f"standard error of the profile {100 * unsure:.2g} % of it, at most",
