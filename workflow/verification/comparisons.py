@@ -6,12 +6,11 @@ with the terms that the film's equation neglects, or by differences of such forc
 is a statement that is given as valid and whose interval does not hold the direct value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from math import inf, isfinite, nan, sqrt
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -120,17 +119,16 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     """
     settings = solver_settings(study.config, outputs=())
     space = Space.of(study.config, centred=False)
-    drawn = space.table(space.independent_sample(points, seed=seed))
-    forces = forces_of(
-        study.scenes(drawn), settings=settings, device=study.device, smoothed=None, budget=True
-    )
+    scenes = study.scenes(space.table(space.independent_sample(points, seed=seed)))
+    forces = forces_of(scenes, settings=settings, device=study.device, smoothed=None, budget=True)
     for force in forces:
         yield from _of_force(force, study, valid=force.status == force.validity == "ok")
-    known = next((each for each in forces if each.status == "ok" and each.force_n > 0), None)
-    if known is not None:
-        yield from _of_elements(known.scene, study)
-        yield from _of_levitation(known, study)
-        yield from _of_response(known.scene, study)
+    for scene, force in zip(scenes, forces, strict=True):
+        if force.status == "ok" and force.force_n > 0:
+            yield from _of_elements(force.scene, study)
+            yield from _of_levitation(scene, force.force_n, study)
+            yield from _of_response(force.scene, study)
+            break
 
 
 def _where(scene: Scene) -> str:
@@ -153,11 +151,10 @@ def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     """The same far within what is stated of them, as far as that can be had."""
     gas = scenes[0].gas
     plain = gas.inertia == gas.heat == "none" and scenes[0].finger.shape == "rectangle"
-    if plain:
-        found = forces_and_errors(scenes, study, tolerance=TIGHT)
-        if np.isfinite(found).all():
-            return found
-    return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
+    found = forces_and_errors(scenes, study, tolerance=TIGHT if plain else LESS_TIGHT)
+    if plain and not np.isfinite(found).all():
+        return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
+    return found
 
 
 def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
@@ -177,18 +174,10 @@ def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
 def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
     """The force and its numerical error, then what the equation neglects."""
     scene, stated = force.scene, force.force_n
-    numbers = _over_limits(scene)
-    worst = max(numbers, key=numbers.__getitem__)
+    worst, number = max(_over_limits(scene).items(), key=itemgetter(1))
     simulate = partial(Comparison, "simulate", note=_where(scene))
-    yield Comparison(
-        "simulate",
-        "numbers over limits of validity",
-        -inf,
-        1.0,
-        numbers[worst],
-        valid=valid,
-        note=f"{worst}; {_where(scene)}",
-    )
+    what, note = "numbers over limits of validity", f"{worst}; {_where(scene)}"
+    yield simulate(what, -inf, 1.0, number, valid=valid, note=note)
     if not isfinite(stated):
         return
     ((direct,), (error,)) = _direct([scene], study)
@@ -223,7 +212,7 @@ def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     if not (square and scene.epsilon <= REFERENCE_EPSILON and low <= scene.sigma <= high):
         return
     ((stated,), (error,)) = forces_and_errors([scene], study)
-    found = reference_force(epsilon=scene.epsilon, sigma=scene.sigma, gap=scene.gap, degree=14)
+    found = reference_force(scene, degree=14)
     direct_n, off_n = scene.force_scale_n * found.force, scene.force_scale_n * found.uncertainty
     simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_where(scene))
     yield simulate("force by elements / N", *_around(stated, error), direct_n, off_n)
@@ -237,34 +226,29 @@ def _neglected(
 
     The loss of pressure where gas flows in, of no equation here, is not among them.
     """
-    found: dict[str, tuple[list[str], dict[str, str]]] = {}
-    if lacking := [name for name in ("inertia", "heat") if not budget.effects[name].included]:
-        found["inertia, heat"] = lacking, {"inertia": "included", "heat": "included"}
-    if scene.gas.rarefaction != "fukui-kaneko" and scene.gas.inertia == scene.gas.heat == "none":
-        effects = ["kinetic"] if budget.effects["slip"].included else ["slip", "kinetic"]
-        found["rarefaction"] = effects, {"rarefaction": "fukui-kaneko"}
-    for name, (effects, choices) in found.items():
-        first = [budget.effects[each] for each in effects]
-        # Effects of another pad are a guide; their sum is stated as not known.
-        usable = not (budget.basis or set(effects) & set(budget.above_range))
-        change, off = (
-            sum(getattr(each, part) for each in first) / 100 for part in ("percent", "off_percent")
-        )
-        yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"
+    both, flow = {"inertia": "included", "heat": "included"}, {"rarefaction": "fukui-kaneko"}
+    gas = scene.gas
+    slips = gas.rarefaction != "fukui-kaneko" and gas.inertia == gas.heat == "none"
+    for name, effects, choices in (
+        ("inertia, heat", ("inertia", "heat"), both),
+        ("rarefaction", ("slip", "kinetic") if slips else (), flow),
+    ):
+        lacking = {each: budget.effects[each] for each in effects}
+        lacking = {each: effect for each, effect in lacking.items() if not effect.included}
+        if lacking:
+            # Effects of another pad are a guide; their sum is stated as not known.
+            usable = not (budget.basis or lacking.keys() & {*budget.above_range})
+            change = sum(effect.percent for effect in lacking.values()) / 100
+            off = sum(effect.off_percent for effect in lacking.values()) / 100
+            yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"
 
 
-def _of_levitation(force: Force, study: Study) -> Iterator[Comparison]:
-    """Gap, stiffness, modelling error and resonance under the load that a force carries."""
-    settings, load_n = solver_settings(study.config), force.force_n
-    place = {name: getattr(force.scene, name) for name in ("h0_m", "hv_m", "x_m", "y_m")}
+def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
+    """Gap, stiffness, modelling error and resonance under a load."""
+    settings = solver_settings(study.config)
+    how = settings.how(study.device) | {"model_tolerance": settings.model_tolerance}
     try:
-        found = levitate(
-            study.scenes(pd.DataFrame([place]))[0],
-            load_n=load_n,
-            tolerance=settings.tolerance,
-            model_tolerance=settings.model_tolerance,
-            device=study.device,
-        )
+        found = levitate(scene, load_n=load_n, **how)
     except (InputError, RunError):
         return
     scene, h0_m, stiffness = found.scene, found.scene.h0_m, found.stiffness_n_per_m

@@ -26,7 +26,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import plans_of, solve
-from squeezefilm.reynolds.spectral import Around, Axis, axis, flux_points, period
+from squeezefilm.reynolds.spectral import axis, flux_points, period
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
@@ -254,14 +254,10 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
         "thrust_x": force * scene.h0_m * thrust_x,
         "thrust_y": force * scene.h0_m * thrust_y,
     }
-    for k in range(MOMENTS):
-        for n in range(MOMENTS):
-            wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
-            found |= {f"{GUARD} {k} {n} {part}": unit[:, None] * wave for part, unit in PARTS}
+    for k, n, part in np.ndindex(MOMENTS, MOMENTS, 3):
+        wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
+        found[f"{GUARD} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
     return {name: film.symmetric(weight) for name, weight in found.items()}
-
-
-PARTS = tuple(enumerate(np.eye(3)))
 
 
 class Sample:
@@ -279,25 +275,20 @@ class Sample:
     """
 
     def __init__(self, scene: Scene, state: State) -> None:
-        grid, field = state.grid, state.unknowns[0]
-        first, outline = axis(grid.x.full_points, folded=False), grid.outline
-        second: Axis | Around
+        grid, outline = state.grid, state.grid.outline
+        first = axis(grid.x.full_points, folded=False)
+        second = grid.around if outline else axis(grid.y.full_points, folded=False)
         mirrored: list[Any]
-        if grid.x.folded:  # the other half is its image
-            field = np.concatenate([field, np.flip(field, axis=0)])
+        # With zeros on the rim; what is not among the unknowns is an image.
+        in_x, in_y = grid.x.at(first.all_nodes), grid.y.at(second.all_nodes)
+        field = np.einsum("pa,abi,qb->pqi", in_x, state.unknowns[0], in_y, optimize=True)
         if outline:
-            second = grid.around
-            field = np.pad(field[:, second.unfolded], [(1, 1), (0, 0), (0, 0)])
             u, v = np.meshgrid(first.all_nodes, second.all_nodes, indexing="ij")
             density = outline.stretch(outline.rim * (2 * u - 1), v) / outline.mean_stretch
             weights = with_rim(first).weights[:, None] * density / len(second.all_nodes)
             self.x, self.y = outline.positions(u.ravel(), v.ravel())
-            mirrored = list(second.mirrored)
+            mirrored = list(grid.around.mirrored)
         else:
-            second = axis(grid.y.full_points, folded=False)
-            if grid.y.folded:
-                field = np.concatenate([field, np.flip(field, axis=1)], axis=1)
-            field = np.pad(field, [(1, 1), (1, 1), (0, 0)])
             weights = np.multiply.outer(with_rim(first).weights, with_rim(second).weights)
             self.x, self.y = grid.positions
             mirrored = [slice(None, None, -1)] * grid.y.folded
