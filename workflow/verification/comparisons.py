@@ -325,8 +325,6 @@ def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
         stated = response(scene)
     except (InputError, RunError):
         return
-    if not isfinite(stated.static_gain):
-        return
     force_n, error_n, slope, slope_error = _derivative(scene, "hv_m", study)
     gain = slope * scene.hv_m / force_n
     error = abs(gain) * (abs(slope_error / slope) + error_n / abs(force_n))

@@ -69,8 +69,10 @@ def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
     if refusal:
         reason = f"{why}: {refusal}" if why else refusal
         return {"verdict": "refused" if why else "failed", "reason": reason}
-    checks = _checks(scene, solution, documented=bool(why), device=device)
-    broken = [name for name, found in checks.items() if not found <= ALLOWED[name]]
+    checks = _checks(scene, solution, device=device)
+    checks = {name: each for name, each in checks.items() if math.isfinite(each) or not why}
+    shares = {name: each / ALLOWED[name] for name, each in checks.items()}
+    broken = [name for name, share in shares.items() if not share <= 1]
     return {
         "verdict": "failed" if broken else "solved" if checks else "unchecked",
         "reason": "; ".join(
@@ -79,16 +81,12 @@ def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
         "method": solution.method,
         "force": solution.force_n / scene.force_scale_n,
         "estimated_error": solution.force_error_n / solution.force_n,
-        "worst_over_allowed": max(
-            (checks[name] / ALLOWED[name] for name in checks), default=math.nan
-        ),
+        "worst_over_allowed": max(shares.values(), default=math.nan),
         **checks,
     }
 
 
-def _checks(
-    scene: Scene, solution: Solution, *, documented: bool, device: Device
-) -> dict[str, float]:
+def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, float]:
     """What can be asked of a film's force and state, but for the solver's own estimate."""
 
     def again(tolerance: float) -> tuple[Solution, float]:
@@ -108,7 +106,7 @@ def _checks(
         _, checks["finer_difference"] = again(FINER * TOLERANCE)
     elif math.isfinite(off):
         checks |= check_state(scene, periodic.states[-1])
-    return {name: each for name, each in checks.items() if math.isfinite(each) or not documented}
+    return checks
 
 
 def check_state(scene: Scene, state: State) -> dict[str, float]:

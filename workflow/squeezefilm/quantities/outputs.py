@@ -8,7 +8,7 @@ actuator's axes, z points from the surface to the finger.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import isfinite
@@ -26,7 +26,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import plans_of, solve
-from squeezefilm.reynolds.spectral import axis, flux_points, period
+from squeezefilm.reynolds.spectral import Around, Axis, Period, axis, flux_points, period
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
@@ -71,7 +71,6 @@ def with_outputs(
     asked = checked_outputs(outputs)
     if not asked:
         return list(solutions)
-    found = [Outputs(refused=dict.fromkeys(OUTPUTS, "no force")) for _ in solutions]
     known = [k for k, each in enumerate(solutions) if isfinite(each.force_n)]
     films, forces = [scenes[k] for k in known], [solutions[k] for k in known]
     parts = [Outputs()] * len(known)
@@ -81,11 +80,10 @@ def with_outputs(
     if "static_stiffness" in asked:
         more = static_stiffness(films, forces, tolerance=tolerance, device=device)
         parts = [one.beside(other) for one, other in zip(parts, more, strict=True)]
-    for k, part in zip(known, parts, strict=True):
-        found[k] = part
+    found, none = dict(zip(known, parts, strict=True)), dict.fromkeys(OUTPUTS, "no force")
     return [
-        replace(solution, outputs=each.only(asked))
-        for solution, each in zip(solutions, found, strict=True)
+        replace(solution, outputs=found.get(k, Outputs(refused=none)).only(asked))
+        for k, solution in enumerate(solutions)
     ]
 
 
@@ -297,16 +295,12 @@ class Sample:
         for order in mirrored:
             images += [each[:, order] for each in images]
 
-        def at(u: np.ndarray, v: np.ndarray, phases: np.ndarray) -> np.ndarray:
-            in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
-            return np.asarray(second.to_points(v) @ in_u @ grid.t.at(phases).T)
-
-        nodes, around = (first.all_nodes, second.all_nodes, grid.t.nodes), bool(outline)
         self.scene, self.weights = scene, weights.ravel()
         self.overpressure = field.reshape(-1, grid.nt)
         self.images = [image.ravel() for image in images]
-        self.largest = _extreme(field, nodes, at, around=around)
-        self.least = -_extreme(-field, nodes, lambda *where: -at(*where), around=around)
+        axes = first, second, grid.t
+        self.largest = _extreme(field, axes, sign=1)
+        self.least = -_extreme(field, axes, sign=-1)
         inert = scene.gas.inertia == "included"
         self.momentum_n = momentum_out(scene, grid, state.unknowns) if inert else (0.0, 0.0)
 
@@ -359,24 +353,27 @@ def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
 
 
-def _extreme(
-    field: np.ndarray, nodes: tuple[np.ndarray, ...], at: Callable[..., np.ndarray], *, around: bool
-) -> float:
-    """The largest value near the largest at the nodes, of what interpolates them."""
+def _extreme(field: np.ndarray, axes: tuple[Axis, Axis | Around, Period], *, sign: int) -> float:
+    """The largest value near the largest at the nodes, of what interpolates sign · field."""
     from scipy.optimize import minimize
 
-    best = np.unravel_index(int(np.argmax(field)), field.shape)
+    first, second, in_time = axes
+    around = isinstance(second, Around)
+    size = np.abs(field).max() or 1.0
+
+    def fallen(place: np.ndarray) -> float:
+        u, v, phase = place[:, None]
+        in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
+        found = second.to_points(v) @ in_u @ in_time.at(phase).T
+        return -sign * found.item() / size
+
+    best = np.unravel_index(int(np.argmax(sign * field)), field.shape)
+    nodes = first.all_nodes, second.all_nodes, in_time.nodes
     start = np.array([float(each[k]) for each, k in zip(nodes, best, strict=True)])
     # On the rim of the pad the pressure is ambient: no extreme but that of a film at rest.
     free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
-    size = np.abs(field).max() or 1.0
-    found = minimize(
-        lambda place: -at(*place[:, None]).item() / size,
-        start,
-        bounds=free,
-        options={"ftol": 1e-13},
-    )
-    return float(max(field[best], -size * found.fun))
+    found = minimize(fallen, start, bounds=free, options={"ftol": 1e-13})
+    return float(max(sign * field[best], -size * found.fun))
 
 
 def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float, float]:
@@ -483,15 +480,13 @@ def static_stiffness(
         with_derivatives(scenes, solutions, tolerance=tolerance, device=device),
         strict=True,
     ):
-        known = solution.derivatives
+        known, bad = solution.derivatives, ""
         if known and known.status == "ok":
             value, error = -known.value["h0_m"], known.error["h0_m"]
         else:
             rows, (bad,) = falls([scene], "h0_m", tolerance=tolerance, device=device)
-            if bad:
-                reason = f"no force at a gap within {2 * STEP:.0%}: {bad}"
-                found.append(Outputs(refused={name: reason}))
-                continue
             value, error = rows[2:, 0].tolist()
-        found.append(Outputs(value={name: value}, error={name: error}))
+        reason = {name: f"no force at a gap within {2 * STEP:.0%}: {bad}"}
+        known_of = Outputs(value={name: value}, error={name: error})
+        found.append(Outputs(refused=reason) if bad else known_of)
     return found
