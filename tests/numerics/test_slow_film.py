@@ -151,6 +151,19 @@ def test_a_mass_on_a_film_at_rest_oscillates_as_on_blechs_spring_and_damper():
         assert found.real < 0
 
 
+@pytest.mark.parametrize(("sigma", "slip"), [(500.0, 0.0), (500.0, 0.08), (5000.0, 0.0)])
+def test_a_mass_over_a_vibration_oscillates_at_a_root_of_its_equation_of_motion(sigma, slip):
+    nodes = expansion_axis(15).all_nodes - 0.5
+    s = np.sinc(STRIP * np.hypot(*np.meshgrid(nodes, nodes)))
+    film = slow_film(epsilon=0.6, sigma=sigma, amplitude=s, slip=slip)
+    for squeeze in (10.0, 30.0, 300.0):
+        scale = (squeeze / sigma) ** 2
+        root = oscillation(film, slow=0.3 * scale, scale=scale)
+        at_rest, there = film.stiffness(np.array([0.0, root / 1j]))
+        terms = np.array([root**2, 0.3 * scale, scale * (there - at_rest)])
+        assert abs(terms.sum()) < 1e-8 * np.abs(terms).max()
+
+
 def from_rest(film: AveragedFilm, periods: np.ndarray) -> np.ndarray:
     times = np.append(0.0, (2 * periods - 1) * pi)
     return film.after_step(film.at_rest(), film.epsilon, times)[1:]

@@ -20,8 +20,7 @@ from scipy.stats import betabinom
 
 from squeezefilm.api.forces import Force, forces_of
 from squeezefilm.api.models import Study
-from squeezefilm.dynamics.averaged_film import averaged_film_of
-from squeezefilm.dynamics.levitation import Levitation, Resonance, levitate, resonance
+from squeezefilm.dynamics.levitation import levitate
 from squeezefilm.dynamics.response import response
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
@@ -42,9 +41,6 @@ REFERENCE_EPSILON, REFERENCE_SIGMA = 0.6, (1.0, 2e4)
 STEP = 0.004
 # Gaps beyond one that levitates, at which the force must stay below the load.
 WIDER, WIDER_GAPS = 4.0, 12
-# Relative error of what commands print in two digits without an error.
-ABOUT = 0.05
-GRAVITY_M_PER_S2 = 9.81
 # Points outside the declared space, which no prediction interval may claim.
 BEYOND = 20
 # Of the fresh points of the study of seed 0.
@@ -244,7 +240,7 @@ def _neglected(
 
 
 def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
-    """Gap, stiffness, modelling error and resonance under a load."""
+    """Gap, stiffness and modelling error under a load."""
     settings = solver_settings(study.config)
     how = settings.how(study.device) | {"model_tolerance": settings.model_tolerance}
     try:
@@ -268,15 +264,6 @@ def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Compar
         ends = _around(h0_m + change_m, off_m + 2 * found.h0_error_m)
         numbers = *ends, _gap_under(with_them, load_n, study), 2 * LESS_TIGHT * h0_m
         yield stated(f"gap with {name} / m", *numbers, usable)
-    mass_kg = load_n / GRAVITY_M_PER_S2
-    moving = resonance(found, mass_kg=mass_kg)
-    if isfinite(moving.frequency_hz):
-        s = _free_motion(found, moving, mass_kg)
-        for quantity, value, direct in (
-            ("resonance / Hz", moving.frequency_hz, s.imag / (2 * np.pi)),
-            ("damping ratio", moving.damping_ratio, -s.real / abs(s)),
-        ):
-            yield stated(quantity, *_around(value, ABOUT * value), direct)
 
 
 def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
@@ -293,29 +280,6 @@ def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
         return float(newton(excess, near_m, x1=1.02 * near_m, tol=LESS_TIGHT * near_m, maxiter=12))
     except (RunError, InputError, RuntimeError):
         return nan
-
-
-def _free_motion(found: Levitation, moving: Resonance, mass_kg: float) -> complex:
-    """The root s near a resonance's of mass·s² + K(s) = 0, by the secant method.
-
-    K is the film's dynamic stiffness: that of slow motion, and what the averaged film adds at s.
-    """
-    scene = found.scene.viscous()
-    film, _ = averaged_film_of(scene)
-    rate = scene.actuator.angular_frequency_rad_per_s
-    unit = scene.force_scale_n / scene.h0_m
-    at_rest = film.stiffness(np.array([0.0]))[0].real
-    ratio = moving.damping_ratio
-    start = 2 * np.pi * moving.frequency_hz * complex(-ratio / sqrt(max(1 - ratio**2, 1e-12)), 1.0)
-
-    def motion(s: complex) -> complex:
-        added = film.stiffness(np.array([s / (1j * rate)]))[0] - at_rest
-        return complex(mass_kg * s**2 + found.stiffness_n_per_m + unit * added)
-
-    try:
-        return complex(newton(motion, start, x1=(1 + 1e-5) * start, tol=1e-7 * abs(start)))
-    except RuntimeError:
-        return complex(nan, nan)
 
 
 def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
