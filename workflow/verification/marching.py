@@ -21,8 +21,6 @@ from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
 
 FloatArray = NDArray[np.float64]
-# Whether a film is even about X = 1/2 and about Y = 1/2, so that half of that side will do.
-Fold = tuple[bool, bool]
 Operator = Callable[[FloatArray], FloatArray]
 
 NEWTON_STEPS, KRYLOV_ITERATIONS = 40, 400
@@ -37,8 +35,11 @@ class Periodic:
     periods: int = 0
 
 
-def fold_of(scene: Scene) -> Fold:
-    """The film's, probed at some points and phases."""
+def fold_of(scene: Scene) -> tuple[bool, bool]:
+    """Whether a film is even about X = 1/2 and about Y = 1/2, so that half of that side will do.
+
+    It is probed at some points and phases.
+    """
     nodes, phases = np.linspace(0.03, 0.46, 7), np.array([0.5, 2.0])
     x, y = np.meshgrid(nodes, 1.1 * nodes, indexing="ij")
     here = scene.gap(x, y, phases)

@@ -15,12 +15,11 @@ Source: Karniadakis and Sherwin, Spectral/hp Element Methods, 2005, chapters 2 a
 """
 
 import math
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BarycentricInterpolator
-from scipy.linalg import eigh
+from scipy.linalg import block_diag, eigh
 from scipy.special import eval_legendre, roots_jacobi
 
 from squeezefilm.film.scene import Scene
@@ -62,22 +61,17 @@ class _Side:
         half = np.array([0.0, 0.09, 0.5])
         edges = half if folded else np.concatenate([half, 1 - half[-2::-1]])
         nodes, weights, derivative = lobatto(degree)
-        count = degree * (len(edges) - 1) + 1
-        gather = np.zeros(((degree + 1) * (len(edges) - 1), count))
-        slope = np.zeros_like(gather)
-        self.element_weights = np.zeros(len(gather))
-        x = np.zeros(count)
-        for e, (left, right) in enumerate(pairwise(edges)):
-            rows = slice(e * (degree + 1), (e + 1) * (degree + 1))
-            columns = slice(e * degree, (e + 1) * degree + 1)
-            gather[rows, columns] = np.eye(degree + 1)
-            slope[rows, columns] = derivative * 2 / (right - left)
-            self.element_weights[rows] = weights * (right - left) / 2
-            x[columns] = left + (right - left) * (nodes + 1) / 2
+        widths = np.diff(edges)
+        # Of each element's nodes the global ones, the last of an element the first of the next.
+        places = (degree * np.arange(len(widths))[:, None] + np.arange(degree + 1)).ravel()
+        gather, x = np.eye(places[-1] + 1)[places], np.zeros(places[-1] + 1)
+        slope = block_diag(*(derivative * 2 / width for width in widths)) @ gather
+        self.element_weights = np.outer(widths, weights).ravel() / 2
+        x[places] = (edges[:-1, None] + np.outer(widths, nodes + 1) / 2).ravel()
         free = slice(1, None if folded else -1)
         self.x, self.gather, self.slope = x[free], gather[:, free], slope[:, free]
         self.mass = self.gather.T @ self.element_weights
-        self.element_x = gather @ x
+        self.element_x = x[places]
         stiffness = self.slope.T @ (self.element_weights[:, None] * self.slope)
         self.values, self.modes = eigh(stiffness, np.diag(self.mass))
 
