@@ -1,6 +1,6 @@
 """The other methods against known forces, against each other, and by order of convergence.
 
-Reference values are those of the film on the unit square: s = 1 (a piston) or the centred sinc.
+Reference values are those of the film on the unit square under the paper's sinc.
 """
 
 import math
@@ -8,40 +8,26 @@ from typing import Any
 
 import numpy as np
 import pytest
-from films import film
 from physics_facts import ASIDE_N, CENTRED_N
 
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
 from verification import chebyshev_march, finite_elements, numpy_periodic
-from verification.marching import Amplitude, FloatArray, periods_to_settle
+from verification.films import film
+from verification.marching import FloatArray, periods_to_settle
 
-CENTRED = (True, True)
 ANDERSON = {"tolerance": 1e-7, "anderson_depth": 10}
 SQUEEZE_5UM = 12 * 1.81e-5 * 2 * math.pi * 43_270 * 0.01**2 / (101_325 * 5e-6**2)
 NEWTON = 101_325 * 0.01**2  # p0 l0^2
 
 
-def sinc(x: FloatArray, y: FloatArray) -> FloatArray:
-    """The paper's profile under the centred finger."""
-    return np.sinc(109.8 * 0.01 * np.hypot(x - 0.5, y - 0.5))
+CENTRED = film("", 0.44, SQUEEZE_5UM)
+ASIDE = film("", 0.4, SQUEEZE_5UM, x=0.29)
 
 
-def sinc_off_centre(x: FloatArray, y: FloatArray) -> FloatArray:
-    """The same under a finger moved by 2.9 mm along X."""
-    return np.sinc(109.8 * np.hypot(0.01 * (x - 0.5) + 0.0029, 0.01 * (y - 0.5)))
-
-
-def piston(x: FloatArray, y: FloatArray) -> FloatArray:
-    return np.ones_like(x)
-
-
-def periodic(epsilon: float, sigma: float, amplitude: Amplitude = sinc, **more: Any) -> float:
+def periodic(scene: Scene, **settings: Any) -> float:
     """The force by the periodic state in NumPy."""
-
-    def gap(x: FloatArray, y: FloatArray, phase: FloatArray) -> FloatArray:
-        return 1 + epsilon * amplitude(x, y)[..., None] * np.sin(phase)
-
-    return numpy_periodic.periodic_state(gap=gap, sigma=sigma, **more).force
+    return numpy_periodic.periodic_state(scene, **settings).force
 
 
 def orders(values: list[float], exact: float) -> FloatArray:
@@ -53,13 +39,10 @@ def orders(values: list[float], exact: float) -> FloatArray:
 # The periodic state in NumPy
 
 
-@pytest.mark.parametrize(
-    ("epsilon", "profile", "newtons"),
-    [(0.44, sinc, CENTRED_N), (0.4, sinc_off_centre, ASIDE_N)],
-)
-def test_periodic_force_converges_spectrally_to_the_known_force(epsilon, profile, newtons):
+@pytest.mark.parametrize(("scene", "newtons"), [(CENTRED, CENTRED_N), (ASIDE, ASIDE_N)])
+def test_periodic_force_converges_spectrally_to_the_known_force(scene, newtons):
     errors = [
-        abs(periodic(epsilon, SQUEEZE_5UM, profile, nx=n, ny=n, nt=nt) * NEWTON / newtons - 1)
+        abs(periodic(scene, nx=n, ny=n, nt=nt) * NEWTON / newtons - 1)
         for n, nt in ((12, 8), (20, 12), (28, 16))
     ]
     assert errors[1] < errors[0] / 20
@@ -69,22 +52,21 @@ def test_periodic_force_converges_spectrally_to_the_known_force(epsilon, profile
 # Time marching, at sigma = 20 where a few periods settle the film
 
 SETTLED = periods_to_settle(sigma=20, tolerance=1e-9)
-SCENE: dict[str, Any] = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
+SCENE = film("", 0.4, 20.0)
 
 
 @pytest.fixture(scope="module")
 def converged():
-    return periodic(**SCENE, nx=32, ny=32, nt=32, tolerance=1e-12)
+    return periodic(SCENE, nx=32, ny=32, nt=32, tolerance=1e-12)
 
 
-def elements(**given: Any) -> float:
-    settings = SCENE | {"cells": 4, "steps": 64, "periods": SETTLED, "fold": CENTRED}
-    return finite_elements.periodic_force(**settings | given).force
+def elements(scene: Scene = SCENE, **given: Any) -> float:
+    settings = {"cells": 4, "steps": 64, "periods": SETTLED} | given
+    return finite_elements.periodic_force(scene, **settings).force
 
 
-def chebyshev(**given: Any) -> float:
-    settings = SCENE | {"points": 8, "rtol": 1e-7, "fold": CENTRED}
-    return chebyshev_march.periodic_force(**settings | given).force
+def chebyshev(**settings: Any) -> float:
+    return chebyshev_march.periodic_force(SCENE, **settings).force
 
 
 def test_crank_nicolson_is_of_second_order_in_time(converged):
@@ -105,11 +87,12 @@ def test_chebyshev_march_converges_spectrally(converged):
 
 
 def test_finite_elements_agree_on_the_bearing_term():
-    exact = periodic(0.4, 200.0, bearing=20.0, nx=32)
-    settings = {"sigma": 200.0, "bearing": 20.0, "cells": 6, "fold": (False, True)}
-    coarse, fine = (elements(**settings, **ANDERSON, periods=40, steps=n) for n in (32, 64))
+    sliding = film("", 0.4, 200.0, 20.0)
+    exact = periodic(sliding, nx=32)
+    settings = {"cells": 6, "periods": 40} | ANDERSON
+    coarse, fine = (elements(sliding, **settings, steps=n) for n in (32, 64))
     assert (4 * fine - coarse) / 3 == pytest.approx(exact, rel=1e-4)
-    assert exact < 0.98 * periodic(0.4, 200.0)
+    assert exact < 0.98 * periodic(film("", 0.4, 200.0))
 
 
 # The force of the paper's largest extrapolation, by two other methods
@@ -124,9 +107,7 @@ def test_finite_elements_agree_on_the_bearing_term():
     ids=["finite elements", "Chebyshev march"],
 )
 def test_marching_gives_the_known_force(method, settings, rel):
-    found = method.periodic_force(
-        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, fold=CENTRED, **settings
-    )
+    found = method.periodic_force(CENTRED, **settings)
     assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=rel)
     if method is finite_elements:  # Anderson's mixing takes a tenth of the periods
         assert found.periods <= 20
@@ -134,9 +115,6 @@ def test_marching_gives_the_known_force(method, settings, rel):
 
 def test_marching_gives_the_periodic_solver_s_force():
     """F(5 µm, 2.2 µm) to the digits that README promises."""
-    scene = film(epsilon=0.44, sigma=SQUEEZE_5UM)
-    (solution,) = solve([scene], tolerance=1e-8)
-    marched = chebyshev_march.periodic_force(
-        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, points=14, rtol=1e-8, fold=CENTRED
-    )
-    assert marched.force == pytest.approx(solution.force_n / scene.force_scale_n, rel=4e-8)
+    (solution,) = solve([CENTRED], tolerance=1e-8)
+    marched = chebyshev_march.periodic_force(CENTRED, points=14, rtol=1e-8)
+    assert marched.force == pytest.approx(solution.force_n / CENTRED.force_scale_n, rel=4e-8)

@@ -228,20 +228,10 @@ def test_a_patch_of_no_symmetry_has_the_force_of_finite_elements(epsilon, sigma,
     unit = 1e3 * sides_m[0]
     middle = (dense.real.max() + dense.real.min() + 1j * (dense.imag.max() + dense.imag.min())) / 2
 
-    def amplitude(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        return scene.amplitude(0.5 + x, 0.5 + y * sides_m[0] / sides_m[1])
-
-    mesh = triangles((patch(TURN) - middle) / unit, refined=3)
+    mesh = triangles((patch(TURN) - middle) / unit + 0.5 + 0.5j * scene.aspect, refined=3)
     coarse, fine = (
         finite_elements.periodic_force(
-            epsilon=scene.epsilon,
-            sigma=scene.sigma,
-            amplitude=amplitude,
-            mesh=mesh,
-            steps=steps,
-            periods=150,
-            tolerance=1e-6,
-            anderson_depth=10,
+            scene, mesh=mesh, steps=steps, periods=150, tolerance=1e-6, anderson_depth=10
         ).force
         for steps in (24, 48)
     )

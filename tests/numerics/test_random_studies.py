@@ -25,7 +25,6 @@ def test_nothing_stated_of_random_studies_is_sure_and_wrong():
     assert counts["inertia, heat / N"] >= 3
     assert counts["rarefaction / N"] >= 1
     assert counts["static gain"] >= 1
-    assert counts["resonance / Hz"] >= 1
     assert counts["force by elements / N"] >= 2
 
 

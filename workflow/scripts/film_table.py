@@ -23,7 +23,7 @@ def levitation() -> pd.DataFrame:
     scenes = film.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAPS_M[1]}))
     how = settings.how(film.device) | {"model_tolerance": settings.model_tolerance}
     scan_error_n = scan_error_of(film.scan, device=film.device)
-    return levitations(scenes, loads_n, how=how, scan_error_n=scan_error_n)[0]
+    return levitations(scenes, loads_n, how=how, scan_error_n=scan_error_n)
 
 
 def response() -> pd.DataFrame:

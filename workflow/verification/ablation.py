@@ -6,6 +6,7 @@ little is put back that it changes nothing but has to be computed. Last, the sam
 NumPy.
 """
 
+from collections import ChainMap
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
@@ -24,7 +25,6 @@ from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.terms import TERMS
-from squeezefilm.solution import Solutions
 from verification.numpy_periodic import periodic_state
 from verification.work_precision import measure
 
@@ -56,14 +56,11 @@ def ablation(
     scenes as they need, worst relative error, share of scenes within their error estimate; NumPy
     has none, nor the points that tight tolerances ask for.
     """
-    own = partial(solve, device=device)
-    periodic = partial(own, method="periodic")
+    periodic = partial(_forces, method="periodic", device=device)
     one_grid = partial(_on_one_grid, device=device)
-    with_all = scenes
-    for changes in PUT_BACK.values():
-        with_all = _with(with_all, changes)
-    ways: dict[str, tuple[Callable[..., Solutions], Sequence[Scene]]] = {
-        AS_NEEDED: (own, scenes),
+    with_all = _with(scenes, dict(ChainMap(*PUT_BACK.values())))
+    ways: dict[str, tuple[Callable[..., Forces], Sequence[Scene]]] = {
+        AS_NEEDED: (partial(_forces, device=device), scenes),
         "time (always periodic)": (periodic, scenes),
         "mirror halves": (partial(_on_whole_pads, device=device), scenes),
         **{
@@ -75,12 +72,12 @@ def ablation(
         "everything": (one_grid, with_all),
         "everything, in NumPy": (_in_numpy, scenes),
     }
-    exact = periodic(scenes, tolerance=REFERENCE_TOLERANCE).force_n
+    exact, _ = periodic(scenes, tolerance=REFERENCE_TOLERANCE)
     rows = []
     for tolerance, (put_back, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        found, cpu_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
-        error, stated = np.abs(found.force_n - exact), found.force_error_n
+        (force_n, stated), cpu_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
+        error = np.abs(force_n - exact)
         row = {
             "put_back": put_back,
             "tolerance": tolerance,
@@ -106,32 +103,33 @@ def _with(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
     return [replace(scene, finger=finger, gas=changed(scene.gas)) for scene, finger in pairs]
 
 
-def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
+# Forces of scenes and what is stated of their errors, in newtons.
+Forces = tuple[np.ndarray, np.ndarray]
+
+
+def _forces(scenes: Sequence[Scene], **how: Any) -> Forces:
+    found = solve(scenes, **how)
+    return found.force_n, found.force_error_n
+
+
+def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
     whole = np.zeros(len(scenes), dtype=bool)
     needs = replace(needs_of(scenes), fold_x=whole, fold_y=whole)
-    return solve_periodic(needs, tolerance=tolerance, device=device)
+    found = solve_periodic(needs, tolerance=tolerance, device=device)
+    return found.force_n, found.force_error_n
 
 
-def _solutions(scenes: Sequence[Scene], mean: Any, error: Any) -> Solutions:
-    """Of mean overpressures in units of p0."""
-    found = Solutions.of_method("periodic", len(scenes))
-    scale = np.array([scene.force_scale_n for scene in scenes])
-    found.force_n[:], found.force_error_n[:] = scale * mean, scale * error
-    return found
-
-
-def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
+def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
     """Every scene on the same two grids over the whole finger, each solved from rest."""
     coarse, fine = (
         solve_batch(scenes, grid, tolerance=ITERATION_SHARE * tolerance, device=device)
         for grid in ONE_FOR_ALL
     )
-    stated = 2 * np.abs(fine.mean - coarse.mean) + fine.said["residual"]
-    return _solutions(scenes, fine.mean, stated)
+    scale, stated = Scenes.of(scenes).force_scale_n, 2 * np.abs(fine.mean - coarse.mean)
+    return scale * fine.mean, scale * (stated + fine.said["residual"])
 
 
-def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Solutions:
+def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
     """Of the plain equation, on 24 × 24 × 16 points of the whole finger."""
-    within = 1e-4 * tolerance
-    states = [periodic_state(gap=each.gap, sigma=each.sigma, tolerance=within) for each in scenes]
-    return _solutions(scenes, [state.force for state in states], np.nan)
+    means = np.array([periodic_state(each, tolerance=1e-4 * tolerance).force for each in scenes])
+    return Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan)

@@ -19,29 +19,22 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from squeezefilm.errors import RunError
-from verification.marching import Amplitude, FloatArray, Fold, Marched, march_to_periodic
+from squeezefilm.film.scene import Scene
+from verification.marching import FloatArray, Periodic, fold_of, march_to_periodic
 from verification.numpy_periodic import chebyshev_grid
 
 
-def periodic_force(
-    *,
-    epsilon: float,
-    sigma: float,
-    amplitude: Amplitude,
-    points: int = 12,
-    rtol: float = 1e-6,
-    fold: Fold = (False, False),
-) -> Marched:
+def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> Periodic:
     """Mean force in p0 l0^2 of the period that repeats itself to rtol / 100.
 
     points: inner points along each half side, folded or not; rtol: Radau's
     relative tolerance (the absolute one is a tenth of it, on a mass of order 1).
 
-    The result's `change` tells how closely it did, should the periods not have sufficed.
     Raises RunError when Radau gives up.
     """
-    x_side, y_side = (_Side(points, folded) for folded in fold)
-    s_rim = amplitude(*np.meshgrid(x_side.grid.x, y_side.grid.x, indexing="ij"))
+    epsilon, sigma = scene.epsilon, scene.sigma
+    x_side, y_side = (_Side(points, folded) for folded in fold_of(scene))
+    s_rim = scene.amplitude(*np.meshgrid(x_side.grid.x, y_side.grid.x, indexing="ij"))
     x_matrix, y_matrix = x_side.grid.first, y_side.grid.first
     slope = (x_matrix @ s_rim) ** 2 + (s_rim @ y_matrix.T) ** 2
     bend = x_side.grid.second @ s_rim + s_rim @ y_side.grid.second.T
@@ -91,19 +84,17 @@ def periodic_force(
             raise RunError(f"Chebyshev march: Radau stopped at {numbers}: {march.message}")
         return march.y[:-1, -1], float(march.y[-1, -1]) / (2 * math.pi)
 
-    how = {"periods": 30, "anderson_depth": 10}
-    return march_to_periodic(period, np.ones(s.size), tolerance=rtol / 100, **how)
+    start, within = np.ones(s.size), rtol / 100
+    return march_to_periodic(period, start, tolerance=within, periods=30, anderson_depth=10)
 
 
 class _Side:
     """One side of the square: its grid, the inner points kept, and their folded operators."""
 
     def __init__(self, points: int, folded: bool) -> None:
-        self.grid = chebyshev_grid(2 * points)
-        count = points if folded else 2 * points
-        self.kept = np.arange(1, count + 1)
-        self.second = self.grid.second[1 : count + 1, 1 : count + 1]
-        self.weights = self.grid.weights[1 : count + 1]
-        if folded:
-            self.second = self.second + self.grid.second[1 : count + 1, -2 : -count - 2 : -1]
-            self.weights = 2 * self.weights
+        self.grid, inner = chebyshev_grid(2 * points), np.eye(2 * points)
+        if folded:  # an even field on all points
+            inner = (inner + inner[::-1])[:, :points]
+        self.kept = np.arange(1, inner.shape[1] + 1)
+        self.second = self.grid.second[self.kept, 1:-1] @ inner
+        self.weights = self.grid.weights[1:-1] @ inner

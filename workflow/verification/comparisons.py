@@ -6,12 +6,11 @@ with the terms that the film's equation neglects, or by differences of such forc
 is a statement that is given as valid and whose interval does not hold the direct value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from math import inf, isfinite, nan, sqrt
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -21,8 +20,7 @@ from scipy.stats import betabinom
 
 from squeezefilm.api.forces import Force, forces_of
 from squeezefilm.api.models import Study
-from squeezefilm.dynamics.averaged_film import averaged_film_of
-from squeezefilm.dynamics.levitation import Levitation, Resonance, levitate, resonance
+from squeezefilm.dynamics.levitation import levitate
 from squeezefilm.dynamics.response import response
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
@@ -43,9 +41,6 @@ REFERENCE_EPSILON, REFERENCE_SIGMA = 0.6, (1.0, 2e4)
 STEP = 0.004
 # Gaps beyond one that levitates, at which the force must stay below the load.
 WIDER, WIDER_GAPS = 4.0, 12
-# Relative error of what commands print in two digits without an error.
-ABOUT = 0.05
-GRAVITY_M_PER_S2 = 9.81
 # Points outside the declared space, which no prediction interval may claim.
 BEYOND = 20
 # Of the fresh points of the study of seed 0.
@@ -120,17 +115,16 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     """
     settings = solver_settings(study.config, outputs=())
     space = Space.of(study.config, centred=False)
-    drawn = space.table(space.independent_sample(points, seed=seed))
-    forces = forces_of(
-        study.scenes(drawn), settings=settings, device=study.device, smoothed=None, budget=True
-    )
+    scenes = study.scenes(space.table(space.independent_sample(points, seed=seed)))
+    forces = forces_of(scenes, settings=settings, device=study.device, smoothed=None, budget=True)
     for force in forces:
         yield from _of_force(force, study, valid=force.status == force.validity == "ok")
-    known = next((each for each in forces if each.status == "ok" and each.force_n > 0), None)
-    if known is not None:
-        yield from _of_elements(known.scene, study)
-        yield from _of_levitation(known, study)
-        yield from _of_response(known.scene, study)
+    for scene, force in zip(scenes, forces, strict=True):
+        if force.status == "ok" and force.force_n > 0:
+            yield from _of_elements(force.scene, study)
+            yield from _of_levitation(scene, force.force_n, study)
+            yield from _of_response(force.scene, study)
+            break
 
 
 def _where(scene: Scene) -> str:
@@ -153,11 +147,10 @@ def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     """The same far within what is stated of them, as far as that can be had."""
     gas = scenes[0].gas
     plain = gas.inertia == gas.heat == "none" and scenes[0].finger.shape == "rectangle"
-    if plain:
-        found = forces_and_errors(scenes, study, tolerance=TIGHT)
-        if np.isfinite(found).all():
-            return found
-    return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
+    found = forces_and_errors(scenes, study, tolerance=TIGHT if plain else LESS_TIGHT)
+    if plain and not np.isfinite(found).all():
+        return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
+    return found
 
 
 def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
@@ -177,18 +170,10 @@ def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
 def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
     """The force and its numerical error, then what the equation neglects."""
     scene, stated = force.scene, force.force_n
-    numbers = _over_limits(scene)
-    worst = max(numbers, key=numbers.__getitem__)
+    worst, number = max(_over_limits(scene).items(), key=itemgetter(1))
     simulate = partial(Comparison, "simulate", note=_where(scene))
-    yield Comparison(
-        "simulate",
-        "numbers over limits of validity",
-        -inf,
-        1.0,
-        numbers[worst],
-        valid=valid,
-        note=f"{worst}; {_where(scene)}",
-    )
+    what, note = "numbers over limits of validity", f"{worst}; {_where(scene)}"
+    yield simulate(what, -inf, 1.0, number, valid=valid, note=note)
     if not isfinite(stated):
         return
     ((direct,), (error,)) = _direct([scene], study)
@@ -223,7 +208,7 @@ def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     if not (square and scene.epsilon <= REFERENCE_EPSILON and low <= scene.sigma <= high):
         return
     ((stated,), (error,)) = forces_and_errors([scene], study)
-    found = reference_force(epsilon=scene.epsilon, sigma=scene.sigma, gap=scene.gap, degree=14)
+    found = reference_force(scene, degree=14)
     direct_n, off_n = scene.force_scale_n * found.force, scene.force_scale_n * found.uncertainty
     simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_where(scene))
     yield simulate("force by elements / N", *_around(stated, error), direct_n, off_n)
@@ -237,34 +222,29 @@ def _neglected(
 
     The loss of pressure where gas flows in, of no equation here, is not among them.
     """
-    found: dict[str, tuple[list[str], dict[str, str]]] = {}
-    if lacking := [name for name in ("inertia", "heat") if not budget.effects[name].included]:
-        found["inertia, heat"] = lacking, {"inertia": "included", "heat": "included"}
-    if scene.gas.rarefaction != "fukui-kaneko" and scene.gas.inertia == scene.gas.heat == "none":
-        effects = ["kinetic"] if budget.effects["slip"].included else ["slip", "kinetic"]
-        found["rarefaction"] = effects, {"rarefaction": "fukui-kaneko"}
-    for name, (effects, choices) in found.items():
-        first = [budget.effects[each] for each in effects]
-        # Effects of another pad are a guide; their sum is stated as not known.
-        usable = not (budget.basis or set(effects) & set(budget.above_range))
-        change, off = (
-            sum(getattr(each, part) for each in first) / 100 for part in ("percent", "off_percent")
-        )
-        yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"
+    both, flow = {"inertia": "included", "heat": "included"}, {"rarefaction": "fukui-kaneko"}
+    gas = scene.gas
+    slips = gas.rarefaction != "fukui-kaneko" and gas.inertia == gas.heat == "none"
+    for name, effects, choices in (
+        ("inertia, heat", ("inertia", "heat"), both),
+        ("rarefaction", ("slip", "kinetic") if slips else (), flow),
+    ):
+        lacking = {each: budget.effects[each] for each in effects}
+        lacking = {each: effect for each, effect in lacking.items() if not effect.included}
+        if lacking:
+            # Effects of another pad are a guide; their sum is stated as not known.
+            usable = not (budget.basis or lacking.keys() & {*budget.above_range})
+            change = sum(effect.percent for effect in lacking.values()) / 100
+            off = sum(effect.off_percent for effect in lacking.values()) / 100
+            yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"
 
 
-def _of_levitation(force: Force, study: Study) -> Iterator[Comparison]:
-    """Gap, stiffness, modelling error and resonance under the load that a force carries."""
-    settings, load_n = solver_settings(study.config), force.force_n
-    place = {name: getattr(force.scene, name) for name in ("h0_m", "hv_m", "x_m", "y_m")}
+def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
+    """Gap, stiffness and modelling error under a load."""
+    settings = solver_settings(study.config)
+    how = settings.how(study.device) | {"model_tolerance": settings.model_tolerance}
     try:
-        found = levitate(
-            study.scenes(pd.DataFrame([place]))[0],
-            load_n=load_n,
-            tolerance=settings.tolerance,
-            model_tolerance=settings.model_tolerance,
-            device=study.device,
-        )
+        found = levitate(scene, load_n=load_n, **how)
     except (InputError, RunError):
         return
     scene, h0_m, stiffness = found.scene, found.scene.h0_m, found.stiffness_n_per_m
@@ -284,15 +264,6 @@ def _of_levitation(force: Force, study: Study) -> Iterator[Comparison]:
         ends = _around(h0_m + change_m, off_m + 2 * found.h0_error_m)
         numbers = *ends, _gap_under(with_them, load_n, study), 2 * LESS_TIGHT * h0_m
         yield stated(f"gap with {name} / m", *numbers, usable)
-    mass_kg = load_n / GRAVITY_M_PER_S2
-    moving = resonance(found, mass_kg=mass_kg)
-    if isfinite(moving.frequency_hz):
-        s = _free_motion(found, moving, mass_kg)
-        for quantity, value, direct in (
-            ("resonance / Hz", moving.frequency_hz, s.imag / (2 * np.pi)),
-            ("damping ratio", moving.damping_ratio, -s.real / abs(s)),
-        ):
-            yield stated(quantity, *_around(value, ABOUT * value), direct)
 
 
 def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
@@ -311,37 +282,12 @@ def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
         return nan
 
 
-def _free_motion(found: Levitation, moving: Resonance, mass_kg: float) -> complex:
-    """The root s near a resonance's of mass·s² + K(s) = 0, by the secant method.
-
-    K is the film's dynamic stiffness: that of slow motion, and what the averaged film adds at s.
-    """
-    scene = found.scene.viscous()
-    film, _ = averaged_film_of(scene)
-    rate = scene.actuator.angular_frequency_rad_per_s
-    unit = scene.force_scale_n / scene.h0_m
-    at_rest = film.stiffness(np.array([0.0]))[0].real
-    ratio = moving.damping_ratio
-    start = 2 * np.pi * moving.frequency_hz * complex(-ratio / sqrt(max(1 - ratio**2, 1e-12)), 1.0)
-
-    def motion(s: complex) -> complex:
-        added = film.stiffness(np.array([s / (1j * rate)]))[0] - at_rest
-        return complex(mass_kg * s**2 + found.stiffness_n_per_m + unit * added)
-
-    try:
-        return complex(newton(motion, start, x1=(1 + 1e-5) * start, tol=1e-7 * abs(start)))
-    except RuntimeError:
-        return complex(nan, nan)
-
-
 def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The gain of slow modulation against d ln F / d ln hv of direct forces."""
     scene = scene.viscous()
     try:
         stated = response(scene)
     except (InputError, RunError):
-        return
-    if not isfinite(stated.static_gain):
         return
     force_n, error_n, slope, slope_error = _derivative(scene, "hv_m", study)
     gain = slope * scene.hv_m / force_n

@@ -31,14 +31,8 @@ from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP2, Mesh, MeshQua
 from skfem.helpers import dot, grad
 
 from squeezefilm.errors import RunError
-from verification.marching import (
-    Amplitude,
-    FloatArray,
-    Fold,
-    Marched,
-    graded_edges,
-    march_to_periodic,
-)
+from squeezefilm.film.scene import Scene
+from verification.marching import FloatArray, Periodic, fold_of, graded_edges, march_to_periodic
 
 NEWTON_STEPS = 40
 PATIENCE = 4  # Newton steps with old factors before new ones are made
@@ -51,28 +45,18 @@ def _diffusion(u, v, w):  # type: ignore[no-untyped-def]
 
 
 def periodic_force(
-    *,
-    epsilon: float,
-    sigma: float,
-    amplitude: Amplitude,
-    bearing: float = 0.0,
-    cells: int = 8,
-    steps: int = 32,
-    fold: Fold = (False, False),
-    mesh: Mesh | None = None,
-    **marching: Any,
-) -> Marched:
+    scene: Scene, *, cells: int = 8, steps: int = 32, mesh: Mesh | None = None, **marching: Any
+) -> Periodic:
     """Mean force in p0 l0^2 over the last period.
 
-    bearing: the bearing number Lambda of a surface sliding in X (then do not fold X);
     cells: elements along each half side, folded or not; steps: time steps a period;
-    mesh: triangles of another pad than the unit square, all of whose edge
-    is its rim (then fold nothing); marching: as `march_to_periodic` takes it, the
-    tolerance that of u.
+    mesh: triangles of another pad than the square, all of whose edge is its rim, in
+    units of its side along x from a corner of what surrounds it; marching: as
+    `march_to_periodic` takes it, the tolerance that of u.
 
-    The result's `change` tells whether the tolerance was reached within the periods.
     Raises RunError when a time step does not converge.
     """
+    fold = fold_of(scene) if mesh is None else (False, False)
     if mesh is None:
         x, y = (graded_edges(cells=cells, folded=folded) for folded in fold)
         basis = Basis(MeshQuad.init_tensor(x, y), ElementQuad2(), intorder=5)
@@ -80,8 +64,7 @@ def periodic_force(
     else:
         basis = Basis(mesh, ElementTriP2(), intorder=5)
         free = basis.complement_dofs(basis.get_dofs())
-    gap = epsilon * amplitude(*basis.global_coordinates())
-    film = _Film(basis, free, gap=gap, sigma=sigma, bearing=bearing, steps=steps)
+    film = _Film(scene, basis, free, steps=steps)
     found = march_to_periodic(film.period, np.zeros(film.unknowns), **marching)
     return replace(found, force=found.force * 2 ** sum(fold))
 
@@ -89,16 +72,9 @@ def periodic_force(
 class _Film:
     """The discretised film: matrices of all phases, and the factors kept between periods."""
 
-    def __init__(
-        self,
-        basis: Basis,
-        free: NDArray[np.int64],
-        *,
-        gap: FloatArray,
-        sigma: float,
-        bearing: float,
-        steps: int,
-    ) -> None:
+    def __init__(self, scene: Scene, basis: Basis, free: NDArray[np.int64], *, steps: int) -> None:
+        x, y = basis.global_coordinates()
+        gap = scene.epsilon * scene.amplitude(x, y / scene.aspect)
         wave = np.sin(2 * math.pi * np.arange(steps + 1) / steps)
         half_step = math.pi / steps
         powers = [
@@ -112,8 +88,9 @@ class _Film:
             :, free
         ]
         slopes = _at_quadrature(basis, [shape[0].grad[0] for shape in basis.basis])[:, free]
-        self.tested_old = sp.csr_matrix((sigma * self.values + half_step * bearing * slopes).T)
-        self.tested_new = sp.csr_matrix((sigma * self.values - half_step * bearing * slopes).T)
+        slide = half_step * scene.bearing_number * slopes
+        self.tested_old = sp.csr_matrix((scene.sigma * self.values + slide).T)
+        self.tested_new = sp.csr_matrix((scene.sigma * self.values - slide).T)
         self.steps = steps
         self.unknowns = len(free)
         self.factors: list[SuperLU | None] = [None] * (steps + 1)

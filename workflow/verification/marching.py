@@ -18,26 +18,36 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from squeezefilm.errors import RunError
+from squeezefilm.film.scene import Scene
 
 FloatArray = NDArray[np.float64]
-# The profile s at normalised positions X, Y, arrays of one shape in and out.
-Amplitude = Callable[[FloatArray, FloatArray], FloatArray]
-# H at X, Y, any common shape, and at phases, one more dimension.
-Gap = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
-# Whether s is even about X = 1/2 and about Y = 1/2, so that half of that side will do.
-Fold = tuple[bool, bool]
 Operator = Callable[[FloatArray], FloatArray]
 
 NEWTON_STEPS, KRYLOV_ITERATIONS = 40, 400
 
 
 @dataclass(frozen=True)
-class Marched:
-    """A mean force in p0 l0^2, after how many periods, and what the last one still changed."""
+class Periodic:
+    """A mean force in p0 l0^2, a method's unknowns, and after how many periods if it marched."""
 
     force: float
-    periods: int
-    change: float
+    state: FloatArray
+    periods: int = 0
+
+
+def fold_of(scene: Scene) -> tuple[bool, bool]:
+    """Whether a film is even about X = 1/2 and about Y = 1/2, so that half of that side will do.
+
+    It is probed at some points and phases.
+    """
+    nodes, phases = np.linspace(0.03, 0.46, 7), np.array([0.5, 2.0])
+    x, y = np.meshgrid(nodes, 1.1 * nodes, indexing="ij")
+    here = scene.gap(x, y, phases)
+    even_x, even_y = (
+        np.allclose(scene.gap(*there, phases), here, rtol=0, atol=1e-13)
+        for there in ((1 - x, y), (x, 1 - y))
+    )
+    return even_x and scene.bearing_number == 0, even_y
 
 
 def graded_edges(*, cells: int, folded: bool) -> FloatArray:
@@ -66,7 +76,7 @@ def march_to_periodic(
     periods: int,
     tolerance: float = 0.0,
     anderson_depth: int = 0,
-) -> Marched:
+) -> Periodic:
     """Repeat the period map until the state repeats itself.
 
     period: maps the state at T = 0 to the state at T = 2 pi and the mean force in between.
@@ -82,8 +92,7 @@ def march_to_periodic(
     for count in range(1, periods + 1):  # noqa: B007 - returned
         image, force = period(state)
         residual = image - state
-        change = float(np.abs(residual).max())
-        if change <= tolerance:
+        if np.abs(residual).max() <= tolerance:
             break
         images = [*images, image][-anderson_depth - 1 :]
         residuals = [*residuals, residual][-anderson_depth - 1 :]
@@ -91,7 +100,7 @@ def march_to_periodic(
         if len(images) > 1:
             weights = np.linalg.lstsq(np.diff(residuals, axis=0).T, residual, rcond=None)[0]
             state = image - np.diff(images, axis=0).T @ weights
-    return Marched(force, count, change)
+    return Periodic(force, state, count)
 
 
 def newton_krylov(
@@ -100,7 +109,6 @@ def newton_krylov(
     *,
     positive: Operator,
     tolerance: float,
-    name: str,
 ) -> FloatArray:
     """Newton's method with GMRES for a field, until a preconditioned residual is small.
 
@@ -109,7 +117,6 @@ def newton_krylov(
             mean square falls below the tolerance, its derivative to such a perturbation, and the
             change of the state for a unit of it.
         positive: what no step may make a tenth or less of what it was, linear in the state.
-        name: of the method and film, for the message.
 
     Raises RunError when the method does not get there.
     """
@@ -137,4 +144,4 @@ def newton_krylov(
         while np.any(positive(state + change) <= 0.1 * positive(state)):
             change /= 2
         state = state + change
-    raise RunError(f"{name}: no convergence in {NEWTON_STEPS} Newton steps (residual {size:.1e})")
+    raise RunError(f"no convergence in {NEWTON_STEPS} Newton steps (residual {size:.1e})")

@@ -18,12 +18,12 @@ the OpenCL solver independently: no symmetry, no batches.
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import BarycentricInterpolator
 
-from verification.marching import FloatArray, Gap, Operator, newton_krylov
+from squeezefilm.film.scene import Scene
+from verification.marching import FloatArray, Operator, Periodic, newton_krylov
 
 
 @dataclass(frozen=True)
@@ -65,24 +65,13 @@ def _along_x(matrix: FloatArray, field: FloatArray) -> FloatArray:
 class Collocation:
     """The film equation at nx x ny inner points and nt (even) times, fields (nx, ny, nt)."""
 
-    def __init__(
-        self,
-        *,
-        gap: Gap,
-        sigma: float,
-        nx: int,
-        ny: int,
-        nt: int,
-        bearing: float = 0.0,
-        knudsen: float = 0.0,
-        aspect: float = 1.0,
-    ) -> None:
-        """Args: aspect: the side along y over that along x, by which y is scaled to [0, 1]."""
+    def __init__(self, scene: Scene, *, nx: int, ny: int, nt: int) -> None:
         self.x, self.y = chebyshev_grid(nx), chebyshev_grid(ny)
-        self.sigma, self.bearing, self.knudsen, self.aspect = sigma, bearing, knudsen, aspect
+        self.sigma, self.bearing = scene.sigma, scene.bearing_number
+        self.knudsen, self.aspect = scene.slip_knudsen, scene.aspect
         inside = slice(1, -1)
         self.x_second = self.x.second[inside, inside]
-        self.y_second = self.y.second[inside, inside] / aspect**2
+        self.y_second = self.y.second[inside, inside] / self.aspect**2
         self.x_first = self.x.first[inside, inside]
         self.area = np.outer(self.x.weights[inside], self.y.weights[inside])
         self.i_k = 1j * np.arange(nt // 2 + 1)
@@ -90,14 +79,14 @@ class Collocation:
         self.in_time = np.fft.irfft(self.i_k * np.fft.rfft(np.eye(nt)), n=nt)
         # The gap is differentiated on the whole grid, rim included.
         phase = 2 * math.pi * np.arange(nt) / nt
-        whole = gap(*np.meshgrid(self.x.x, self.y.x, indexing="ij"), phase)
+        whole = scene.gap(*np.meshgrid(self.x.x, self.y.x, indexing="ij"), phase)
         slope_x = _along_x(self.x.first, whole)[inside, inside]
-        slope_y = np.matmul(self.y.first / aspect, whole)[inside, inside]
-        bend = _along_x(self.x.second, whole) + np.matmul(self.y.second / aspect**2, whole)
+        slope_y = np.matmul(self.y.first / self.aspect, whole)[inside, inside]
+        bend = _along_x(self.x.second, whole) + np.matmul(self.y.second / self.aspect**2, whole)
         self.gap, self.bend = whole[inside, inside], bend[inside, inside]
         self.half = np.sqrt(self.gap)
         self.c = 1.5 * self.bend / self.gap + 0.75 * (slope_x**2 + slope_y**2) / self.gap**2
-        self.squeeze = sigma * self._rate(self.gap) + bearing * slope_x
+        self.squeeze = self.sigma * self._rate(self.gap) + self.bearing * slope_x
 
     def residual(self, p: FloatArray) -> FloatArray:
         """What the equation leaves of a pressure p = P - 1."""
@@ -144,26 +133,16 @@ class Collocation:
         return rate + self.bearing * _along_x(self.x_first, mass) if self.bearing else rate
 
 
-@dataclass(frozen=True)
-class PeriodicState:
-    """Overpressure P - 1, (nx, ny, nt), at the inner points and the times T = 2 pi j / nt, and the
-    mean force in p0 l0^2."""
-
-    overpressure: FloatArray
-    force: float
-
-
 def periodic_state(
-    *, nx: int = 24, ny: int = 24, nt: int = 16, tolerance: float = 1e-10, **numbers: Any
-) -> PeriodicState:
-    """Periodic film pressure at nx x ny inner points and nt (even) times of one period.
+    scene: Scene, *, nx: int = 24, ny: int = 24, nt: int = 16, tolerance: float = 1e-10
+) -> Periodic:
+    """Overpressure P - 1, (nx, ny, nt), at the inner points and times T = 2 pi j / nt, nt even.
 
     tolerance: on the root mean square of the preconditioned residual, a mass perturbation.
-    numbers: of the film, its gap among them, as `Collocation` takes them.
 
     Raises RunError when Newton's method does not get there.
     """
-    film = Collocation(nx=nx, ny=ny, nt=nt, **numbers)
+    film = Collocation(scene, nx=nx, ny=ny, nt=nt)
 
     def linearised(p: FloatArray) -> tuple[FloatArray, Operator, FloatArray]:
         precondition = film.preconditioner(p)
@@ -173,11 +152,6 @@ def periodic_state(
             1 / film.gap,
         )
 
-    p = newton_krylov(
-        np.zeros_like(film.gap),
-        linearised,
-        positive=lambda p: 1 + p,
-        tolerance=tolerance,
-        name=f"periodic NumPy solver at sigma = {film.sigma:g}",
-    )
-    return PeriodicState(p, film.mean(p))
+    start = np.zeros_like(film.gap)
+    p = newton_krylov(start, linearised, positive=lambda p: 1 + p, tolerance=tolerance)
+    return Periodic(film.mean(p), p)

@@ -15,50 +15,40 @@ Source: Karniadakis and Sherwin, Spectral/hp Element Methods, 2005, chapters 2 a
 """
 
 import math
-from dataclasses import dataclass
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BarycentricInterpolator
-from scipy.linalg import eigh
+from scipy.linalg import block_diag, eigh
 from scipy.special import eval_legendre, roots_jacobi
 
-from verification.marching import FloatArray, Fold, Gap, Operator, newton_krylov
+from squeezefilm.film.scene import Scene
+from verification.marching import FloatArray, Operator, fold_of, newton_krylov
 
 ROUND_OFF = 1e-13  # of the force, in units of p0 l0^2
 TOLERANCE = 1e-12  # of Newton's method, on a mass perturbation
 
 
-@dataclass(frozen=True)
-class Reference:
+class Reference(NamedTuple):
     """A mean force in units of p0 l0^2 and how far it may be from the truth."""
 
     force: float
     uncertainty: float
 
 
-def reference_force(
-    *,
-    epsilon: float,
-    sigma: float,
-    gap: Gap,
-    fold: Fold = (False, False),
-    degree: int = 18,
-) -> Reference:
-    """The mean force of a film without bearing term, with its uncertainty.
+def reference_force(scene: Scene, *, degree: int = 18) -> Reference:
+    """The mean force of a square film without any term but that of the gap's shape.
 
     Args:
-        epsilon: largest excursion over the gap at rest.
-        gap: H at x, y in [0, 1] across the finger, any common shape, and at phases, one more
-            dimension, as a scene's.
         degree: of the elements; the coarser computation has 4 less and four fifths of the instants.
 
     Raises RunError when Newton's method does not converge.
     """
-    ratio = epsilon / (1 + math.sqrt(1 - epsilon**2))
+    closure = scene.closure()
+    ratio = closure / (1 + math.sqrt(1 - closure**2))
     instants = 20 + math.ceil(1.3 * math.log(1e-12) / math.log(ratio))
     coarse, fine = (
-        _mean_force(sigma=sigma, gap=gap, fold=fold, degree=d, instants=nt + 1 - nt % 2)
+        _mean_force(scene, degree=d, instants=nt + 1 - nt % 2)
         for d, nt in ((degree - 4, instants * 4 // 5), (degree, instants))
     )
     return Reference(force=fine, uncertainty=abs(fine - coarse) + ROUND_OFF)
@@ -71,22 +61,17 @@ class _Side:
         half = np.array([0.0, 0.09, 0.5])
         edges = half if folded else np.concatenate([half, 1 - half[-2::-1]])
         nodes, weights, derivative = lobatto(degree)
-        count = degree * (len(edges) - 1) + 1
-        gather = np.zeros(((degree + 1) * (len(edges) - 1), count))
-        slope = np.zeros_like(gather)
-        self.element_weights = np.zeros(len(gather))
-        x = np.zeros(count)
-        for e, (left, right) in enumerate(pairwise(edges)):
-            rows = slice(e * (degree + 1), (e + 1) * (degree + 1))
-            columns = slice(e * degree, (e + 1) * degree + 1)
-            gather[rows, columns] = np.eye(degree + 1)
-            slope[rows, columns] = derivative * 2 / (right - left)
-            self.element_weights[rows] = weights * (right - left) / 2
-            x[columns] = left + (right - left) * (nodes + 1) / 2
+        widths = np.diff(edges)
+        # Of each element's nodes the global ones, the last of an element the first of the next.
+        places = (degree * np.arange(len(widths))[:, None] + np.arange(degree + 1)).ravel()
+        gather, x = np.eye(places[-1] + 1)[places], np.zeros(places[-1] + 1)
+        slope = block_diag(*(derivative * 2 / width for width in widths)) @ gather
+        self.element_weights = np.outer(widths, weights).ravel() / 2
+        x[places] = (edges[:-1, None] + np.outer(widths, nodes + 1) / 2).ravel()
         free = slice(1, None if folded else -1)
         self.x, self.gather, self.slope = x[free], gather[:, free], slope[:, free]
         self.mass = self.gather.T @ self.element_weights
-        self.element_x = gather @ x
+        self.element_x = x[places]
         stiffness = self.slope.T @ (self.element_weights[:, None] * self.slope)
         self.values, self.modes = eigh(stiffness, np.diag(self.mass))
 
@@ -100,12 +85,13 @@ def lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     return nodes, weights, interpolation.derivative(nodes)
 
 
-def _mean_force(*, sigma: float, gap: Gap, fold: Fold, degree: int, instants: int) -> float:
+def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
+    sigma, fold = scene.sigma, fold_of(scene)
     x, y = (_Side(degree=degree, folded=folded) for folded in fold)
     phase = 2 * math.pi * np.arange(instants) / instants
 
     def gap_at(x_nodes: FloatArray, y_nodes: FloatArray) -> FloatArray:
-        return gap(*np.meshgrid(x_nodes, y_nodes, indexing="ij"), phase)
+        return scene.gap(*np.meshgrid(x_nodes, y_nodes, indexing="ij"), phase)
 
     height = gap_at(x.x, y.x)
     conductance_x = (
@@ -147,12 +133,7 @@ def _mean_force(*, sigma: float, gap: Gap, fold: Fold, degree: int, instants: in
             to_u,
         )
 
-    u = newton_krylov(
-        np.zeros_like(height),
-        linearised,
-        positive=lambda u: 1 + 2 * u,
-        tolerance=TOLERANCE,
-        name=f"reference at sigma = {sigma:g}",
-    )
+    start = np.zeros_like(height)
+    u = newton_krylov(start, linearised, positive=lambda u: 1 + 2 * u, tolerance=TOLERANCE)
     overpressure = 2 * u / (1 + np.sqrt(1 + 2 * u))
     return float(2 ** sum(fold) * np.sum(area[:, :, 0] * overpressure.mean(axis=-1)))

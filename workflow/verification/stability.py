@@ -9,22 +9,22 @@ program (``numpy_periodic``); what is left is a defect of discretisation, iterat
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import BarycentricInterpolator
-from scipy.signal import resample
 
 from squeezefilm.errors import InputError
+from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import check_scene
 from squeezefilm.parallel import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
-from verification.films import Case, Film, beyond
-from verification.marching import FloatArray, Fold
-from verification.numpy_periodic import Collocation, chebyshev_grid
+from squeezefilm.reynolds.periodic.launch import State
+from squeezefilm.reynolds.spectral import period
+from verification.films import beyond
+from verification.numpy_periodic import Collocation
 
 TOLERANCE = 1e-4
 # A force is solved for again to this share of the tolerance.
@@ -39,56 +39,59 @@ ALLOWED = {
 }
 
 
-def stability(chosen: Sequence[Case], *, device: Device) -> pd.DataFrame:
+def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.DataFrame:
     """A row for each case: numbers, verdict, every check's deviation, the worst over its bound."""
     rows = []
-    for case in chosen:
-        row = _judged(case, device=device)
+    for group, scene in chosen:
+        inert = scene.gas.inertia == "included"
+        row = {
+            "case": scene.point_id,
+            "group": group,
+            "epsilon": round(scene.epsilon, 6),
+            "sigma": round(scene.sigma, 6),
+            "bearing": round(scene.bearing_number, 6),
+            "reynolds": round(scene.modified_reynolds, 6) if inert else 0.0,
+            **_judged(scene, device=device),
+        }
         say(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
         rows.append(row)
     return pd.DataFrame(rows)
 
 
-def _judged(case: Case, *, device: Device) -> dict[str, Any]:
-    film = case.film
-    row: dict[str, Any] = {
-        "case": film.name,
-        "group": case.group,
-        **{name: getattr(film, name) for name in ("epsilon", "sigma", "bearing", "reynolds")},
-    }
+def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
+    why = beyond(scene)
     try:
-        check_scene(film.scene)
-        (solution,) = solve([film.scene], tolerance=TOLERANCE, device=device)
+        check_scene(scene)
+        (solution,) = solve([scene], tolerance=TOLERANCE, device=device)
         refusal = "" if solution.status == "ok" else solution.status
     except InputError as error:
         refusal = str(error)
     if refusal:
-        why = beyond(film)
         reason = f"{why}: {refusal}" if why else refusal
-        return row | {"verdict": "refused" if why else "failed", "reason": reason}
-    checks = _checks(film, solution, device=device)
-    broken = [name for name, found in checks.items() if not found <= ALLOWED[name]]
-    return row | {
+        return {"verdict": "refused" if why else "failed", "reason": reason}
+    checks = _checks(scene, solution, device=device)
+    checks = {name: each for name, each in checks.items() if math.isfinite(each) or not why}
+    shares = {name: each / ALLOWED[name] for name, each in checks.items()}
+    broken = [name for name, share in shares.items() if not share <= 1]
+    return {
         "verdict": "failed" if broken else "solved" if checks else "unchecked",
         "reason": "; ".join(
             f"{name} {checks[name]:.1e} above {ALLOWED[name]:.1e}" for name in broken
         ),
         "method": solution.method,
-        "force": solution.force_n / film.scene.force_scale_n,
+        "force": solution.force_n / scene.force_scale_n,
         "estimated_error": solution.force_error_n / solution.force_n,
-        "worst_over_allowed": max(
-            (checks[name] / ALLOWED[name] for name in checks), default=math.nan
-        ),
+        "worst_over_allowed": max(shares.values(), default=math.nan),
         **checks,
     }
 
 
-def _checks(film: Film, solution: Solution, *, device: Device) -> dict[str, float]:
+def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, float]:
     """What can be asked of a film's force and state, but for the solver's own estimate."""
 
     def again(tolerance: float) -> tuple[Solution, float]:
         (found,) = solve(
-            [film.scene], tolerance=tolerance, method="periodic", device=device, keep_states=True
+            [scene], tolerance=tolerance, method="periodic", device=device, keep_states=True
         )
         off = abs(found.force_n / solution.force_n - 1) if found.status == "ok" else math.inf
         return found, off
@@ -98,39 +101,28 @@ def _checks(film: Film, solution: Solution, *, device: Device) -> dict[str, floa
     if not solution.method.startswith("periodic"):
         # A limit's force must be that of the full equation, where that can be had.
         checks["method_difference"] = off
-    if film.shape != "rectangle" or film.reynolds:
+    if scene.finger.shape != "rectangle" or scene.gas.inertia == "included":
         # The equation and the pads that the state is checked by have neither: the same but finer.
         _, checks["finer_difference"] = again(FINER * TOLERANCE)
     elif math.isfinite(off):
-        grid, (overpressure,) = periodic.states[-1].grid, periodic.states[-1].unknowns
-        checks |= check_state(film, unfold(overpressure, (grid.x.folded, grid.y.folded)))
-    documented = bool(beyond(film))
-    return {name: each for name, each in checks.items() if math.isfinite(each) or not documented}
+        checks |= check_state(scene, periodic.states[-1])
+    return checks
 
 
-def unfold(overpressure: FloatArray, fold: Fold) -> FloatArray:
-    """The field on the whole finger from that on its mirror half or quarter, (nx, ny, nt)."""
-    whole = np.concatenate([overpressure, overpressure[::-1]]) if fold[0] else overpressure
-    return np.concatenate([whole, whole[:, ::-1]], axis=1) if fold[1] else whole
-
-
-def check_state(film: Film, overpressure: FloatArray) -> dict[str, float]:
-    """Judge p = P - 1 at the inner Chebyshev points of the whole finger and equal times of a
-    period from T = 0, shape (nx, ny, nt).
+def check_state(scene: Scene, state: State) -> dict[str, float]:
+    """Judge a periodic state.
 
     Returns:
         ``defect``: change of the force in one correction by the mean-coefficient operator, relative
         to the force; blind to what changes the pressure and not its mean, as by symmetry.
         ``state_defect``: root mean square of that correction relative to the mass perturbation H p.
     """
-    nx, ny, nt = (2 * math.ceil(0.625 * n) for n in overpressure.shape)  # a quarter more, and even
-    numbers = {name: getattr(film, name) for name in ("sigma", "bearing", "knudsen", "aspect")}
-    finer = Collocation(gap=film.scene.gap, nx=nx, ny=ny, nt=nt, **numbers)
-    to_x, to_y = (
-        BarycentricInterpolator(chebyshev_grid(n).x, np.eye(n + 2), rng=0)(grid.x[1:-1])[:, 1:-1]
-        for n, grid in zip(overpressure.shape, (finer.x, finer.y), strict=False)
-    )
-    p = resample(np.matmul(to_y, np.tensordot(to_x, overpressure, 1)), nt, axis=-1)
+    grid, in_time = state.grid, period(state.grid.nt)
+    known = grid.x.full_points, grid.y.full_points, grid.nt
+    nx, ny, nt = (2 * math.ceil(0.625 * n) for n in known)  # a quarter more, and even
+    finer = Collocation(scene, nx=nx, ny=ny, nt=nt)
+    at = grid.x.at(finer.x.x[1:-1]), grid.y.at(finer.y.x[1:-1]), in_time.at(period(nt).nodes)
+    p = np.einsum("xa,yb,ti,abi->xyt", *at, state.unknowns[0], optimize=True)
     correction = finer.preconditioner(p)(finer.residual(p))
     size = finer.mean((finer.gap * p) ** 2)
     return {

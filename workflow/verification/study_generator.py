@@ -1,7 +1,5 @@
 """Random studies: film, gas, vibration and ranges, each drawn from a seed as a configuration."""
 
-from __future__ import annotations
-
 import json
 from math import cos, hypot, log10, pi, radians, sin
 from pathlib import Path

@@ -6,7 +6,7 @@ rung that takes longer than a given time is the last of its path.
 """
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import ceil, log, sqrt
@@ -17,19 +17,20 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.errors import RunError
+from squeezefilm.film.scene import Scene
 from squeezefilm.parallel import say
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from verification import chebyshev_march, finite_elements, numpy_periodic
-from verification.films import Film
-from verification.marching import periods_to_settle
+from verification.films import film
+from verification.marching import Periodic, periods_to_settle
 from verification.reference import reference_force
 
 FILMS = (
-    Film("ε = 0.1, σ = 20", 0.1, 20.0),
-    Film("ε = 0.44, σ = 583", 0.44, 583.0),
-    Film("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
-    Film("ε = 0.9, σ = 583", 0.9, 583.0),
+    film("ε = 0.1, σ = 20", 0.1, 20.0),
+    film("ε = 0.44, σ = 583", 0.44, 583.0),
+    film("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
+    film("ε = 0.9, σ = 583", 0.9, 583.0),
 )
 SOLVER, BATCH = "solver", "solver, in a batch"
 Settings = dict[str, Any]
@@ -37,8 +38,6 @@ Settings = dict[str, Any]
 
 # A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status.
 Answer = tuple[float, float, str]
-# The settings of a method from rung to rung, and the call that solves a film with them.
-Path = Iterator[tuple[Settings, Callable[[], Answer]]]
 
 
 def measure(
@@ -61,7 +60,7 @@ def measure(
 
 
 def work_precision(
-    films: tuple[Film, ...],
+    films: tuple[Scene, ...],
     *,
     repeats: int,
     batch: int,
@@ -77,21 +76,26 @@ def work_precision(
         rungs: the most of any path.
     """
     rows = []
-    for film in films:
-        say(film.name)
-        reference = reference_force(
-            epsilon=film.epsilon, sigma=film.sigma, gap=film.scene.gap, fold=film.fold
-        )
-        paths: dict[str, Path] = {
-            SOLVER: _by_tolerance(film, batch=1, device=device, rungs=rungs),
-            BATCH: _by_tolerance(film, batch=batch, device=device, rungs=rungs),
-            **{method: _other(film, method, rungs=rungs) for method in METHODS},
+    tolerances = [{"tolerance": 10.0**-k} for k in range(1, 11)][:: max(1, 10 // rungs)]
+    for scene in films:
+        say(scene.point_id)
+        reference = reference_force(scene)
+        # Others within 1 % of its epsilon, which have nothing in common with it.
+        alike = [replace(scene, hv_m=scene.hv_m * (1 - 0.01 * k / batch)) for k in range(batch)]
+        # How a method answers, and its settings from rung to rung.
+        paths: dict[str, tuple[Callable[..., Answer], list[Settings]]] = {
+            SOLVER: (partial(_own, [scene], device), tolerances),
+            BATCH: (partial(_own, alike, device), tolerances),
         }
-        for method, path in paths.items():
-            for settings, run in path:
-                (force, claimed, status), cpu_seconds = measure(run, repeats=repeats)
+        for method, (solved, settings_of) in METHODS.items():
+            path = [settings_of(scene, level) for level in range(rungs)]
+            paths[method] = partial(_other, solved, scene), path
+        for method, (answer, path) in paths.items():
+            for settings in path:
+                call = partial(answer, **settings)
+                (force, claimed, status), cpu_seconds = measure(call, repeats=repeats)
                 row = {
-                    "film": film.name,
+                    "film": scene.point_id,
                     "method": method,
                     "settings": " ".join(f"{key}={each:g}" for key, each in settings.items()),
                     "status": status,
@@ -129,76 +133,54 @@ def with_times_less(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(**times)
 
 
-def _by_tolerance(film: Film, *, batch: int, rungs: int, device: Device) -> Path:
-    """What a user does: a tolerance is asked for, and the error estimated.
-
-    In a batch beside others within 1 % of its epsilon, which have nothing in common with it.
-    """
-    films = [replace(film, epsilon=film.epsilon * (1 - 0.01 * k / batch)) for k in range(batch)]
-    scenes, scale = [each.scene for each in films], film.scene.force_scale_n
-
-    def answer(tolerance: float) -> Answer:
-        first = solve(scenes, tolerance=tolerance, device=device)[0]
-        return first.force_n / scale, first.force_error_n / scale, first.status
-
-    for tolerance in [10.0**-k for k in range(1, 11)][:: max(1, 10 // rungs)]:
-        yield {"tolerance": tolerance}, partial(answer, tolerance)
+def _own(scenes: list[Scene], device: Device, *, tolerance: float) -> Answer:
+    """What a user does: a tolerance is asked for, and the error estimated."""
+    first, scale = solve(scenes, tolerance=tolerance, device=device)[0], scenes[0].force_scale_n
+    return first.force_n / scale, first.force_error_n / scale, first.status
 
 
-def _other(film: Film, method: str, *, rungs: int) -> Path:
-    solved, path = METHODS[method]
-    numbers: Settings = {"sigma": film.sigma}
-    if solved is numpy_periodic.periodic_state:
-        numbers["gap"] = film.scene.gap
-    else:
-        numbers |= {"epsilon": film.epsilon, "amplitude": film.amplitude, "fold": film.fold}
-
-    def answer(settings: Settings) -> Answer:
-        try:
-            return solved(**numbers, **settings).force, np.nan, "ok"
-        except RunError as error:
-            return np.nan, np.nan, str(error)
-
-    for level in range(rungs):
-        settings = path(film, level)
-        yield settings, partial(answer, settings)
+def _other(solved: Callable[..., Periodic], scene: Scene, **settings: Any) -> Answer:
+    try:
+        return solved(scene, **settings).force, np.nan, "ok"
+    except RunError as error:
+        return np.nan, np.nan, str(error)
 
 
-def _grid(film: Film, level: int) -> Settings:
+def _grid(scene: Scene, level: int) -> Settings:
     """A layer of width 1/sqrt(sigma) takes Chebyshev points in proportion to sigma^(1/4), the
     harmonics of powers of 1/(1 + epsilon sin T) fall by a factor each."""
     tolerance = 10.0 ** -(level + 1)
-    harmonics = log(tolerance) / log(film.epsilon / (1 + sqrt(1 - film.epsilon**2)))
-    points = 4 * ceil((7 + 0.36 * (level + 1) * film.sigma**0.25) / 4)
+    harmonics = log(tolerance) / log(scene.epsilon / (1 + sqrt(1 - scene.epsilon**2)))
+    points = 4 * ceil((7 + 0.36 * (level + 1) * scene.sigma**0.25) / 4)
     instants = max(8, 4 * ceil(harmonics / 4))
     return {"nx": points, "ny": points, "nt": instants, "tolerance": 1e-3 * tolerance}
 
 
-def _chebyshev(film: Film, level: int) -> Settings:
+def _chebyshev(scene: Scene, level: int) -> Settings:
     """Spectral in space: two points and one decade of the integrator's tolerance a rung."""
     return {"points": 4 + 2 * level, "rtol": 10.0 ** -(level + 2)}
 
 
-def _elements(film: Film, level: int) -> Settings:
+def _elements(scene: Scene, level: int) -> Settings:
     """Of fourth order in space and second in time: each rung divides both errors by four."""
     return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level}
 
 
-def _from_rest(film: Film, level: int) -> Settings:
+def _from_rest(scene: Scene, level: int) -> Settings:
     """From rest until the transient has decayed as far as the other errors."""
-    periods = periods_to_settle(sigma=film.sigma, tolerance=0.1 / 4**level)
-    return _elements(film, level) | {"periods": periods}
+    periods = periods_to_settle(sigma=scene.sigma, tolerance=0.1 / 4**level)
+    return _elements(scene, level) | {"periods": periods}
 
 
-def _accelerated(film: Film, level: int) -> Settings:
+def _accelerated(scene: Scene, level: int) -> Settings:
     """The change over a period stands for an error that is larger by the number of e-folds."""
-    tolerance = 1e-3 * film.epsilon**2 / 4**level
+    tolerance = 1e-3 * scene.epsilon**2 / 4**level
     settings = {"periods": 60, "tolerance": tolerance, "anderson_depth": 10}
-    return _elements(film, level) | settings
+    return _elements(scene, level) | settings
 
 
 # Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs.
-METHODS: dict[str, tuple[Callable[..., Any], Callable[[Film, int], Settings]]] = {
+METHODS: dict[str, tuple[Callable[..., Periodic], Callable[[Scene, int], Settings]]] = {
     "same algorithm, NumPy, no symmetry": (numpy_periodic.periodic_state, _grid),
     "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_force, _chebyshev),
     "finite elements, Anderson": (finite_elements.periodic_force, _accelerated),

@@ -78,9 +78,8 @@ def levitate(options: argparse.Namespace) -> None:
         device = device_of(film.config, option=options.device)
     how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
     scan = film.scan
-    table, *_ = levitations(
-        scenes, loads_n, how=how, scan_error_n=scan_error_of(scan, device=device), mass_kg=mass_kg
-    )
+    off_n = scan_error_of(scan, device=device)
+    table = levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg)
     if scan is not None:
         without = "note: errors of stiffness are without the scan's"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)

@@ -5,10 +5,8 @@ above it settles at the widest such gap. Stiffness is that of slow motion, −�
 amplitude of the surface kept.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from math import isfinite, nan, sqrt
 from typing import Any
@@ -63,8 +61,8 @@ class Levitation:
         force_n: its mean force, the load to its error.
         h0_error_m: numerical error of the gap, from the force's error and the stiffness.
         stiffness_n_per_m, stiffness_error_n_per_m: −∂F/∂h0 for slow motion.
-        others_m: further gaps at which the force equals the load, rough, rising.
         budget: what the film equation neglects of the force.
+        others_m: further gaps at which the force equals the load, rough, rising.
         notes: on the terms of the equation: which ``auto`` could not include and why, and which
             the scene stretches.
     """
@@ -74,8 +72,8 @@ class Levitation:
     h0_error_m: float
     stiffness_n_per_m: float
     stiffness_error_n_per_m: float
-    others_m: tuple[float, ...]
-    budget: ErrorBudget
+    budget: ErrorBudget = field(default_factory=ErrorBudget)
+    others_m: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
@@ -195,7 +193,7 @@ def trustworthy(
     given = [
         k
         for k, there, budget in zip(some, scenes, error_budgets(scenes, device=device), strict=True)
-        if not Levitation(there, forces_n[k], nan, -slopes[k], nan, (), budget).untrustworthy
+        if not Levitation(there, forces_n[k], nan, -slopes[k], nan, budget).untrustworthy
     ]
     if not given:
         return "at this amplitude no gap is given"
@@ -235,8 +233,6 @@ def _at_the_load(
         h0_error_m=(error_n + abs(force_n - load_n)) / abs(stiffness),
         stiffness_n_per_m=stiffness,
         stiffness_error_n_per_m=stiffness_error,
-        others_m=(),
-        budget=ErrorBudget(),
     )
 
 
@@ -379,8 +375,8 @@ def levitations(
     how: dict[str, Any],
     scan_error_n: Callable[[Scene], float],
     mass_kg: float | None = None,
-) -> tuple[pd.DataFrame, Levitation | None, Resonance | None]:
-    """A table with a row for each scene and load, whose gap is sought, and the last gap in full.
+) -> pd.DataFrame:
+    """A table with a row for each scene and load, whose gap is sought.
 
     Args:
         how: the settings of ``levitate``.
@@ -388,7 +384,6 @@ def levitations(
         mass_kg: that floats, for its resonance.
     """
     rows = []
-    found = moving = None
     with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
         for scene in scenes:
             for load_n in loads_n:
@@ -397,21 +392,20 @@ def levitations(
                     found = levitate(scene, load_n=load_n, **how)
                     more_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
                     found = replace(found, h0_error_m=found.h0_error_m + more_m)
-                    moving = None if mass_kg is None else resonance(found, mass_kg=mass_kg)
+                    notes = [*found.notes]
+                    if basis := found.budget.basis:
+                        notes.append(f"left out: of {basis}")
                     row |= {name: of(found) for name, of in COLUMNS.items()}
-                    row |= {"status": "ok", "note": "; ".join(_notes(found, moving))}
-                    if moving is not None:
+                    if mass_kg is not None:
+                        moving = resonance(found, mass_kg=mass_kg)
                         row["resonance_hz"] = moving.frequency_hz
                         row["damping_ratio"] = moving.damping_ratio
+                        notes += [moving.reason] * bool(moving.reason)
+                    row |= {"status": "ok", "note": "; ".join(notes)}
                 except (InputError, RunError) as error:
                     row["status"] = str(error).removeprefix("load: ")
                 rows.append(row)
                 bar.update(1)
     columns = ["load_n", "hv_m", *COLUMNS, "status", "note"]
     columns += ["resonance_hz", "damping_ratio"] if mass_kg is not None else []
-    return pd.DataFrame(rows).reindex(columns=columns), found, moving
-
-
-def _notes(found: Levitation, moving: Resonance | None) -> list[str]:
-    basis, reason = found.budget.basis, moving.reason if moving else ""
-    return [*found.notes, *[f"left out: of {basis}"] * bool(basis), *[reason] * bool(reason)]
+    return pd.DataFrame(rows).reindex(columns=columns)

@@ -4,8 +4,6 @@ By the averaged film (averaged_film.py), where its settled force is good enough.
 follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import partial
@@ -82,26 +80,27 @@ def gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
     Returns:
         A row for each ``frequency_hz`` of the modulation: the size ``gain``, 2 or a little more
         where it is slow enough, ``phase_deg`` of the force behind the amplitude where negative, and
-        ``error``, of the gain, relative, and of the phase in radians.
+        ``error``, of the gain, relative, and of the phase in radians. NaN where a modulation is not
+        slow against the vibration, as its ``status`` says, which is ``ok`` elsewhere.
 
-    Raises:
-        InputError: for a frequency that is not slow against the vibration.
-        RunError: saying why the scene is not supported.
+    Raises RunError saying why the scene is not supported.
     """
-    modulations = np.asarray(frequency_hz, dtype=float) / scene.actuator.frequency_hz
-    if not np.all((modulations > 0) & (modulations <= MOST_MODULATION)):
-        raise InputError(
-            f"a modulation's frequency must lie above 0 and up to "
-            f"{MOST_MODULATION * scene.actuator.frequency_hz:g} Hz, a tenth of the vibration's"
-        )
     film, error = _slow(scene)
-    found = film.response(modulations)
+    modulations = np.asarray(frequency_hz, dtype=float) / scene.actuator.frequency_hz
+    slow = (modulations > 0) & (modulations <= MOST_MODULATION)
+    found = np.full(len(modulations), complex(nan, nan))
+    found[slow] = film.response(modulations[slow])
+    fast = (
+        f"a modulation's frequency must lie above 0 and up to "
+        f"{MOST_MODULATION * scene.actuator.frequency_hz:g} Hz, a tenth of the vibration's"
+    )
     return pd.DataFrame(
         {
             "frequency_hz": frequency_hz,
             "gain": np.abs(found),
             "phase_deg": np.degrees(np.angle(found)),
-            "error": error + AVERAGING_ERROR * modulations**2,
+            "error": np.where(slow, error + AVERAGING_ERROR * modulations**2, nan),
+            "status": np.where(slow, "ok", fast),
         }
     )
 
@@ -251,11 +250,7 @@ def responses(
 ) -> pd.DataFrame:
     """The table with the response of each scene."""
     unknown = {each.name: [nan] for each in fields(Response)}
-    found = _beside(
-        table,
-        scenes,
-        lambda scene: _or_reason(lambda: pd.DataFrame([asdict(response(scene))]), **unknown),
-    )
+    found = _beside(table, scenes, lambda scene: pd.DataFrame([asdict(response(scene))]), unknown)
     known = np.flatnonzero(found["status"] == "ok").tolist()
     changes = neglected([scenes[k] for k in known], tolerance=tolerance, device=device)
     return pd.concat([found, pd.DataFrame(changes, index=known)], axis=1)
@@ -265,43 +260,35 @@ def all_gains(
     table: pd.DataFrame, scenes: Sequence[Scene], frequency_hz: np.ndarray
 ) -> pd.DataFrame:
     """The table with a row for each scene and frequency: gain and phase."""
-    unknown = dict.fromkeys(("gain", "phase_deg", "error"), nan)
-
-    def found(scene: Scene) -> pd.DataFrame:
-        most_hz = MOST_MODULATION * scene.actuator.frequency_hz
-        slow = (frequency_hz > 0) & (frequency_hz <= most_hz)
-        parts = [
-            _or_reason(partial(gains, scene, some), frequency_hz=some, **unknown)
-            for some in (frequency_hz[slow], frequency_hz[~slow])
-            if some.size
-        ]
-        return pd.concat(parts)
-
-    return _beside(table, scenes, found)
+    unknown = {"frequency_hz": frequency_hz, "gain": nan, "phase_deg": nan, "error": nan}
+    return _beside(table, scenes, partial(gains, frequency_hz=frequency_hz), unknown)
 
 
 def all_steps(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """The table with a row for each scene and time: the mean force after start and stop."""
     unknown = {name: [nan] for name in ("time_s", "rising_n", "falling_n")}
-    return _beside(table, scenes, lambda scene: _or_reason(partial(steps_of, scene), **unknown))
-
-
-def _or_reason(find: Callable[[], pd.DataFrame], **unknown: Any) -> pd.DataFrame:
-    """What is found, with status ``ok``; or what is unknown, with the reason as its status."""
-    try:
-        return find().assign(status="ok")
-    except (InputError, RunError) as error:
-        return pd.DataFrame(unknown).assign(status=str(error))
+    return _beside(table, scenes, steps_of, unknown)
 
 
 def _beside(
-    table: pd.DataFrame, scenes: Sequence[Scene], found: Callable[[Scene], pd.DataFrame]
+    table: pd.DataFrame,
+    scenes: Sequence[Scene],
+    find: Callable[[Scene], pd.DataFrame],
+    unknown: dict[str, Any],
 ) -> pd.DataFrame:
-    """Each row of a table, with its validity, beside each row that is found for its scene."""
+    """Each row of a table, with its validity, beside each row that is found for its scene.
+
+    What is unknown stands there with the reason as its ``status`` where nothing is found.
+    """
     rows = []
     with progress_bar(len(scenes), unit="scene", name="response") as bar:
         for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
             row["validity"] = validity(scene.viscous())
-            rows += [row | each for each in found(scene).to_dict(orient="records")]
+            try:
+                found = find(scene)
+                found["status"] = found.get("status", "ok")
+            except (InputError, RunError) as error:
+                found = pd.DataFrame(unknown).assign(status=str(error))
+            rows += [row | each for each in found.to_dict(orient="records")]
             bar.update(1)
     return pd.DataFrame(rows)

@@ -6,8 +6,6 @@ all effects. J* is adjoint to J in the quadrature of the grid, and so is its pre
 inverse of D Δ − σ ∂/∂T.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, lru_cache

@@ -6,8 +6,6 @@ With the film's residual R(P, θ) = 0 of an unknown P and a number θ, the mean 
 solved for another θ. All is done on the kept states' two grids, whose difference gives the error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite

@@ -4,8 +4,6 @@ An effect is a source of mass S in J w = S, or a flow whose divergence is one: t
 (adjoint.py) gives what it does to the mean pressure, and no source is formed.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import cos, radians, sin
 

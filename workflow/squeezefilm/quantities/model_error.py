@@ -254,9 +254,7 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
         for name, each in percent.items()
     }
     if not isothermal:  # an exponent stands for heat; a passing profile's is that of such a gas
-        effects |= dict.fromkeys(
-            ("heat", "passing") if "passing" in percent else ("heat",), UNKNOWN
-        )
+        effects |= {name: UNKNOWN for name in ("heat", "passing") if name in percent}
     return ErrorBudget(effects)
 
 

@@ -8,7 +8,7 @@ actuator's axes, z points from the surface to the finger.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import isfinite
@@ -26,7 +26,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import plans_of, solve
-from squeezefilm.reynolds.spectral import Around, Axis, axis, flux_points, period
+from squeezefilm.reynolds.spectral import Around, Axis, Period, axis, flux_points, period
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
@@ -71,7 +71,6 @@ def with_outputs(
     asked = checked_outputs(outputs)
     if not asked:
         return list(solutions)
-    found = [Outputs(refused=dict.fromkeys(OUTPUTS, "no force")) for _ in solutions]
     known = [k for k, each in enumerate(solutions) if isfinite(each.force_n)]
     films, forces = [scenes[k] for k in known], [solutions[k] for k in known]
     parts = [Outputs()] * len(known)
@@ -81,11 +80,10 @@ def with_outputs(
     if "static_stiffness" in asked:
         more = static_stiffness(films, forces, tolerance=tolerance, device=device)
         parts = [one.beside(other) for one, other in zip(parts, more, strict=True)]
-    for k, part in zip(known, parts, strict=True):
-        found[k] = part
+    found, none = dict(zip(known, parts, strict=True)), dict.fromkeys(OUTPUTS, "no force")
     return [
-        replace(solution, outputs=each.only(asked))
-        for solution, each in zip(solutions, found, strict=True)
+        replace(solution, outputs=found.get(k, Outputs(refused=none)).only(asked))
+        for k, solution in enumerate(solutions)
     ]
 
 
@@ -254,14 +252,10 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
         "thrust_x": force * scene.h0_m * thrust_x,
         "thrust_y": force * scene.h0_m * thrust_y,
     }
-    for k in range(MOMENTS):
-        for n in range(MOMENTS):
-            wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
-            found |= {f"{GUARD} {k} {n} {part}": unit[:, None] * wave for part, unit in PARTS}
+    for k, n, part in np.ndindex(MOMENTS, MOMENTS, 3):
+        wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
+        found[f"{GUARD} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
     return {name: film.symmetric(weight) for name, weight in found.items()}
-
-
-PARTS = tuple(enumerate(np.eye(3)))
 
 
 class Sample:
@@ -279,25 +273,20 @@ class Sample:
     """
 
     def __init__(self, scene: Scene, state: State) -> None:
-        grid, field = state.grid, state.unknowns[0]
-        first, outline = axis(grid.x.full_points, folded=False), grid.outline
-        second: Axis | Around
+        grid, outline = state.grid, state.grid.outline
+        first = axis(grid.x.full_points, folded=False)
+        second = grid.around if outline else axis(grid.y.full_points, folded=False)
         mirrored: list[Any]
-        if grid.x.folded:  # the other half is its image
-            field = np.concatenate([field, np.flip(field, axis=0)])
+        # With zeros on the rim; what is not among the unknowns is an image.
+        in_x, in_y = grid.x.at(first.all_nodes), grid.y.at(second.all_nodes)
+        field = np.einsum("pa,abi,qb->pqi", in_x, state.unknowns[0], in_y, optimize=True)
         if outline:
-            second = grid.around
-            field = np.pad(field[:, second.unfolded], [(1, 1), (0, 0), (0, 0)])
             u, v = np.meshgrid(first.all_nodes, second.all_nodes, indexing="ij")
             density = outline.stretch(outline.rim * (2 * u - 1), v) / outline.mean_stretch
             weights = with_rim(first).weights[:, None] * density / len(second.all_nodes)
             self.x, self.y = outline.positions(u.ravel(), v.ravel())
-            mirrored = list(second.mirrored)
+            mirrored = list(grid.around.mirrored)
         else:
-            second = axis(grid.y.full_points, folded=False)
-            if grid.y.folded:
-                field = np.concatenate([field, np.flip(field, axis=1)], axis=1)
-            field = np.pad(field, [(1, 1), (1, 1), (0, 0)])
             weights = np.multiply.outer(with_rim(first).weights, with_rim(second).weights)
             self.x, self.y = grid.positions
             mirrored = [slice(None, None, -1)] * grid.y.folded
@@ -306,16 +295,12 @@ class Sample:
         for order in mirrored:
             images += [each[:, order] for each in images]
 
-        def at(u: np.ndarray, v: np.ndarray, phases: np.ndarray) -> np.ndarray:
-            in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
-            return np.asarray(second.to_points(v) @ in_u @ grid.t.at(phases).T)
-
-        nodes, around = (first.all_nodes, second.all_nodes, grid.t.nodes), bool(outline)
         self.scene, self.weights = scene, weights.ravel()
         self.overpressure = field.reshape(-1, grid.nt)
         self.images = [image.ravel() for image in images]
-        self.largest = _extreme(field, nodes, at, around=around)
-        self.least = -_extreme(-field, nodes, lambda *where: -at(*where), around=around)
+        axes = first, second, grid.t
+        self.largest = _extreme(field, axes, sign=1)
+        self.least = -_extreme(field, axes, sign=-1)
         inert = scene.gas.inertia == "included"
         self.momentum_n = momentum_out(scene, grid, state.unknowns) if inert else (0.0, 0.0)
 
@@ -368,24 +353,27 @@ def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
 
 
-def _extreme(
-    field: np.ndarray, nodes: tuple[np.ndarray, ...], at: Callable[..., np.ndarray], *, around: bool
-) -> float:
-    """The largest value near the largest at the nodes, of what interpolates them."""
+def _extreme(field: np.ndarray, axes: tuple[Axis, Axis | Around, Period], *, sign: int) -> float:
+    """The largest value near the largest at the nodes, of what interpolates sign · field."""
     from scipy.optimize import minimize
 
-    best = np.unravel_index(int(np.argmax(field)), field.shape)
+    first, second, in_time = axes
+    around = isinstance(second, Around)
+    size = np.abs(field).max() or 1.0
+
+    def fallen(place: np.ndarray) -> float:
+        u, v, phase = place[:, None]
+        in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
+        found = second.to_points(v) @ in_u @ in_time.at(phase).T
+        return -sign * found.item() / size
+
+    best = np.unravel_index(int(np.argmax(sign * field)), field.shape)
+    nodes = first.all_nodes, second.all_nodes, in_time.nodes
     start = np.array([float(each[k]) for each, k in zip(nodes, best, strict=True)])
     # On the rim of the pad the pressure is ambient: no extreme but that of a film at rest.
     free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
-    size = np.abs(field).max() or 1.0
-    found = minimize(
-        lambda place: -at(*place[:, None]).item() / size,
-        start,
-        bounds=free,
-        options={"ftol": 1e-13},
-    )
-    return float(max(field[best], -size * found.fun))
+    found = minimize(fallen, start, bounds=free, options={"ftol": 1e-13})
+    return float(max(sign * field[best], -size * found.fun))
 
 
 def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float, float]:
@@ -492,15 +480,13 @@ def static_stiffness(
         with_derivatives(scenes, solutions, tolerance=tolerance, device=device),
         strict=True,
     ):
-        known = solution.derivatives
+        known, bad = solution.derivatives, ""
         if known and known.status == "ok":
             value, error = -known.value["h0_m"], known.error["h0_m"]
         else:
             rows, (bad,) = falls([scene], "h0_m", tolerance=tolerance, device=device)
-            if bad:
-                reason = f"no force at a gap within {2 * STEP:.0%}: {bad}"
-                found.append(Outputs(refused={name: reason}))
-                continue
             value, error = rows[2:, 0].tolist()
-        found.append(Outputs(value={name: value}, error={name: error}))
+        reason = {name: f"no force at a gap within {2 * STEP:.0%}: {bad}"}
+        known_of = Outputs(value={name: value}, error={name: error})
+        found.append(Outputs(refused=reason) if bad else known_of)
     return found

@@ -1,7 +1,5 @@
 """The pressure under a finger over a period, at wanted places: what a force is the mean of."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
