@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 
 from paper.figures.vibration import centre_limit_mm
 from reporting.figures import style
-from reporting.figures.axes import beside, dots, set_up_plane, set_up_positions
-from reporting.figures.tables import plane_table
+from reporting.figures.axes import beside, dots, plane_table, set_up_plane, set_up_positions
 from reporting.results import Results
 
 _LOOKS: tuple[dict[str, Any], ...] = (

@@ -6,8 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reporting.figures import style
-from reporting.figures.axes import dots, label_points, set_up_plane
-from reporting.figures.tables import in_micrometres
+from reporting.figures.axes import dots, in_micrometres, label_points, set_up_plane
 from reporting.notes import one_digit
 from reporting.results import Results
 

@@ -10,19 +10,17 @@ from matplotlib.figure import Figure
 
 from reporting.figures import style
 from reporting.figures.axes import (
-    HV_LABEL,
-    add_force_space,
+    PLANE,
+    add_space,
     dots,
+    error_note,
+    error_table,
     force_mesh,
     force_points,
     label_points,
-    set_up_plane,
-)
-from reporting.figures.tables import (
-    error_note,
-    error_table,
     model_mesh,
     plane_table,
+    set_up_plane,
 )
 from reporting.notes import percent, simulations_note
 from reporting.results import Results
@@ -100,7 +98,7 @@ def _model_and_points(
     layers = [plane_table(table, layer=layer) for layer, table in forces.items()]
     figure = style.new_figure(height_in=3.1)
     notes = (note, simulations_note(*forces.values()), results.beyond)
-    axes = add_force_space(figure, bottom=style.add_note(figure, *notes))
+    axes = add_space(figure, bottom=style.add_note(figure, *notes))
     force_mesh(axes, mesh)
     for points, look in zip(layers, looks.values(), strict=True):
         force_points(axes, points, **look)
@@ -128,7 +126,7 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     for inside, fill in ((True, "white"), (False, "black")):
         dots(axes, data[data["in_band"] == inside], x=x, y=y, fill=fill, **look)
     reach = max(1.25 * band, 1.1 * data[y].abs().max())
-    axes.set(ylim=(-reach, reach), xlabel=HV_LABEL, ylabel="relative error (%)")
+    axes.set(ylim=(-reach, reach), xlabel=PLANE["ylabel"], ylabel="relative error (%)")
     look = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom"}
     axes.text(0.99, band, f"±{band:g} % band ", fontsize=7, **look)
     figure.legend(

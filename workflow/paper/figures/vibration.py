@@ -60,9 +60,9 @@ def fig06(results: Results) -> tuple[Figure, pd.DataFrame]:
     figure = style.new_figure(height_in=3.1)
     axes = drawing.add_space(
         figure,
+        bottom=style.add_note(figure, results.beyond),
         labels=("$x$ (mm)", "$y$ (mm)", "amplitude $h_a/h_v$ (–)"),
         azimuth_deg=-60,
-        bottom=style.add_note(figure, results.beyond),
     )
     drawing.mesh(axes, *_polar_grid(data))
     return figure, data.assign(layer="surface").round(DIGITS)

@@ -1,4 +1,4 @@
-"""Axes that several figures have: planes of gap and amplitude and of position, forces in space."""
+"""Axes that several figures have and the tables they show: gap and amplitude, forces in space."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -7,23 +7,69 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
 from matplotlib.ticker import MaxNLocator, NullLocator
 from mpl_toolkits.mplot3d import Axes3D
-from numpy.typing import NDArray
 
 from reporting.figures import style
+from reporting.notes import percent
+from reporting.results import Results
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel
 
-H0_LABEL = r"mean gap $h_0$ (µm)"
-HV_LABEL = r"amplitude $h_v$ (µm)"
+PLANE = {"xlabel": r"mean gap $h_0$ (µm)", "ylabel": r"amplitude $h_v$ (µm)"}
+"""Labels of a plane: gap to the right, amplitude upwards."""
+MESH_LINES = 26
+"""Lines of a model's mesh along each factor."""
 
 
-def label_plane(axes: Axes) -> None:
-    """Gap to the right, amplitude upwards."""
-    axes.set(xlabel=H0_LABEL, ylabel=HV_LABEL)
+def plane_table(table: pd.DataFrame, *, layer: str) -> pd.DataFrame:
+    """Gap and amplitude of a table of scenes in µm, with the force in N where it is known."""
+    columns = ["layer", "h0_um", "hv_um", *(["force_n"] if "force_n" in table else [])]
+    return in_micrometres(table).assign(layer=layer)[columns].reset_index(drop=True)
+
+
+def in_micrometres(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with gap and amplitude in µm, too."""
+    return table.assign(h0_um=micrometres(table["h0_m"]), hv_um=micrometres(table["hv_m"]))
+
+
+def micrometres(metres: pd.Series) -> np.ndarray:
+    """Metres in µm, rounded so that 7e-6 becomes 7 and not 7.000000000000001."""
+    return np.round(metres.to_numpy(dtype=float) * 1e6, 9)
+
+
+def model_mesh(fit: FittedModel, screen: pd.DataFrame) -> pd.DataFrame:
+    """The fitted force of a centred finger on a mesh over the experimental space."""
+    ends = ((screen[name].min(), screen[name].max()) for name in ("h0_m", "hv_m"))
+    lines = (np.linspace(*each, MESH_LINES) for each in ends)
+    h0_m, hv_m = (values.ravel() for values in np.meshgrid(*lines, indexing="ij"))
+    force_n = fit.force_model.evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))
+    mesh = pd.DataFrame({"h0_m": h0_m, "hv_m": hv_m, "force_n": force_n})
+    return plane_table(mesh, layer="model")
+
+
+def error_table(results: Results, fit: str, plan: str, *, layer: str) -> pd.DataFrame:
+    """Relative error of a fit in percent at each point of a plan, and whether it is in the band."""
+    points, band = results.errors(fit, plan), results.validation(fit, plan)["band"]
+    return plane_table(points[["h0_m", "hv_m"]], layer=layer).assign(
+        relative_error_percent=100 * points["relative_error"],
+        in_band=points["relative_error"].abs() <= band,
+        band_percent=100 * band,
+    )
+
+
+def error_note(results: Results, fit: str, plan: str) -> str:
+    """The errors of a fit over the points of a plan."""
+    errors = results.validation(fit, plan)
+    return (
+        f"{errors['points']:.0f} points: global error {percent(errors['global_error'])}, "
+        f"largest {percent(errors['worst_relative_error'])}"
+    )
 
 
 def set_up_plane(axes: Axes, screen: pd.DataFrame, *, headroom: float = 0.15) -> None:
@@ -31,7 +77,7 @@ def set_up_plane(axes: Axes, screen: pd.DataFrame, *, headroom: float = 0.15) ->
 
     headroom is the room above the space, as a share of its height.
     """
-    label_plane(axes)
+    axes.set(**PLANE)
     for set_limits, name, below, above in (
         (axes.set_xlim, "h0_m", 0.1, 0.1),
         (axes.set_ylim, "hv_m", 0.13, headroom),
@@ -57,6 +103,13 @@ def dots(
     """A dot for each row, also on the rim of the axes; ``look`` as matplotlib has it."""
     usual: dict[str, Any] = {"markeredgecolor": "black", "clip_on": False}
     axes.plot(data[x], data[y], "o", color=fill, **usual | look)
+
+
+def coloured_dots(
+    axes: Axes, data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um", **look: Any
+) -> PathCollection:
+    """A dot for each row, coloured by a value; ``look`` as matplotlib has it."""
+    return axes.scatter(data[x], data[y], c=data[value], **{"linewidths": 0} | look)
 
 
 def grid_of(data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um") -> Any:
@@ -129,11 +182,22 @@ def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> No
 
 
 def add_space(
-    figure: Figure, *, labels: tuple[str, str, str], azimuth_deg: float, bottom: float
+    figure: Figure,
+    *,
+    bottom: float = 0.0,
+    labels: Sequence[str] = (*PLANE.values(), r"force $\eta$ (N)"),
+    azimuth_deg: float = -132,
+    pads: tuple[float, float] = (-5, -2),
+    ticks: int = 5,
 ) -> Axes3D:
-    """Axes in space that fill the figure above ``bottom``, a share of its height.
+    """Axes in space that fill the figure; they do not take part in the usual layout.
 
-    Axes in space do not take part in the usual layout.
+    By default of force over gap and amplitude, seen so that no part of the surface hides another.
+
+    Args:
+        bottom: where they begin, a share of the figure's height.
+        pads: from the axes to labels and to numbers.
+        ticks: along each axis, at most.
     """
     figure.set_layout_engine("none")
     axes = figure.add_axes((0.025, bottom, 0.935, 1 - bottom), projection="3d")
@@ -141,40 +205,22 @@ def add_space(
     axes.set_box_aspect((1.2, 1.2, 0.85), zoom=1.0)
     axes.view_init(elev=24, azim=azimuth_deg)
     axes.computed_zorder = False  # so that points can stand in front of the mesh
-    axes.set_xlabel(labels[0], labelpad=-5)
-    axes.set_ylabel(labels[1], labelpad=-5)
-    axes.set_zlabel(labels[2], labelpad=-5)
-    axes.tick_params(pad=-2)
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+    axes.tick_params(pad=pads[1])
+    for axis, label in zip((axes.xaxis, axes.yaxis, axes.zaxis), labels, strict=True):
+        axis.set_label_text(label)
+        axis.labelpad = pads[0]
         axis.set_pane_color((1, 1, 1, 0))
-        axis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+        axis.set_major_locator(MaxNLocator(nbins=ticks, steps=[1, 2, 5, 10]))
     return axes
 
 
-def mesh(
-    axes: Axes3D, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]
-) -> None:
+def mesh(axes: Axes3D, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> None:
     """Draw a mesh of shape (m, n) coloured by its height z."""
     colours = mpl.colormaps[style.SEQUENTIAL](mpl.colors.Normalize()(z))
     colours[..., :3] = 0.45 * colours[..., :3] + 0.55  # light, so that points stand out
-    axes.plot_surface(
-        x,
-        y,
-        z,
-        facecolors=colours,
-        edgecolor="0.4",
-        linewidth=0.25,
-        rcount=z.shape[0],
-        ccount=z.shape[1],
-        shade=False,
-        zorder=1,
-    )
-
-
-def add_force_space(figure: Figure, *, bottom: float) -> Axes3D:
-    """Axes of force over gap and amplitude, seen so that no part of the surface hides another."""
-    labels = (H0_LABEL, HV_LABEL, r"force $\eta$ (N)")
-    return add_space(figure, labels=labels, azimuth_deg=-132, bottom=bottom)
+    lines: dict[str, Any] = {"edgecolor": "0.4", "linewidth": 0.25, "shade": False, "zorder": 1}
+    lines |= dict(zip(("rcount", "ccount"), z.shape, strict=True))
+    axes.plot_surface(x, y, z, facecolors=colours, **lines)
 
 
 def force_mesh(axes: Axes3D, data: pd.DataFrame) -> None:
@@ -184,19 +230,8 @@ def force_mesh(axes: Axes3D, data: pd.DataFrame) -> None:
     mesh(axes, x, y, force)
 
 
-def force_points(
-    axes: Axes3D, data: pd.DataFrame, *, color: str, label: str, s: float = 11
-) -> None:
+def force_points(axes: Axes3D, data: pd.DataFrame, **look: Any) -> None:
     """Draw rows h0_um, hv_um, force_n as dots in front of the mesh."""
-    axes.scatter(
-        data["h0_um"],
-        data["hv_um"],
-        data["force_n"],
-        s=s,
-        color=color,
-        edgecolor="black",
-        linewidth=0.5,
-        depthshade=False,
-        label=label,
-        zorder=5,
-    )
+    usual: dict[str, Any] = {"s": 11, "edgecolor": "black", "linewidth": 0.5, "zorder": 5}
+    points = (data[name] for name in ("h0_um", "hv_um", "force_n"))
+    axes.scatter(*points, depthshade=False, **usual | look)

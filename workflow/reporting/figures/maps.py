@@ -9,10 +9,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from reporting.figures import style
-from reporting.figures.axes import beside, dots, error_contours, grid_of, label_plane
-from reporting.figures.tables import (
+from reporting.figures.axes import (
+    PLANE,
+    beside,
+    dots,
+    error_contours,
     error_note,
     error_table,
+    grid_of,
     micrometres,
     plane_table,
 )
@@ -38,7 +42,7 @@ def error_map(results: Results) -> Figure:
     axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
     look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
     dots(axes, design, fill="black", markersize=6, label="design point", **look)
-    label_plane(axes)
+    axes.set(**PLANE)
     figure.colorbar(filled, ax=axes, pad=0.02, label="relative error (%)")
     figure.legend(loc="outside upper center", handletextpad=0.2)
     note = error_note(results, "two_factor_design", "error_map")
@@ -86,8 +90,7 @@ def _draw_forces(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: fl
     if low < wanted_n < high:
         axes.contour(*grid, levels=[wanted_n], colors="black", linewidths=2.0)
     dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
-    label_plane(axes)
-    axes.set_title("(a) force at the centre")
+    axes.set(**PLANE, title="(a) force at the centre")
     bar = figure.colorbar(drawn, ax=axes, format="%g", label="mean force (N)")
     bar.ax.minorticks_off()
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from reporting.figures import style
-from reporting.figures.axes import grid_of, show_grid
+from reporting.figures.axes import coloured_dots, grid_of, show_grid
 from reporting.results import Results
 
 
@@ -44,22 +44,14 @@ def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFra
         (amplitude, "amplitude_um", "amplitude (µm)", float(levels[-1])),
         (residual, "residual_um", "residual (µm)", largest_residual),
     ):
-        drawn = axes.scatter(
-            points["x_mm"],
-            points["y_mm"],
-            c=points[column],
-            s=9,
-            cmap=style.DIVERGING,
-            edgecolor="0.3",
-            linewidth=0.3,
-            clip_on=False,
-            vmin=-limit,
-            vmax=limit,
-        )
+        look: dict[str, Any] = {"cmap": style.DIVERGING, "vmin": -limit, "vmax": limit, "s": 9}
+        look |= {"edgecolor": "0.3", "linewidths": 0.3, "clip_on": False}
+        drawn = coloured_dots(axes, points, column, x="x_mm", y="y_mm", **look)
         if len(outliers):
-            label_of_outliers = f"outliers ({len(outliers)})"
-            x, y = outliers["x_mm"], outliers["y_mm"]
-            axes.plot(x, y, "x", color=style.VERMILLION, label=label_of_outliers)
+            count = f"outliers ({len(outliers)})"
+            axes.plot(
+                *outliers[["x_mm", "y_mm"]].to_numpy().T, "x", color=style.VERMILLION, label=count
+            )
             axes.legend(loc="upper right")
         show_grid(axes, grid)
         axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
