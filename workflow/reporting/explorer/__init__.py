@@ -9,7 +9,6 @@ model.js what ``squeezefilm.models.fit_file`` does with it, modulation.js reads 
 import json
 import re
 from collections.abc import Mapping, Sequence
-from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -130,11 +129,9 @@ def _film(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
         return {"why": row["status"]}
     if gains["gain"].isna().all():
         return {"why": gains["status"].iloc[0]}
+    lines = gains[["gain", "phase_deg"]].astype(object)
     return {
         **{name: row[name] for name in ("corner_hz", "static_gain", "prompt_gain")},
         "error": float(gains["error"].max()),
-        **{
-            name: [None if isnan(value) else value for value in gains[name]]
-            for name in ("gain", "phase_deg")
-        },
+        **lines.where(lines.notna(), None).to_dict("list"),
     }

@@ -9,16 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures import style
-from reporting.figures.axes import (
-    PLANE,
-    beside,
-    grid_of,
-    in_micrometres,
-    micrometres,
-    not_known,
-    show_grid,
-)
+from reporting.figures import parts, style
 from reporting.notes import percent, reynolds_limit, signed
 from reporting.results import Results
 from squeezefilm.solution import form_of
@@ -72,8 +63,8 @@ def _budgets(results: Results, plan: str) -> pd.DataFrame:
     table = results.table(file, *columns)
     lengths = [name for name in form_of(table) if name.endswith("_m")]
     middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
-    return in_micrometres(table).assign(
-        **{f"{name[:-1]}mm": micrometres(table[name]) / 1e3 for name in lengths},
+    return parts.in_micrometres(table).assign(
+        **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
         left_out_percent=middle,
         above_range=table["above_range"].fillna(""),
     )
@@ -112,7 +103,7 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
     last = -np.inf
     for value, text, colour in sorted(ends):
         last = max(value, last + LABEL_SHARE * (high - low))
-        beside(axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6)
+        parts.beside(axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6)
     axes.set_xlim(least - 0.05 * farthest, farthest + 0.35 * (farthest - least) or 1.0)
     axes.axhline(0, color="black", linewidth=0.5)
     label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
@@ -125,9 +116,9 @@ def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
     table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
     table = pd.DataFrame({"corner_hz": np.nan, "prompt_share": np.nan} | dict(table.items()))
-    maps = in_micrometres(table).assign(prompt_percent=100 * table["prompt_share"])
+    maps = parts.in_micrometres(table).assign(prompt_percent=100 * table["prompt_share"])
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
-    lines = in_micrometres(results.table("simulations/screen/gains.csv", *columns))
+    lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.6)
     (corner, prompt), (gain, phase) = figure.subplots(2, 2)
@@ -150,12 +141,12 @@ def _draw_map(
     axes: Axes, maps: pd.DataFrame, name: str, title: str, *, form: Any = "%.4g", **look: Any
 ) -> None:
     """Contour lines of a quantity of the films; numbers where lines would have no room."""
-    grid = grid_of(maps, name)
-    axes.set(**PLANE, title=title)
-    show_grid(axes, grid)
+    grid = parts.grid_of(maps, name)
+    axes.set(**parts.PLANE, title=title)
+    parts.show_grid(axes, grid)
     known = maps[maps[name].notna()]
     if known.empty:
-        not_known(axes)
+        parts.not_known(axes)
         return
     if min(known["h0_um"].nunique(), known["hv_um"].nunique()) < 2:  # no lines between films
         axes.plot(known["h0_um"], known["hv_um"], "k.", markersize=3)
@@ -174,7 +165,7 @@ def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
     axes.set_title(title)
     gaps = sorted(lines["h0_um"].unique())
     if not gaps:
-        not_known(axes)
+        parts.not_known(axes)
         return
     axes.set(xscale="log", xlabel="frequency of modulation (Hz)")
     axes.grid(True)
@@ -189,8 +180,8 @@ def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
 def levitation(results: Results) -> Figure:
     """Gap and stiffness over the load, for each amplitude; hollow beyond Re 10."""
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
-    gaps_um = micrometres(results.scenes("screen")["h0_m"])
-    data = in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
+    gaps_um = parts.micrometres(results.scenes("screen")["h0_m"])
+    data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
     gap, stiffness = figure.subplots(1, 2)
     gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)

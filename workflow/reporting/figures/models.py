@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 
-from reporting.figures import style
-from reporting.figures.axes import PLANE, coloured_dots, in_micrometres
+from reporting.figures import parts, style
 from reporting.notes import VERDICTS, percent
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
@@ -22,7 +21,7 @@ LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
 LARGEST_DOT = 140
 """Area in points² of a design point with all the weight."""
 PLANES = {
-    "gap": (("h0_um", "hv_um"), PLANE),
+    "gap": (("h0_um", "hv_um"), parts.PLANE),
     "position": (("x_mm", "y_mm"), {"xlabel": "finger x (mm)", "ylabel": "finger y (mm)"}),
 }
 """Layers of a design's sensitivity; their columns and labels."""
@@ -44,7 +43,7 @@ def model_errors(results: Results, space: str) -> Figure:
     if judged.empty:
         return _without_anything("no model can be judged on these points")
     data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
-    data = in_micrometres(data).assign(size=100 * data["relative_error"].abs())
+    data = parts.in_micrometres(data).assign(size=100 * data["relative_error"].abs())
     across = min(ACROSS, len(judged))
     down = ceil(len(judged) / across)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 1.85 * down)
@@ -58,11 +57,11 @@ def model_errors(results: Results, space: str) -> Figure:
         axes.set_visible(False)
     for number, (axes, model) in enumerate(zip(panels, judged.to_dict("records"), strict=False)):
         rows = data[data["model"] == model["model"]].sort_values("size", kind="stable")
-        dots = coloured_dots(axes, rows, "size", s=5, **colours)
+        dots = parts.coloured_dots(axes, rows, "size", s=5, **colours)
         share = percent(model["validation_error"])
         axes.set_title(f"{model['model']} ({model['parameters']:.0f})\n{share}", fontsize=7)
         lowest_of_column = number >= len(judged) - across
-        axes.set(**PLANE)
+        axes.set(**parts.PLANE)
         axes.yaxis.label.set_visible(number % across == 0)
         axes.xaxis.label.set_visible(lowest_of_column)
         axes.tick_params(labelsize=6, labelbottom=lowest_of_column)
@@ -96,13 +95,9 @@ def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[s
     reached = [each for each in LEVELS if level.min() < each < level.max()]
     if reached:
         axes.tricontour(x, y, level, levels=reached, colors="white", linewidths=0.5)
-    circles: dict[str, Any] = {
-        "facecolor": "none",
-        "edgecolor": style.VERMILLION,
-        "linewidths": 1.4,
-    }
     *place, weight = (points[name].to_numpy(dtype=float) for name in (*names, "weight"))
-    axes.scatter(place[0], place[1], LARGEST_DOT * weight, clip_on=False, zorder=3, **circles)
+    look: dict[str, Any] = {"edgecolor": style.VERMILLION, "linewidths": 1.4, "clip_on": False}
+    axes.scatter(place[0], place[1], LARGEST_DOT * weight, facecolor="none", zorder=3, **look)
     return colours
 
 
@@ -125,10 +120,9 @@ def refined(results: Results, space: str) -> Figure:
         rounds = results.table(f"{folder}/rounds.csv", *ROUND_COLUMNS)
         _draw_rounds(row[0], rounds, wanted=verdict["wanted"], truth=model)
         row[0].set_title(f"{model['model']}: {VERDICTS[model['verdict']]}")
-        where = results.table(f"{folder}/where.csv", *WHERE_COLUMNS)
-        sample = where[where["layer"] == "sample"]
-        error = 100 * sample["error_n"].to_numpy(dtype=float) / verdict["mean_force_n"]
-        places = _places(sample).assign(error_percent=error)
+        sample = style.rows(results.table(f"{folder}/where.csv", *WHERE_COLUMNS), "sample")
+        error_percent = 100 * sample["error_n"].astype(float) / verdict["mean_force_n"]
+        places = _places(sample).assign(error_percent=error_percent)
         points = simulated[model["model"]]
         for axes, (names, labels) in zip(row[1:], PLANES.values(), strict=False):
             dots = _draw_errors(axes, places, points, *names)
@@ -144,7 +138,7 @@ def refined(results: Results, space: str) -> Figure:
 def _places(table: pd.DataFrame) -> pd.DataFrame:
     """The table with the four factors in the figures' units."""
     at = factors_of(table)
-    return in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
+    return parts.in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
 
 
 def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Series) -> None:
@@ -178,7 +172,7 @@ def _draw_errors(axes: Axes, sample: pd.DataFrame, simulated: pd.DataFrame, x: s
     # Linear up to a power of ten, so that the ticks keep apart.
     norm = SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR * top)), vmin=-top, vmax=top)
     look: dict[str, Any] = {"norm": norm, "cmap": style.DIVERGING, "s": 6}
-    dots = coloured_dots(axes, sample, "error_percent", x=x, y=y, **look)
+    dots = parts.coloured_dots(axes, sample, "error_percent", x=x, y=y, **look)
     axes.plot(simulated[x], simulated[y], "o", mfc="none", mec="black", mew=0.6, markersize=4)
     axes.tick_params(labelsize=6)
     return dots

@@ -8,17 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures import style
-from reporting.figures.axes import (
-    add_space,
-    dots,
-    error_contours,
-    error_table,
-    force_mesh,
-    force_points,
-    model_mesh,
-    plane_table,
-)
+from reporting.figures import parts, style
 from reporting.notes import percent, rounded_up
 from reporting.results import Results
 
@@ -31,7 +21,6 @@ Rectangle = tuple[float, float, float, float]
 LABEL_SIZE, TICK_SIZE = 6.5, 6
 DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
 PLANE = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
-SCREEN = {"markeredgecolor": "0.55", "markersize": 2.6}
 
 
 def overview(results: Results) -> Figure:
@@ -63,20 +52,19 @@ def overview(results: Results) -> Figure:
         middle = left + width / 2
         figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
         figure.text(middle, 0.87, captions[step], ha="center", fontsize=LABEL_SIZE, color="0.25")
-    rectangles = [(left, bottom, width, TOP - bottom) for left, width in PLACES]
-    points, few = (plane_table(table, layer="") for table in (screen, design))
-    _film(figure, film, rectangles[0])
-    left, _, width, height = rectangles[1]
-    _model(figure, model_mesh(fit, screen), points, (left, bottom - 0.12, width, height + 0.14))
-    axes = figure.add_axes(rectangles[2])
-    dots(axes, points, fill="white", **DOTS | SCREEN)
-    dots(axes, few, fill="black", **DOTS, markersize=6)
+    first, second, third, fourth = ((left, bottom, width, TOP - bottom) for left, width in PLACES)
+    points, few = (parts.plane_table(table, layer="") for table in (screen, design))
+    _film(figure, film, first)
+    _model(figure, parts.model_mesh(fit, screen), points, second)
+    axes = figure.add_axes(third)
+    parts.dots(axes, points, fill="white", **DOTS | {"markeredgecolor": "0.55", "markersize": 2.6})
+    parts.dots(axes, few, fill="black", **DOTS, markersize=6)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     _label(axes, *PLANE)
-    axes = figure.add_axes(rectangles[3])
-    grid = error_table(results, "two_factor_design", "error_map", layer="map")
-    filled, _ = error_contours(axes, grid, bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3)
-    dots(axes, few, fill="black", **DOTS, markersize=4.5)
+    axes = figure.add_axes(fourth)
+    grid = parts.error_table(results, "two_factor_design", "error_map", layer="map")
+    filled, _ = parts.error_contours(axes, grid, bins=12, colors="0.3", linewidths=0.3)
+    parts.dots(axes, few, fill="black", **DOTS, markersize=4.5)
     _label(axes, *PLANE)
     box = axes.get_position()
     bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
@@ -132,13 +120,13 @@ def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
 def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, place: Rectangle) -> None:
     """The model's mesh and the simulations, without room for the name of the force's axis."""
     labels = (r"$h_0$ (µm)", r"$h_v$ (µm)", "")
-    axes = add_space(figure, labels=labels, pads=(-9, -4), ticks=3)
-    axes.set_position(place)
+    axes = parts.add_space(figure, labels=labels, pads=(-9, -4), ticks=3)
+    left, bottom, width, height = place
+    axes.set_position((left, bottom - 0.12, width, height + 0.14))
     axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
     axes.tick_params(labelsize=TICK_SIZE)
     for axis in (axes.xaxis, axes.yaxis):
         axis.label.set_fontsize(LABEL_SIZE)
-    left, low, _, height = place
-    figure.text(left - 0.005, low + 0.76 * height, "force (N)", fontsize=LABEL_SIZE)
-    force_mesh(axes, model)
-    force_points(axes, points, color=style.VERMILLION, s=5)
+    figure.text(left - 0.005, bottom + 0.76 * height - 0.0136, "force (N)", fontsize=LABEL_SIZE)
+    parts.force_mesh(axes, model)
+    parts.force_points(axes, points, color=style.VERMILLION, s=5)

@@ -10,8 +10,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from reporting.figures import style
-from reporting.figures.axes import coloured_dots
+from reporting.figures import parts, style
 from reporting.results import Results
 
 STYLES = {
@@ -59,17 +58,12 @@ def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
     place = films.groupby(["x", "sigma"])
     rank = place.cumcount() - (place["x"].transform("size") - 1) / 2
     films = films.assign(y=films["sigma"] * 10 ** (APART * rank))
-    look: dict[str, Any] = {
-        "cmap": mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white"),
-        "norm": LogNorm(1e-4, 1.0, clip=True),
-        "s": 26,
-        "edgecolors": "0.3",
-        "linewidths": 0.6,
-        "plotnonfinite": True,
-    }
+    cmap = mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
+    look: dict[str, Any] = {"cmap": cmap, "norm": LogNorm(1e-4, 1.0, clip=True), "s": 26}
+    look |= {"edgecolors": "0.3", "linewidths": 0.6, "plotnonfinite": True, "x": "x", "y": "y"}
     for verdict, marker in MARKERS.items():
         some = films[films["verdict"] == verdict]
-        dots = coloured_dots(axes, some, "worst_over_allowed", x="x", y="y", marker=marker, **look)
+        dots = parts.coloured_dots(axes, some, "worst_over_allowed", marker=marker, **look)
     axes.set_yscale("log")
     axes.grid(True)
     return dots
@@ -92,15 +86,10 @@ def work_precision(results: Results) -> Figure:
         panel.axhspan(lowest, floor, color="0.85", linewidth=0, zorder=0)
         for method, (colour, marker, line) in STYLES.items():
             path = here[(here["method"] == method) & (here["status"] == "ok")]
-            fill = "white" if line == ":" else colour
-            look: dict[str, Any] = {
-                "color": colour,
-                "marker": marker,
-                "linestyle": line,
-                "mfc": fill,
-            }
+            look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line, "ms": 4}
+            look["mfc"] = "white" if line == ":" else colour
             error = np.maximum(path["relative_error"], floor)
-            panel.plot(path["cpu_seconds"], error, markersize=4, label=method, **look)
+            panel.plot(path["cpu_seconds"], error, label=method, **look)
         panel.set(title=film, xscale="log", yscale="log", ylim=(lowest, 1))
         panel.set(xlabel="processor time per film (s)", ylabel="relative error of the force (–)")
         panel.grid(True)

@@ -1,4 +1,4 @@
-"""Axes that several figures have and the tables they show: gap and amplitude, forces in space."""
+"""What several figures consist of: planes of gap and amplitude, forces in space, their tables."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -138,12 +138,12 @@ def not_known(axes: Axes) -> None:
 
 
 def error_contours(
-    axes: Axes, data: pd.DataFrame, *, bins: int, ticks: Sequence[float], **lines: Any
+    axes: Axes, data: pd.DataFrame, *, bins: int, ticks: Sequence[float] = (1, 2, 5), **lines: Any
 ) -> tuple[ContourSet, ContourSet]:
     """Relative errors on a grid as filled contours, and the lines between them.
 
     The amplitude's axis is logarithmic: the error changes fastest at small amplitudes. The edge of
-    the band is a thick line where the error reaches it.
+    the band is a thick line, with its value, where the error reaches it.
     """
     grid = grid_of(data, "relative_error_percent")
     reach = float(np.abs(grid[2]).max())
@@ -156,8 +156,10 @@ def error_contours(
     drawn = axes.contour(*grid, levels=levels, **lines)
     band = float(data["band_percent"].iloc[0])
     if reach > band:
-        error = np.abs(grid[2])
-        axes.contour(*grid[:2], error, levels=[band], colors="black", linewidths=1.8)
+        edge = axes.contour(
+            *grid[:2], np.abs(grid[2]), levels=[band], colors="black", linewidths=1.8
+        )
+        axes.clabel(edge, fontsize=6, fmt=f"±{band:g} %")
     return filled, drawn
 
 
@@ -166,19 +168,12 @@ def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> No
     middle_h0 = sum(axes.get_xlim()) / 2
     low_hv, high_hv = axes.get_ylim()
     for h0_um, hv_um, label in zip(data["h0_um"], data["hv_um"], labels, strict=True):
-        left, height = h0_um < middle_h0, (hv_um - low_hv) / (high_hv - low_hv)
-        below = 0.4 < height < 0.7
-        beside(
-            axes,
-            label,
-            (h0_um, hv_um),
-            (5 if left else -5, -4 if below else 4),
-            ha="left" if left else "right",
-            va="top" if below else "bottom",
-            fontsize=7,
-            path_effects=[withStroke(linewidth=2, foreground="white")],
-            zorder=4,
-        )
+        ha, right = ("left", 5) if h0_um < middle_h0 else ("right", -5)
+        below = 0.4 < (hv_um - low_hv) / (high_hv - low_hv) < 0.7
+        va, up = ("top", -4) if below else ("bottom", 4)
+        look: dict[str, Any] = {"ha": ha, "va": va, "fontsize": 7, "zorder": 4}
+        look["path_effects"] = [withStroke(linewidth=2, foreground="white")]
+        beside(axes, label, (h0_um, hv_um), (right, up), **look)
 
 
 def add_space(
