@@ -159,7 +159,7 @@ def error_contours(
         edge = axes.contour(
             *grid[:2], np.abs(grid[2]), levels=[band], colors="black", linewidths=1.8
         )
-        axes.clabel(edge, fontsize=6, fmt=f"±{band:g} %")
+        axes.clabel(edge, fontsize=6, fmt={band: f"±{band:g} %"})
     return filled, drawn
 
 
