@@ -14,7 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from paper.figures import FIGURES
-from reporting.check.compare import PLACE_OF_PICTURES as PLACE
+from reporting.check import PLACE_OF_PICTURES as PLACE
 from reporting.figures import style
 from reporting.figures.style import PLAIN
 from reporting.results import Results as StudyResults

@@ -4,18 +4,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reporting.check.compare import (
+from reporting import check
+from reporting.check import (
     PASSED,
     PLACE_OF_PICTURES,
     SAME,
+    SAMPLE,
     Close,
     Quantity,
+    column_quantities,
     compare,
     read_reference,
     write_reference,
 )
-from reporting.check.quantities import SAMPLE, column_quantities
-from reporting.commands import reference
 from reporting.figures.style import PLAIN
 from squeezefilm.cli import main as cli
 
@@ -102,7 +103,7 @@ def test_a_reference_is_written_over_an_old_one(tmp_path, repository, monkeypatc
     config = repository / "config" / "paper.yaml"
     words = ["reference", str(tmp_path), f"--config={config}", f"--output={tmp_path / 'kept'}"]
     for table in (FORCES[:30], FORCES):
-        monkeypatch.setattr(reference, "study_quantities", lambda *_, t=table: quantities(t))
+        monkeypatch.setattr(check, "study_quantities", lambda *_, t=table: quantities(t))
         assert cli.main(words) == 0
         assert "written" in capsys.readouterr().out
         assert read_reference(tmp_path / "kept") == stored(quantities(table))

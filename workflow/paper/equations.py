@@ -14,7 +14,7 @@ import pandas as pd
 
 from paper.claims import CLAIMS
 from paper.tables import SYMBOLS, UNITS
-from reporting.check.quantities import FIT_OF_DESIGN
+from reporting.check import FIT_OF_DESIGN
 from reporting.pages import Page, readable
 from reporting.results import Results
 from squeezefilm.designs.paper_design import d_efficiency

@@ -26,23 +26,10 @@ from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json
 
 COLUMNS = (
-    "model",
-    "parameters",
-    "fit_points",
-    "fit_error",
-    "left_out_error",
-    "validation_points",
-    "validation_failed",
-    "validation_error",
-    "validation_worst_relative",
-    "validation_worst_n",
-    "error_95_percent",
-    "coverage",
-    "coverage_least",
-    "coverage_least_in",
-    "expression",
-    "about",
-    "note",
+    *("model", "parameters", "fit_points", "fit_error", "left_out_error", "validation_points"),
+    *("validation_failed", "validation_error", "validation_worst_relative", "validation_worst_n"),
+    *("error_95_percent", "coverage", "coverage_least", "coverage_least_in", "expression"),
+    *("about", "note"),
 )
 COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
 RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in SPACES))
@@ -122,8 +109,7 @@ def _judged(
         "validation_error": errors["global_error"],
         "validation_worst_relative": errors["largest_relative"],
         "validation_worst_n": errors["largest_n"],
-        "error_95_percent": 100
-        * float(np.median(fit.interval.error_n(predicted) / np.abs(predicted))),
+        "error_95_percent": 100 * np.median(fit.interval.error_n(predicted) / np.abs(predicted)),
         "coverage": fit.interval.mean_coverage,
         "coverage_least": least["coverage"],
         "coverage_least_in": f"{least['third']} third of the {QUANTITIES[least['quantity']]}",

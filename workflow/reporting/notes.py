@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -22,6 +21,11 @@ VERDICTS = {
 def percent(share: float) -> str:
     """A share as a percentage with three digits: 0.00533 → 0.533 %."""
     return f"{100 * share:.3g} %".replace("-", "−")
+
+
+def signed(value: float, digits: int = 2) -> str:
+    """A number with its sign; in words where it is not known."""
+    return f"{value:+.{digits}g}".replace("-", "−") if math.isfinite(value) else "not known"
 
 
 def five_digits(value: float) -> str:
@@ -60,41 +64,36 @@ def reynolds_limit(films: str) -> Limit:
     return next(each for each in LIMITS if each.symbol == "Re" and each.films == films)
 
 
-@dataclass(frozen=True)
-class Inertia:
+def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
     """How large the gas's inertia is in a study, for pages that have no scene.
 
-    Attributes:
-        reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m².
-        most_reynolds: the modified Reynolds number above which the error of a force is unknown.
-        beyond: what a larger one means.
+    Returns ``reynolds_per_h0_square``, the modified Reynolds number ρωh0²/μ over h0² in 1/m²;
+    ``most_reynolds``, that above which the error of a force is unknown; ``beyond``, what a larger
+    one means.
     """
+    gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
+    terms = [name for name in ("heat", "inertia") if gas[name] != "none"]
+    # ``auto`` has inertia and heat where they matter.
+    kind = f"{terms[0]} included" if "inertia" in terms else "inertia neglected"
+    limit = reynolds_limit(kind)
+    beyond = f"{kind}, error unknown above Re {limit.unknown_above:g}"
+    if limit.not_above < math.inf:
+        beyond += f"; above Re {limit.not_above:g} the equation does not apply"
+    return {
+        "reynolds_per_h0_square": omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"],
+        "most_reynolds": limit.unknown_above,
+        "beyond": f"{beyond}.",
+    }
 
-    reynolds_per_h0_square: float
-    most_reynolds: float
-    beyond: str
 
-    @classmethod
-    def of(cls, config: Mapping[str, Any]) -> "Inertia":
-        """From a study's sections gas and actuator."""
-        gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
-        terms = [name for name in ("heat", "inertia") if gas[name] != "none"]
-        # ``auto`` has inertia and heat where they matter.
-        kind = f"{terms[0]} included" if "inertia" in terms else "inertia neglected"
-        limit = reynolds_limit(kind)
-        beyond = f"{kind}, error unknown above Re {limit.unknown_above:g}"
-        if limit.not_above < math.inf:
-            beyond += f"; above Re {limit.not_above:g} the equation does not apply"
-        per_square = omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"]
-        return cls(per_square, limit.unknown_above, f"{beyond}.")
-
-    def note(self, h0_m: float) -> str:
-        """A line for a study whose gaps reach h0_m; empty up to most_reynolds."""
-        reynolds = self.reynolds_per_h0_square * h0_m**2
-        if reynolds <= self.most_reynolds:
-            return ""
-        edge_um = 1e6 * math.sqrt(self.most_reynolds / self.reynolds_per_h0_square)
-        return (
-            f"Beyond Re {self.most_reynolds:g} from h0 = {edge_um:.3g} µm: Re = ρωh0²/μ is "
-            f"{reynolds:.3g} at {1e6 * h0_m:.3g} µm ({self.beyond})"
-        )
+def beyond_note(config: Mapping[str, Any]) -> str:
+    """A line for a study whose gaps go beyond the equation's validity; empty where none does."""
+    per_square, most, beyond = inertia(config).values()
+    h0_m = config["screen"]["h0_m"]["stop"]
+    if (reynolds := per_square * h0_m**2) <= most:
+        return ""
+    edge_um = 1e6 * math.sqrt(most / per_square)
+    return (
+        f"Beyond Re {most:g} from h0 = {edge_um:.3g} µm: Re = ρωh0²/μ is {reynolds:.3g} at "
+        f"{1e6 * h0_m:.3g} µm ({beyond})"
+    )

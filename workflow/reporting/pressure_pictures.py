@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
@@ -22,6 +23,20 @@ ANIMATED = ".gif"
 SHOWN = 8
 FRAMES_PER_SECOND = 16
 AXES = ("phase", "y", "x")
+
+
+def draw(path: Path | str, files: Sequence[Path]) -> None:
+    """Draw a field, an animation where a file's name ends in .gif, else a sheet.
+
+    Raises InputError naming the file, where it cannot be read or holds something else.
+    """
+    field = read_field(path)
+    with style.settings():
+        for file in files:
+            if file.suffix == ANIMATED:
+                save_animation(field, file)
+            else:
+                style.save(draw_sheet(field), [file])
 
 
 def read_field(path: Path | str) -> Dataset:
@@ -104,15 +119,9 @@ def _reach(pressure: DataArray) -> float:
 def _picture(axes: Axes, values: DataArray, *, reach: float) -> AxesImage:
     """One instant of the field, with x to the right and y upwards, in millimetres."""
     x, y = (1e3 * values[name].to_numpy() for name in ("x", "y"))
-    image = axes.imshow(
-        values.to_numpy(),
-        extent=(x[0], x[-1], y[0], y[-1]),
-        origin="lower",
-        interpolation="bilinear",
-        cmap=style.DIVERGING,
-        vmin=-reach,
-        vmax=reach,
-    )
+    scale: dict[str, Any] = {"cmap": style.DIVERGING, "vmin": -reach, "vmax": reach}
+    scale |= {"extent": (x[0], x[-1], y[0], y[-1]), "origin": "lower"}
+    image = axes.imshow(values.to_numpy(), interpolation="bilinear", **scale)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     axes.label_outer()
     return image

@@ -17,8 +17,6 @@ from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import check_columns
 from squeezefilm.tables import read_ok_forces
 
-FIRST = ("model", "parameters", "verdict", "simulations")
-
 
 def refine_page(results: Results, *, space: str) -> Page:
     """A row for each model that was refined, and what its refinement ended with.
@@ -32,22 +30,22 @@ def refine_page(results: Results, *, space: str) -> Page:
     force_n, factors = sample["force_n"].to_numpy()[known], factors.take(known)
     rows, reasons, profile_uncertainty = [], {}, 0.0
     for name in results.config["refine"][space]:
-        folder = results.folder / f"refine/{space}/{name}"
-        verdict = results.summary(f"refine/{space}/{name}/verdict.json")
+        folder = f"refine/{space}/{name}"
+        verdict = results.summary(f"{folder}/verdict.json")
         if "refused" in verdict:
-            rows.append({"model": verdict["model"], "verdict": "left out"})
+            unknown = {"parameters": None, "verdict": "left out", "simulations": None}
+            rows.append({"model": verdict["model"], **unknown})
             reasons[verdict["model"]] = ("left out", f"{verdict['refused']}.")
             continue
-        fit = read_fit(folder / "fit.json")
+        fit = read_fit(results.folder / folder / "fit.json")
         profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
-        rows.append(_row(folder, verdict, fit, factors, force_n))
+        rows.append(_row(results.folder / folder, verdict, fit, factors, force_n))
         reasons[verdict["model"]] = (
             VERDICTS[verdict["verdict"]],
             f"{verdict['reason']}. {verdict['error_by_region_text']} "
             f"(by {verdict['errors_mapped_by']}).",
         )
-    names = dict.fromkeys([*FIRST, *(name for row in rows for name in row)])
-    table = pd.DataFrame(rows, columns=list(names))
+    table = pd.DataFrame(rows)
     refined = table[table["verdict"] != "left out"]
     values = {
         "points": len(force_n),
@@ -65,6 +63,7 @@ def _row(
     factors: Factors,
     force_n: np.ndarray,
 ) -> dict[str, Any]:
+    """What a refinement estimated, and the errors at unseen points."""
     model, estimated = fit.force_model, verdict["estimated"]
     check_columns(model, factors)
     error = model.evaluate(fit.theta, factors) - force_n
@@ -99,15 +98,14 @@ def _coverage(
     """
     if verdict["lack_of_fit_n"] is None:
         return float("nan")
-    spread, model = np.zeros(len(error_n)), fit.force_model
+    spread: Any = 0.0
     if fit.theta:
         own = read_ok_forces(folder / "forces.csv")
         at = factors_of(own, limits=folder / "limits.csv")
         design = at.take(own["point_id"].str.startswith("design").to_numpy())
-        f = model.gradient(fit.theta, design)
+        f, unseen = (fit.force_model.gradient(fit.theta, points) for points in (design, factors))
         # The sensitivity is f' (F'F/n)^-1 f / p.
-        scale = len(fit.theta) / len(design)
-        spread = sensitivity(f, model.gradient(fit.theta, factors)) * scale
+        spread = sensitivity(f, unseen) * len(fit.theta) / len(design)
     quantile = float(stats.t.ppf(0.975, verdict["verification_points"]))
     allowed_n = quantile * verdict["lack_of_fit_n"] * np.sqrt(1 + spread)
     return float(np.mean(np.abs(error_n) <= allowed_n))

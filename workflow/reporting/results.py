@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from reporting.notes import Inertia
+from reporting.notes import beyond_note
 from squeezefilm.config.loading import STUDY_FILE, Config, load_config
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
@@ -89,7 +89,7 @@ class Results:
     @property
     def beyond(self) -> str:
         """Where the study's films go beyond the equation's validity; empty where they do not."""
-        return Inertia.of(self.config).note(self.config["screen"]["h0_m"]["stop"])
+        return beyond_note(self.config)
 
     def exists(self, *files: str) -> bool:
         """Whether all these files are among the results."""

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reporting.notes import largest_error, percent, rounded_up
+from reporting.notes import largest_error, percent, rounded_up, signed
 from reporting.pages import Page, front_page, render
 from reporting.results import Results
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
@@ -25,16 +25,9 @@ NOTHING = 1e-3
 """Share of a range's largest value below which its least is as good as 0."""
 
 
-def summary_page(
-    results: Results,
-    *,
-    plans: Sequence[str],
-    fits: Sequence[str],
-    pairs: Sequence[str],
-    pictures: Sequence[str],
-) -> Page:
-    """The study on one page, and the first page of its report with these figures."""
-    values = summary_values(results, plans=plans, fits=fits, pairs=pairs)
+def summary_page(results: Results, *, pictures: Sequence[str], **about: Sequence[str]) -> Page:
+    """The study on one page (see ``summary_values``), and its report's first with these figures."""
+    values = summary_values(results, **about)
     front = front_page(
         render("in_short.md", **values),
         study=results.config["study"],
@@ -157,8 +150,8 @@ def _neglected(results: Results) -> dict[str, Any] | None:
     if not np.isfinite(ends).all():
         return None
     return {
-        "lower": _signed(ends.min()),
-        "upper": _signed(ends.max()),
+        "lower": signed(ends.min()),
+        "upper": signed(ends.max()),
         "above_range": bool(table["above_range"].fillna("").ne("").any()),
     }
 
@@ -172,14 +165,10 @@ def _effects(results: Results) -> pd.DataFrame:
     for _, row in table.iloc[[0, -1]].iterrows():
         present = str(row["in_force"]).split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
-            "in the forces" if name in present else _signed(row[f"{name}_percent"])
+            "in the forces" if name in present else signed(row[f"{name}_percent"])
             for name in effects
         ]
     return pd.DataFrame(shown)
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.2g}".replace("-", "−") if np.isfinite(value) else "not known"
 
 
 def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
@@ -191,13 +180,12 @@ def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterat
 
 
 def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
+    columns = {"h0 (µm)": 1e6 * table["h0_m"], "hv (µm)": 1e6 * table["hv_m"]}
+    columns |= _positions(table) | {"F (N)": table["force_n"]}
     return {
         "plan": plan,
         "simulations": str(len(table)),
-        "h0 (µm)": _range(1e6 * table["h0_m"]),
-        "hv (µm)": _range(1e6 * table["hv_m"]),
-        **{name: _range(values) for name, values in _positions(table).items()},
-        "F (N)": _range(table["force_n"]),
+        **{name: _range(values) for name, values in columns.items()},
         "largest estimated error of F": rounded_up(largest_error(table)),
     }
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from paper.equations import equations_page
 from paper.uncertainty import uncertainty_page
-from reporting.check.quantities import check_page
+from reporting.check import check_page
 from reporting.models import models_page
 from reporting.pages import Page, render, write_pages
 from reporting.refinement import refine_page

@@ -7,9 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from paper.figures.vibration import centre_limit_mm
-from reporting.figures import style
-from reporting.figures.axes import beside, dots, set_up_plane, set_up_positions
-from reporting.figures.tables import plane_table
+from reporting.figures import parts, style
 from reporting.results import Results
 
 _LOOKS: tuple[dict[str, Any], ...] = (
@@ -39,13 +37,13 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
         label="finger stays on the actuator at every angle",
     )
     look = {"markersize": 5, "markeredgewidth": 0.5}
-    dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
+    parts.dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
     for angle in data["phi_deg"][data["phi_r_mm"] == 0]:
         text = "centre: the same at every angle"
-        beside(axes, text, (angle, 0), (8, 0), va="center", fontsize=7)
+        parts.beside(axes, text, (angle, 0), (8, 0), va="center", fontsize=7)
     top = 1.15 * max(data["phi_r_mm"].max(), data["phi_r_limit_mm"].max())
     axes.set_ylim(-0.06 * top, top)
-    set_up_positions(axes, data["phi_deg"], margin=1 / 15)
+    parts.set_up_positions(axes, data["phi_deg"], margin=1 / 15)
     figure.legend(loc="outside upper center", handlelength=1.8)
     note = f"{len(plan)} simulations at {len(positions)} positions, our assumption."
     style.add_note(figure, note, results.beyond)
@@ -59,8 +57,8 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
         "physically distinct points": results.design("four_factor_distinct"),
     }
     screen, plan = results.scenes("screen"), results.scenes("four_factor")
-    parts = [
-        plane_table(design, layer="design").assign(
+    tables = [
+        parts.plane_table(design, layer="design").assign(
             form=form,
             point=range(1, len(design) + 1),
             phi_r_mm=(design["phi_r_m"] * 1e3).round(9),
@@ -68,7 +66,7 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
         )
         for form, design in designs.items()
     ]
-    data = pd.concat(parts, ignore_index=True)
+    data = pd.concat(tables, ignore_index=True)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
     left, right = figure.subplots(1, 2)
     for look, (form, points) in zip(_LOOKS, data.groupby("form", sort=False), strict=True):
@@ -77,10 +75,10 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
             usual = {"linestyle": "none", "clip_on": False, "zorder": 3}
             axes.plot(points[x], points[y], label=label, **usual, **look)
             _number(axes, points, x=x, y=y, above=look is _LOOKS[0], colour=look["color"])
-    set_up_plane(left, screen)
+    parts.set_up_plane(left, screen)
     left.set_title("(a)")
     radius = 1e3 * float(plan["phi_r_m"].max())
-    set_up_positions(right, plan["phi_deg"], margin=0.1)
+    parts.set_up_positions(right, plan["phi_deg"], margin=0.1)
     right.set_ylim(-0.13 * radius, 1.15 * radius)
     right.set_title("(b)")
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.3)
@@ -94,4 +92,6 @@ def _number(axes: Axes, points: pd.DataFrame, *, x: str, y: str, above: bool, co
     for (at_x, at_y), here in places:
         text = ", ".join(here["point"].astype(str))
         look = {"va": "bottom" if above else "top", "color": colour}
-        beside(axes, text, (at_x, at_y), (0, 6 if above else -6), ha="center", fontsize=7, **look)
+        parts.beside(
+            axes, text, (at_x, at_y), (0, 6 if above else -6), ha="center", fontsize=7, **look
+        )

@@ -5,9 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reporting.figures import style
-from reporting.figures.axes import dots, label_points, set_up_plane
-from reporting.figures.tables import in_micrometres
+from reporting.figures import parts, style
 from reporting.notes import one_digit
 from reporting.results import Results
 
@@ -24,7 +22,7 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     """A panel for each scaling of the factors; a triangle of three dots for each search."""
     summary, screen = results.searches(), results.scenes("screen")
     columns = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
-    points = in_micrometres(results.table("designs/two_factor_searches.csv", *columns))
+    points = parts.in_micrometres(results.table("designs/two_factor_searches.csv", *columns))
     data = points[["scaling", "search", "pattern", "h0_um", "hv_um", "objective"]].sort_values(
         "scaling", key=lambda names: names != summary["scaling"], kind="stable"
     )
@@ -35,7 +33,7 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     panels = figure.subplots(1, len(scalings), squeeze=False, sharey=True)[0]
     for letter, axes, scaling in zip("abcdefgh", panels, scalings, strict=False):
         _draw_searches(axes, data[data["scaling"] == scaling])
-        set_up_plane(axes, screen)
+        parts.set_up_plane(axes, screen)
         axes.set_title(f"({letter}) " * wide + _TITLES[scaling])
         axes.label_outer()
     note = f"{summary['searches']} searches in each unit of the distances in criterion (12)."
@@ -85,7 +83,7 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     number, patterns = summary["searches"], summary["scalings"][summary["scaling"]]
     figure = style.new_figure()
     axes = figure.subplots()
-    set_up_plane(axes, screen, headroom=0.3)
+    parts.set_up_plane(axes, screen, headroom=0.3)
     if order >= len(patterns):
         found = ", ".join(f"{each['pattern']} ({each['count']})" for each in patterns)
         note = f"All {number} searches ended in other patterns: {found}."
@@ -102,18 +100,18 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
         h0_m = np.array([point["h0_m"], *np.linspace(lowest, highest, 11)])
         line = pd.DataFrame({"layer": "ridge", "epsilon": epsilon, "h0_m": h0_m})
         line.loc[0, "layer"] = "design"
-        layers.append(in_micrometres(line.assign(hv_m=epsilon * h0_m)))
+        layers.append(parts.in_micrometres(line.assign(hv_m=epsilon * h0_m)))
         ridge = layers[-1][1:]
         dashed = (0, (4, 2))
         axes.plot(ridge["h0_um"], ridge["hv_um"], color="0.55", linestyle=dashed, linewidth=0.9)
     data = pd.concat(layers, ignore_index=True)[["layer", "epsilon", "h0_um", "hv_um"]]
     design = style.rows(data, "design")
-    dots(axes, design, fill="black", markersize=6, zorder=3)
+    parts.dots(axes, design, fill="black", markersize=6, zorder=3)
     labels = [
         f"({row.h0_um:.3g}, {row.hv_um:.3g}) µm\n$h_v/h_0$ = {row.epsilon:.3f}"
         for row in design.itertuples()
     ]
-    label_points(axes, design, labels=labels)
+    parts.label_points(axes, design, labels=labels)
     note = (
         f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches; O = "
         f"{pattern['objective']:.7g}"

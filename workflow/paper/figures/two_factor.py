@@ -8,22 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import style
-from reporting.figures.axes import (
-    HV_LABEL,
-    add_force_space,
-    dots,
-    force_mesh,
-    force_points,
-    label_points,
-    set_up_plane,
-)
-from reporting.figures.tables import (
-    error_note,
-    error_table,
-    model_mesh,
-    plane_table,
-)
+from reporting.figures import parts, style
 from reporting.notes import percent, simulations_note
 from reporting.results import Results
 from squeezefilm.models.fit_file import FittedModel
@@ -34,11 +19,11 @@ AUGMENTATION = "augmentation"
 def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The screen: one dot per simulation."""
     screen = results.scenes("screen")
-    data = plane_table(screen, layer="screen")
+    data = parts.plane_table(screen, layer="screen")
     figure = style.new_figure()
     axes = figure.subplots()
-    dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
-    set_up_plane(axes, screen)
+    parts.dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
+    parts.set_up_plane(axes, screen)
     gaps, amplitudes = screen["h0_m"].nunique(), screen["hv_m"].nunique()
     note = f"{len(screen)} simulations: {gaps} gaps × {amplitudes} amplitudes."
     style.add_note(figure, note, results.beyond)
@@ -58,17 +43,17 @@ def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
     screen = results.scenes("screen")
     design = results.design("two_factor")
     labels = design["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
-    points = plane_table(design, layer="design").assign(label=labels)
-    data = pd.concat([plane_table(screen, layer="screen"), points], ignore_index=True)
+    points = parts.plane_table(design, layer="design").assign(label=labels)
+    data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
     figure = style.new_figure()
     axes = figure.subplots()
     label = f"screen, {len(screen)} points"
     white = style.rows(data, "screen")
-    dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
+    parts.dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
     label = f"optimal design, {len(design)} points"
-    dots(axes, points, fill="black", markersize=6, label=label)
-    set_up_plane(axes, screen)
-    label_points(axes, points, labels=points["label"])
+    parts.dots(axes, points, fill="black", markersize=6, label=label)
+    parts.set_up_plane(axes, screen)
+    parts.label_points(axes, points, labels=points["label"])
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
     note = "Letters: a point's patterns; +: added by best augmentation."
     style.add_note(figure, note, results.beyond)
@@ -82,7 +67,8 @@ def fig13(results: Results) -> tuple[Figure, pd.DataFrame]:
         "control": {"color": "white", "label": "control point"},
         "design": {"color": "black", "label": "design point", "s": 26},
     }
-    note = f"Fit on {fit.points} points; on {error_note(results, 'two_factor_design', 'screen')}."
+    errors = parts.error_note(results, "two_factor_design", "screen")
+    note = f"Fit on {fit.points} points; on {errors}."
     plans = {"control": "screen", "design": "two_factor_design"}
     return _model_and_points(results, fit, plans, looks, note)
 
@@ -95,22 +81,22 @@ def _model_and_points(
     note: str,
 ) -> tuple[Figure, pd.DataFrame]:
     """A fit as a mesh, and layers of simulations as dots, each of a plan and with a look."""
-    mesh = model_mesh(fit, results.scenes("screen"))
+    mesh = parts.model_mesh(fit, results.scenes("screen"))
     forces = {layer: results.forces(plan) for layer, plan in plans.items()}
-    layers = [plane_table(table, layer=layer) for layer, table in forces.items()]
+    layers = [parts.plane_table(table, layer=layer) for layer, table in forces.items()]
     figure = style.new_figure(height_in=3.1)
     notes = (note, simulations_note(*forces.values()), results.beyond)
-    axes = add_force_space(figure, bottom=style.add_note(figure, *notes))
-    force_mesh(axes, mesh)
+    axes = parts.add_space(figure, bottom=style.add_note(figure, *notes))
+    parts.force_mesh(axes, mesh)
     for points, look in zip(layers, looks.values(), strict=True):
-        force_points(axes, points, **look)
+        parts.force_points(axes, points, **look)
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
     return figure, pd.concat([mesh, *layers], ignore_index=True)
 
 
 def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     """Error over amplitude, a line per gap; dots white inside the band and black outside."""
-    data = error_table(results, "two_factor_design", "screen", layer="control")
+    data = parts.error_table(results, "two_factor_design", "screen", layer="control")
     figure = style.new_figure(height_in=2.9)
     axes = figure.subplots()
     band = float(data["band_percent"].iloc[0])
@@ -126,9 +112,9 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
         axes.plot(line[x], line[y], color=colour, label=f"{gap:g}", zorder=2)
     look: dict[str, Any] = {"markersize": 3.6, "markeredgewidth": 0.6, "clip_on": True, "zorder": 3}
     for inside, fill in ((True, "white"), (False, "black")):
-        dots(axes, data[data["in_band"] == inside], x=x, y=y, fill=fill, **look)
+        parts.dots(axes, data[data["in_band"] == inside], x=x, y=y, fill=fill, **look)
     reach = max(1.25 * band, 1.1 * data[y].abs().max())
-    axes.set(ylim=(-reach, reach), xlabel=HV_LABEL, ylabel="relative error (%)")
+    axes.set(ylim=(-reach, reach), xlabel=parts.PLANE["ylabel"], ylabel="relative error (%)")
     look = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom"}
     axes.text(0.99, band, f"±{band:g} % band ", fontsize=7, **look)
     figure.legend(
@@ -140,6 +126,6 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
         columnspacing=0.8,
         handletextpad=0.4,
     )
-    note = error_note(results, "two_factor_design", "screen")
+    note = parts.error_note(results, "two_factor_design", "screen")
     style.add_note(figure, note, simulations_note(results.forces("screen")), results.beyond)
     return figure, data

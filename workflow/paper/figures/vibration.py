@@ -7,9 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures import axes as drawing
-from reporting.figures import style
-from reporting.figures.axes import grid_of
+from reporting.figures import parts, style
 from reporting.results import Results
 from squeezefilm.config.loading import Config
 from squeezefilm.studies.study import finger_of, profile_of
@@ -58,20 +56,20 @@ def fig06(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The profile as a mesh in polar coordinates."""
     data = profile_table(results.config, radii=17, angles=49)
     figure = style.new_figure(height_in=3.1)
-    axes = drawing.add_space(
+    axes = parts.add_space(
         figure,
+        bottom=style.add_note(figure, results.beyond),
         labels=("$x$ (mm)", "$y$ (mm)", "amplitude $h_a/h_v$ (–)"),
         azimuth_deg=-60,
-        bottom=style.add_note(figure, results.beyond),
     )
-    drawing.mesh(axes, *_polar_grid(data))
+    parts.mesh(axes, *_polar_grid(data))
     return figure, data.assign(layer="surface").round(DIGITS)
 
 
 def _polar_grid(surface: pd.DataFrame) -> list[np.ndarray]:
     """x, y and the amplitude over radius (rows) and angle."""
     return [
-        grid_of(surface, name, x="angle_deg", y="radius_mm")[2]
+        parts.grid_of(surface, name, x="angle_deg", y="radius_mm")[2]
         for name in ("x_mm", "y_mm", "amplitude_ratio")
     ]
 

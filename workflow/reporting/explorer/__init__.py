@@ -9,14 +9,12 @@ model.js what ``squeezefilm.models.fit_file`` does with it, modulation.js reads 
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
-from math import isnan
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from reporting.notes import Inertia
+from reporting.notes import inertia
 from reporting.results import Results
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, fit_of
@@ -24,14 +22,6 @@ from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
 HERE = Path(__file__).parent
-PAGE = "page.html"
-PARTS = {
-    "STYLE": "page.css",
-    "MODEL": "model.js",
-    "MODULATION": "modulation.js",
-    "WORDS": "words.js",
-    "SCRIPT": "page.js",
-}
 FILM = ["h0_m", "hv_m"]
 
 
@@ -75,17 +65,21 @@ def explorer_page(
             for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].itertuples(index=False)
         ],
         "position": form_of(next(iter(forces.values()))),
-        "inertia": asdict(Inertia.of(config)),
+        "inertia": inertia(config),
         "modulation": modulation,
         "start": {name: start[name] for name in ("h0_m", "hv_m", "force_n")},
     }
     # In full double precision, and so that no text ends the script it stands in.
     shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
-    parts = {name: (HERE / file).read_text(encoding="utf-8") for name, file in PARTS.items()}
-    parts |= {"LIBRARY": drawing_library, "DATA": shown, "STUDY": config["study"]}
+    parts = {"LIBRARY": drawing_library, "DATA": shown, "STUDY": config["study"]}
     parts["MODELS"] = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
-    page = (HERE / PAGE).read_text(encoding="utf-8")
-    return re.sub(r"\{\{(\w+)\}\}", lambda marker: parts[marker[1]], page)
+
+    def part(marker: re.Match[str]) -> str:
+        """What stands for a marker: one of the parts, else a file."""
+        name = marker[1]
+        return parts[name] if name in parts else (HERE / name).read_text(encoding="utf-8")
+
+    return re.sub(r"\{\{([\w.]+)\}\}", part, (HERE / "page.html").read_text(encoding="utf-8"))
 
 
 def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
@@ -135,11 +129,9 @@ def _film(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
         return {"why": row["status"]}
     if gains["gain"].isna().all():
         return {"why": gains["status"].iloc[0]}
+    lines = gains[["gain", "phase_deg"]].astype(object)
     return {
         **{name: row[name] for name in ("corner_hz", "static_gain", "prompt_gain")},
         "error": float(gains["error"].max()),
-        **{
-            name: [None if isnan(value) else value for value in gains[name]]
-            for name in ("gain", "phase_deg")
-        },
+        **lines.where(lines.notna(), None).to_dict("list"),
     }

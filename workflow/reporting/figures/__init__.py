@@ -19,6 +19,7 @@ from reporting.figures.overview import overview
 from reporting.figures.profile import profile
 from reporting.figures.verification import stability, work_precision
 from reporting.results import Results
+from squeezefilm.errors import InputError
 from squeezefilm.tables import write_table
 
 Draw = Callable[[Results], Figure | tuple[Figure, pd.DataFrame]]
@@ -40,16 +41,18 @@ def save(function: Draw, results: Results, paths: Sequence[Path]) -> None:
     ``.csv`` is the table that it draws, ``.plain.png`` a small picture without texts, for the
     check; all others are the figure in the format that the name ends in.
 
-    Raises InputError naming the result that is missing or lacks what it must have.
+    Raises InputError naming the result that is missing or lacks what it must have, or a table that
+    the figure has not.
     """
     plain = [path for path in paths if path.name.endswith(style.PLAIN)]
+    tables = [path for path in paths if path.suffix == ".csv"]
     with style.settings():
         figure, table = _drawn(function, results)
-        if table is not None:
-            for path in paths:
-                if path.suffix == ".csv":
-                    write_table(table, path)
-        style.save(figure, [path for path in paths if path not in plain and path.suffix != ".csv"])
+        style.save(figure, [path for path in paths if path not in (*plain, *tables)])
+    for path in tables:
+        if table is None:
+            raise InputError(f"{path}: a table is drawn by the paper's numbered figures alone")
+        write_table(table, path)
     if plain:
         with style.settings(notes=False):
             style.save_without_text(_drawn(function, results)[0], plain)

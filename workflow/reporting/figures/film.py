@@ -1,6 +1,6 @@
 """What films do besides giving a force: what the equation leaves out of it, loads, modulation."""
 
-from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,10 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures import style
-from reporting.figures.axes import beside, grid_of, label_plane, not_known, show_grid
-from reporting.figures.tables import in_micrometres, micrometres
-from reporting.notes import percent, reynolds_limit
+from reporting.figures import parts, style
+from reporting.notes import percent, reynolds_limit, signed
 from reporting.results import Results
 from squeezefilm.solution import form_of
 
@@ -27,15 +25,6 @@ EDGE = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
 LABEL_SHARE = 0.065
 """Height of a label, as a share of the axes."""
-ON_DISC, ON_RECTANGLE = ("phi_r_mm", "phi_deg"), ("x_mm", "y_mm")
-MAPS = {
-    "corner_hz": "(a) corner frequency (Hz)",
-    "prompt_percent": "(b) force at once (%)",
-}
-LINES = {
-    "gain": ("(c) gain", "change of the force, relative,\nper that of the amplitude (–)"),
-    "phase_deg": ("(d) phase", "force behind amplitude (°)"),
-}
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
 MOST_ERROR = 0.03
 """Of a gain that is drawn."""
@@ -49,17 +38,17 @@ def budget(results: Results) -> Figure:
     largest = positions["hv_um"] / positions["h0_um"]
     along = positions[largest >= largest.max() * (1 - 1e-9)]
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.3)
-    panels = list(figure.subplots(2, 3).flat)
-    for letter, axes, name in zip("abcde", panels, EFFECTS, strict=False):
-        colour, label = EFFECTS[name]
-        above = screen["above_range"].str.split("; ").map(lambda names, name=name: name in names)
-        look = {"colors": colour, "linestyles": "dashed" if above.any() else "solid"}
-        levels = _inner_levels(screen[f"{name}_percent"])
-        _draw_map(axes, screen, f"{name}_percent", levels=levels, form=_signed, **look)
-        axes.set_title(f"({letter}) {label} (%)")
-    places = ON_DISC if "phi_deg" in positions else ON_RECTANGLE
-    _draw_effects(panels[-1], along, places)
-    panels[-1].set_title(f"(f) along {'the radius' if 'phi_deg' in places else 'x'}")
+    *panels, last = figure.subplots(2, 3).flat
+    too_large = "; ".join(screen["above_range"]).split("; ")
+    for letter, axes, (name, (colour, label)) in zip("abcde", panels, EFFECTS.items(), strict=True):
+        look: dict[str, Any] = {
+            "colors": colour,
+            "linestyles": "dashed" if name in too_large else "solid",
+        }
+        look["levels"] = _inner_levels(screen[f"{name}_percent"])
+        title = f"({letter}) {label} (%)"
+        _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
+    _draw_effects(last, along)
     present = screen["in_force"].iloc[0]
     note = f"(f): h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm."
     if isinstance(present, str):
@@ -74,8 +63,8 @@ def _budgets(results: Results, plan: str) -> pd.DataFrame:
     table = results.table(file, *columns)
     lengths = [name for name in form_of(table) if name.endswith("_m")]
     middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
-    return in_micrometres(table).assign(
-        **{f"{name[:-1]}mm": micrometres(table[name]) / 1e3 for name in lengths},
+    return parts.in_micrometres(table).assign(
+        **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
         left_out_percent=middle,
         above_range=table["above_range"].fillna(""),
     )
@@ -89,30 +78,23 @@ def _inner_levels(values: pd.Series) -> list[float]:
     return [level for level in ticks if low + edge <= level <= high - edge] or [low]
 
 
-def _signed(level: float) -> str:
-    return f"{level:+.3g}".replace("-", "−")
-
-
-def _draw_effects(axes: Axes, rows: pd.DataFrame, places: tuple[str, str]) -> None:
+def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
     """Each effect over the first coordinate, for the least of the other and for the largest."""
-    place, other = places
-    rows = rows.drop_duplicates(list(places)).sort_values(place)
+    on_disc = "phi_deg" in rows
+    place, other = ("phi_r_mm", "phi_deg") if on_disc else ("x_mm", "y_mm")
+    rows = rows.drop_duplicates([place, other]).sort_values(place)
     off = rows[rows[place] != 0]
     least, farthest = min(0.0, float(rows[place].min())), float(rows[place].max())
     ends: list[tuple[float, str, str]] = []
     for marker, value in (("o", off[other].min()), ("s", off[other].max())):
-        at_centre = (rows[place] == 0) & (other == "phi_deg")
-        along = rows[at_centre | (rows[other] == value)].drop_duplicates(place)
+        centre = on_disc & (rows[place] == 0)
+        along = rows[centre | (rows[other] == value)].drop_duplicates(place)
         for name, (colour, label) in EFFECTS.items():
             values = along[f"{name}_percent"]
-            axes.plot(
-                along[place],
-                values,
-                marker + "-",
-                color=colour,
-                markersize=6 if marker == "o" else 3,
-                markerfacecolor="white" if marker == "o" else colour,
+            look: dict[str, Any] = (
+                {"mfc": "white", "ms": 6} if marker == "o" else {"mfc": colour, "ms": 3}
             )
+            axes.plot(along[place], values, marker + "-", color=colour, **look)
             if marker == "s" and np.isfinite(values.iloc[-1]):
                 text = label.removesuffix(", C = 1").removesuffix(" in all")
                 ends.append((float(values.iloc[-1]), text, colour))
@@ -121,31 +103,31 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame, places: tuple[str, str]) -> No
     last = -np.inf
     for value, text, colour in sorted(ends):
         last = max(value, last + LABEL_SHARE * (high - low))
-        beside(axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6)
+        parts.beside(axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6)
     axes.set_xlim(least - 0.05 * farthest, farthest + 0.35 * (farthest - least) or 1.0)
     axes.axhline(0, color="black", linewidth=0.5)
-    label = r"radial position $\phi_r$ (mm)" if other == "phi_deg" else "$x$ (mm)"
+    label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
     axes.set(xlabel=label, ylabel="change of the force (%)")
+    axes.set_title(f"(f) along {'the radius' if on_disc else 'x'}")
     axes.grid(True)
 
 
 def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
     table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
-    for name in ("corner_hz", "prompt_share"):
-        table[name] = table.get(name, np.nan)
-    maps = in_micrometres(table).assign(prompt_percent=100 * table["prompt_share"])
+    table = pd.DataFrame({"corner_hz": np.nan, "prompt_share": np.nan} | dict(table.items()))
+    maps = parts.in_micrometres(table).assign(prompt_percent=100 * table["prompt_share"])
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
-    lines = in_micrometres(results.table("simulations/screen/gains.csv", *columns))
+    lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.6)
-    panels = list(figure.subplots(2, 2).flat)
-    for axes, (name, title) in zip(panels[:2], MAPS.items(), strict=True):
-        _draw_map(axes, maps, name, colors="black")
-        axes.set_title(title)
-    for axes, (name, (title, label)) in zip(panels[2:], LINES.items(), strict=True):
-        _draw_lines(axes, lines, name)
-        axes.set(title=title, ylabel=label)
+    (corner, prompt), (gain, phase) = figure.subplots(2, 2)
+    _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
+    _draw_map(prompt, maps, "prompt_percent", "(b) force at once (%)")
+    _draw_lines(gain, lines, "gain", "(c) gain")
+    gain.set_ylabel("change of the force, relative,\nper that of the amplitude (–)")
+    _draw_lines(phase, lines, "phase_deg", "(d) phase")
+    phase.set_ylabel("force behind amplitude (°)")
     unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.removeprefix("not supported: ")
     note = ""
     if len(unknown):
@@ -156,21 +138,15 @@ def response(results: Results) -> Figure:
 
 
 def _draw_map(
-    axes: Axes,
-    maps: pd.DataFrame,
-    name: str,
-    *,
-    levels: Any = 7,
-    form: str | Callable[[float], str] = "%.4g",
-    **look: Any,
+    axes: Axes, maps: pd.DataFrame, name: str, title: str, *, form: Any = "%.4g", **look: Any
 ) -> None:
     """Contour lines of a quantity of the films; numbers where lines would have no room."""
-    grid = grid_of(maps, name)
-    label_plane(axes)
-    show_grid(axes, grid)
+    grid = parts.grid_of(maps, name)
+    axes.set(**parts.PLANE, title=title)
+    parts.show_grid(axes, grid)
     known = maps[maps[name].notna()]
     if known.empty:
-        not_known(axes)
+        parts.not_known(axes)
         return
     if min(known["h0_um"].nunique(), known["hv_um"].nunique()) < 2:  # no lines between films
         axes.plot(known["h0_um"], known["hv_um"], "k.", markersize=3)
@@ -179,17 +155,17 @@ def _draw_map(
         axes.margins(0.05)
         axes.autoscale()
         return
-    lines = axes.contour(
-        *grid[:2], np.ma.masked_invalid(grid[2]), levels=levels, linewidths=0.9, **look
-    )
+    usual: dict[str, Any] = {"colors": "black", "levels": 7, "linewidths": 0.9}
+    lines = axes.contour(*grid[:2], np.ma.masked_invalid(grid[2]), **usual | look)
     axes.clabel(lines, fontsize=6, fmt=form)
 
 
-def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str) -> None:
-    """One line for each of three gaps, named at its end."""
+def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
+    """One line for each of three gaps, named in a legend beside the gain."""
+    axes.set_title(title)
     gaps = sorted(lines["h0_um"].unique())
     if not gaps:
-        not_known(axes)
+        parts.not_known(axes)
         return
     axes.set(xscale="log", xlabel="frequency of modulation (Hz)")
     axes.grid(True)
@@ -204,8 +180,8 @@ def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str) -> None:
 def levitation(results: Results) -> Figure:
     """Gap and stiffness over the load, for each amplitude; hollow beyond Re 10."""
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
-    gaps_um = micrometres(results.scenes("screen")["h0_m"])
-    data = in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
+    gaps_um = parts.micrometres(results.scenes("screen")["h0_m"])
+    data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
     gap, stiffness = figure.subplots(1, 2)
     gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)

@@ -8,14 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from reporting.figures import style
-from reporting.figures.axes import beside, dots, error_contours, grid_of, label_plane
-from reporting.figures.tables import (
-    error_note,
-    error_table,
-    micrometres,
-    plane_table,
-)
+from reporting.figures import parts, style
 from reporting.notes import percent, simulations_note
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
@@ -28,27 +21,27 @@ DECADE = 10.0
 
 def error_map(results: Results) -> Figure:
     """Relative error of the model fitted to the design, over the whole space."""
-    grid = error_table(results, "two_factor_design", "error_map", layer="map")
-    design = plane_table(results.forces("two_factor_design"), layer="design")
+    grid = parts.error_table(results, "two_factor_design", "error_map", layer="map")
+    design = parts.plane_table(results.forces("two_factor_design"), layer="design")
     figure = style.new_figure(height_in=3.2)
     axes = figure.subplots()
-    filled, lines = error_contours(
+    filled, lines = parts.error_contours(
         axes, grid, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
     )
     axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
     look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
-    dots(axes, design, fill="black", markersize=6, label="design point", **look)
-    label_plane(axes)
+    parts.dots(axes, design, fill="black", markersize=6, label="design point", **look)
+    axes.set(**parts.PLANE)
     figure.colorbar(filled, ax=axes, pad=0.02, label="relative error (%)")
     figure.legend(loc="outside upper center", handletextpad=0.2)
-    note = error_note(results, "two_factor_design", "error_map")
+    note = parts.error_note(results, "two_factor_design", "error_map")
     style.add_note(figure, note, simulations_note(results.forces("error_map")), results.beyond)
     return figure
 
 
 def force_map(results: Results) -> Figure:
     """The force at the centre, and at each position the amplitude for the wanted force."""
-    forces = plane_table(results.forces("error_map"), layer="map")
+    forces = parts.plane_table(results.forces("error_map"), layer="map")
     table = results.table("models/recommended.csv", "space", "model", "h0_m", "force_n")
     table = table[table["model"].notna()]
     wanted_n = results.config["extrapolation"]["force_n"]
@@ -73,21 +66,19 @@ def force_map(results: Results) -> Figure:
 
 
 def _draw_forces(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: float) -> None:
-    grid = grid_of(rows, "force_n")
+    grid = parts.grid_of(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
     wide = low > 0 and high > DECADE * low
     ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
     levels = np.asarray(ticks.tick_values(low, high))
     levels = levels[(levels > low / 3) & (levels < 3 * high)]
-    drawn = axes.contourf(
-        *grid, levels=levels, cmap=style.SEQUENTIAL, norm="log" if wide else None, extend="both"
-    )
+    norm = "log" if wide else None
+    drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm, extend="both")
     axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
     if low < wanted_n < high:
         axes.contour(*grid, levels=[wanted_n], colors="black", linewidths=2.0)
-    dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
-    label_plane(axes)
-    axes.set_title("(a) force at the centre")
+    parts.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
+    axes.set(**parts.PLANE, title="(a) force at the centre")
     bar = figure.colorbar(drawn, ax=axes, format="%g", label="mean force (N)")
     bar.ax.minorticks_off()
 
@@ -95,14 +86,15 @@ def _draw_forces(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: fl
 def _draw_positions(axes: Axes, table: pd.DataFrame) -> None:
     """Amplitudes at positions: hollow where the model is not validated, a cross without any."""
     at = factors_of(table.assign(hv_m=0.0))
-    x_mm, y_mm, hv_um = 1e3 * at.x_m, 1e3 * at.y_m, micrometres(table["hv_m"])
+    x_mm, y_mm, hv_um = 1e3 * at.x_m, 1e3 * at.y_m, parts.micrometres(table["hv_m"])
     known = np.isfinite(hv_um)
     validated = table["error_95_percent"].notna().to_numpy()
     for chosen, fill in ((known & validated, style.BLUE), (known & ~validated, "white")):
         axes.plot(x_mm[chosen], y_mm[chosen], "o", color=style.BLUE, ms=5, mfc=fill)
     axes.plot(x_mm[~known], y_mm[~known], "x", color=style.VERMILLION)
     for x, y, value in zip(x_mm[known], y_mm[known], hv_um[known], strict=True):
-        beside(axes, f"{value:.2f}", (x, y), (0, 5), ha="center", fontsize=6).set_in_layout(False)
+        text = parts.beside(axes, f"{value:.2f}", (x, y), (0, 5), ha="center", fontsize=6)
+        text.set_in_layout(False)
     axes.margins(0.15)
     if len(table) == 1:  # nothing else says how large a millimetre is
         axes.set(xlim=(-ALONE_MM, ALONE_MM), ylim=(-ALONE_MM, ALONE_MM))

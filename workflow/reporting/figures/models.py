@@ -9,9 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 
-from reporting.figures import style
-from reporting.figures.axes import label_plane
-from reporting.figures.tables import in_micrometres
+from reporting.figures import parts, style
 from reporting.notes import VERDICTS, percent
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
@@ -22,7 +20,11 @@ DECADES = 5
 LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
 LARGEST_DOT = 140
 """Area in points² of a design point with all the weight."""
-POSITION_LABELS = {"xlabel": "finger x (mm)", "ylabel": "finger y (mm)"}
+PLANES = {
+    "gap": (("h0_um", "hv_um"), parts.PLANE),
+    "position": (("x_mm", "y_mm"), {"xlabel": "finger x (mm)", "ylabel": "finger y (mm)"}),
+}
+"""Layers of a design's sensitivity; their columns and labels."""
 LINEAR = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
 
@@ -41,30 +43,25 @@ def model_errors(results: Results, space: str) -> Figure:
     if judged.empty:
         return _without_anything("no model can be judged on these points")
     data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
-    data = in_micrometres(data).assign(size=100 * data["relative_error"].abs())
+    data = parts.in_micrometres(data).assign(size=100 * data["relative_error"].abs())
     across = min(ACROSS, len(judged))
     down = ceil(len(judged) / across)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 1.85 * down)
     panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
     top = max(float(data["size"].max()), 1e-10)
-    lowest = top * 10.0**-DECADES
+    colours: dict[str, Any] = {
+        "norm": LogNorm(top * 10.0**-DECADES, top, clip=True),
+        "cmap": style.SEQUENTIAL,
+    }
     for axes in panels[len(judged) :]:
         axes.set_visible(False)
     for number, (axes, model) in enumerate(zip(panels, judged.to_dict("records"), strict=False)):
         rows = data[data["model"] == model["model"]].sort_values("size", kind="stable")
-        dots = axes.scatter(
-            rows["h0_um"],
-            rows["hv_um"],
-            c=np.maximum(rows["size"], lowest),
-            norm=LogNorm(vmin=lowest, vmax=top),
-            cmap=style.SEQUENTIAL,
-            s=5,
-            linewidths=0,
-        )
+        dots = parts.coloured_dots(axes, rows, "size", s=5, **colours)
         share = percent(model["validation_error"])
         axes.set_title(f"{model['model']} ({model['parameters']:.0f})\n{share}", fontsize=7)
         lowest_of_column = number >= len(judged) - across
-        label_plane(axes)
+        axes.set(**parts.PLANE)
         axes.yaxis.label.set_visible(number % across == 0)
         axes.xaxis.label.set_visible(lowest_of_column)
         axes.tick_params(labelsize=6, labelbottom=lowest_of_column)
@@ -82,11 +79,9 @@ def sensitivity(results: Results, space: str) -> Figure:
     width = style.DOUBLE_COLUMN_IN if moved else style.SINGLE_COLUMN_IN
     figure = style.new_figure(width_in=width, height_in=3.2)
     panels = figure.subplots(1, 2 if moved else 1, squeeze=False)[0]
-    colours = _draw_sensitivity(panels[0], data, "gap", ("h0_um", "hv_um"))
-    label_plane(panels[0])
-    if moved:
-        _draw_sensitivity(panels[1], data, "position", ("x_mm", "y_mm"))
-        panels[1].set(**POSITION_LABELS)
+    for axes, (layer, (names, labels)) in zip(panels, PLANES.items(), strict=False):
+        colours = _draw_sensitivity(axes, data, layer, names)
+        axes.set(**labels)
     figure.colorbar(colours, ax=list(panels), pad=0.02, label="sensitivity d/p (–)")
     style.add_note(figure, "Circles: design points, their area the weight.", results.beyond)
     return figure
@@ -100,16 +95,9 @@ def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[s
     reached = [each for each in LEVELS if level.min() < each < level.max()]
     if reached:
         axes.tricontour(x, y, level, levels=reached, colors="white", linewidths=0.5)
-    axes.scatter(
-        points[names[0]],
-        points[names[1]],
-        s=LARGEST_DOT * points["weight"].to_numpy(dtype=float),
-        facecolor="none",
-        edgecolor=style.VERMILLION,
-        linewidths=1.4,
-        clip_on=False,
-        zorder=3,
-    )
+    *place, weight = (points[name].to_numpy(dtype=float) for name in (*names, "weight"))
+    look: dict[str, Any] = {"edgecolor": style.VERMILLION, "linewidths": 1.4, "clip_on": False}
+    axes.scatter(place[0], place[1], LARGEST_DOT * weight, facecolor="none", zorder=3, **look)
     return colours
 
 
@@ -132,16 +120,13 @@ def refined(results: Results, space: str) -> Figure:
         rounds = results.table(f"{folder}/rounds.csv", *ROUND_COLUMNS)
         _draw_rounds(row[0], rounds, wanted=verdict["wanted"], truth=model)
         row[0].set_title(f"{model['model']}: {VERDICTS[model['verdict']]}")
-        where = results.table(f"{folder}/where.csv", *WHERE_COLUMNS)
-        sample = where[where["layer"] == "sample"]
-        error = 100 * sample["error_n"].to_numpy(dtype=float) / verdict["mean_force_n"]
-        places = _places(sample).assign(error_percent=error)
+        sample = style.rows(results.table(f"{folder}/where.csv", *WHERE_COLUMNS), "sample")
+        error_percent = 100 * sample["error_n"].astype(float) / verdict["mean_force_n"]
+        places = _places(sample).assign(error_percent=error_percent)
         points = simulated[model["model"]]
-        dots = _draw_errors(row[1], places, points, "h0_um", "hv_um")
-        label_plane(row[1])
-        if moved:
-            _draw_errors(row[2], places, points, "x_mm", "y_mm")
-            row[2].set(**POSITION_LABELS)
+        for axes, (names, labels) in zip(row[1:], PLANES.values(), strict=False):
+            dots = _draw_errors(axes, places, points, *names)
+            axes.set(**labels)
         bar = figure.colorbar(dots, ax=row[-1], pad=0.02, label="error (%)")
         bar.ax.tick_params(labelsize=6)
     panels[0][0].legend(loc="best")
@@ -153,7 +138,7 @@ def refined(results: Results, space: str) -> Figure:
 def _places(table: pd.DataFrame) -> pd.DataFrame:
     """The table with the four factors in the figures' units."""
     at = factors_of(table)
-    return in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
+    return parts.in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
 
 
 def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Series) -> None:
@@ -168,16 +153,11 @@ def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Seri
         axes.axhline(100 * wanted[name], color=colour, linestyle="--", linewidth=0.6)
         star = 100 * truth[f"unseen_{name}"]
         axes.plot(truth["simulations"], star, "*", color=colour, markersize=8, mec="black")
-    centre = rounds["global_error"]
-    axes.errorbar(
-        rounds["simulations"],
-        centre,
-        yerr=[centre - rounds["global_lower"], rounds["global_upper"] - centre],
-        fmt="none",
-        color=style.BLUE,
-        linewidth=0.8,
-        capsize=2,
+    limits = (
+        rounds[["global_lower", "global_upper"]].sub(rounds["global_error"], axis="index").abs()
     )
+    bars = {"fmt": "none", "color": style.BLUE, "linewidth": 0.8, "capsize": 2}
+    axes.errorbar(rounds["simulations"], rounds["global_error"], yerr=limits.T, **bars)
     axes.set_yscale("log")
     axes.set_xlim(rounds["simulations"].min() - 1, rounds["simulations"].max() + 1)
     axes.xaxis.get_major_locator().set_params(integer=True)
@@ -187,19 +167,12 @@ def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Seri
 
 def _draw_errors(axes: Axes, sample: pd.DataFrame, simulated: pd.DataFrame, x: str, y: str) -> Any:
     """The error at a fair sample of the space, the largest on top; simulated points circled."""
-    error = sample["error_percent"].to_numpy()
-    order = np.argsort(np.abs(error))
-    top = max(float(np.nanmax(np.abs(error))), 1e-12)
-    dots = axes.scatter(
-        sample[x].to_numpy()[order],
-        sample[y].to_numpy()[order],
-        c=error[order],
-        # Linear up to a power of ten, so that the ticks keep apart.
-        norm=SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR * top)), vmin=-top, vmax=top),
-        cmap=style.DIVERGING,
-        s=6,
-        linewidths=0,
-    )
+    sample = sample.sort_values("error_percent", key=np.abs)
+    top = max(float(sample["error_percent"].abs().max()), 1e-12)
+    # Linear up to a power of ten, so that the ticks keep apart.
+    norm = SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR * top)), vmin=-top, vmax=top)
+    look: dict[str, Any] = {"norm": norm, "cmap": style.DIVERGING, "s": 6}
+    dots = parts.coloured_dots(axes, sample, "error_percent", x=x, y=y, **look)
     axes.plot(simulated[x], simulated[y], "o", mfc="none", mec="black", mew=0.6, markersize=4)
     axes.tick_params(labelsize=6)
     return dots

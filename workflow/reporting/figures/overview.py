@@ -8,24 +8,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures import style
-from reporting.figures.axes import add_force_space, dots, error_contours, force_mesh, force_points
-from reporting.figures.tables import error_table, model_mesh, plane_table
+from reporting.figures import parts, style
 from reporting.notes import percent, rounded_up
 from reporting.results import Results
 
 FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "finger_um", "overpressure_kpa")
-STEPS = ("Simulate", "Fit", "Design", "Validate")
 # Left edge and width of each step's axes, as shares of the figure's width.
 PLACES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
 TOP = 0.82
 Rectangle = tuple[float, float, float, float]
 """Left, bottom, width and height, as shares of the figure's."""
-
 LABEL_SIZE, TICK_SIZE = 6.5, 6
 DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
 PLANE = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
-SCREEN = {"markeredgecolor": "0.55", "markersize": 2.6}
 
 
 def overview(results: Results) -> Figure:
@@ -37,14 +32,14 @@ def overview(results: Results) -> Figure:
     simulated = results.forces("extrapolation").set_index("point_id").loc[film["point_id"].iloc[0]]
     errors = results.validation("two_factor_design", "error_map")
     force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
-    captions = (
-        f"{force_n:.3f} N, numerical error "
+    captions = {
+        "Simulate": f"{force_n:.3f} N, numerical error "
         f"{rounded_up(error_n / force_n + fit.profile_uncertainty)} of it",
-        f"{len(screen)} simulations, error {percent(fit.global_error)}",
-        f"{len(design)} points instead of {len(screen)}",
-        f"{errors['points']:.0f} simulations: at most "
+        "Fit": f"{len(screen)} simulations, error {percent(fit.global_error)}",
+        "Design": f"{len(design)} points instead of {len(screen)}",
+        "Validate": f"{errors['points']:.0f} simulations: at most "
         f"{percent(abs(errors['worst_relative_error']))} off",
-    )
+    }
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.8)
     figure.set_layout_engine("none")
     note = (
@@ -53,26 +48,23 @@ def overview(results: Results) -> Figure:
         "points; the error of the model fitted to them."
     )
     bottom = style.add_note(figure, note, results.beyond) + 0.135
-    for order, ((left, width), step, caption) in enumerate(
-        zip(PLACES, STEPS, captions, strict=True), start=1
-    ):
+    for order, ((left, width), step) in enumerate(zip(PLACES, captions, strict=True), start=1):
         middle = left + width / 2
         figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
-        figure.text(middle, 0.87, caption, ha="center", fontsize=LABEL_SIZE, color="0.25")
-    rectangles = [(left, bottom, width, TOP - bottom) for left, width in PLACES]
-    points, few = (plane_table(table, layer="") for table in (screen, design))
-    _film(figure, film, rectangles[0])
-    left, _, width, height = rectangles[1]
-    _model(figure, model_mesh(fit, screen), points, (left, bottom - 0.12, width, height + 0.14))
-    axes = figure.add_axes(rectangles[2])
-    dots(axes, points, fill="white", **DOTS | SCREEN)
-    dots(axes, few, fill="black", **DOTS, markersize=6)
+        figure.text(middle, 0.87, captions[step], ha="center", fontsize=LABEL_SIZE, color="0.25")
+    first, second, third, fourth = ((left, bottom, width, TOP - bottom) for left, width in PLACES)
+    points, few = (parts.plane_table(table, layer="") for table in (screen, design))
+    _film(figure, film, first)
+    _model(figure, parts.model_mesh(fit, screen), points, second)
+    axes = figure.add_axes(third)
+    parts.dots(axes, points, fill="white", **DOTS | {"markeredgecolor": "0.55", "markersize": 2.6})
+    parts.dots(axes, few, fill="black", **DOTS, markersize=6)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     _label(axes, *PLANE)
-    axes = figure.add_axes(rectangles[3])
-    grid = error_table(results, "two_factor_design", "error_map", layer="map")
-    filled, _ = error_contours(axes, grid, bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3)
-    dots(axes, few, fill="black", **DOTS, markersize=4.5)
+    axes = figure.add_axes(fourth)
+    grid = parts.error_table(results, "two_factor_design", "error_map", layer="map")
+    filled, _ = parts.error_contours(axes, grid, bins=12, colors="0.3", linewidths=0.3)
+    parts.dots(axes, few, fill="black", **DOTS, markersize=4.5)
     _label(axes, *PLANE)
     box = axes.get_position()
     bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
@@ -125,20 +117,16 @@ def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
     _label(below, "place under the finger (mm)", "height (µm)")
 
 
-def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, rectangle: Rectangle) -> None:
-    axes = add_force_space(figure, bottom=0)
-    axes.set_position(rectangle)
+def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, place: Rectangle) -> None:
+    """The model's mesh and the simulations, without room for the name of the force's axis."""
+    labels = (r"$h_0$ (µm)", r"$h_v$ (µm)", "")
+    axes = parts.add_space(figure, labels=labels, pads=(-9, -4), ticks=3)
+    left, bottom, width, height = place
+    axes.set_position((left, bottom - 0.12, width, height + 0.14))
     axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
-    axes.tick_params(labelsize=TICK_SIZE, pad=-4)
-    for axis, label in (
-        (axes.xaxis, r"$h_0$ (µm)"),
-        (axes.yaxis, r"$h_v$ (µm)"),
-        (axes.zaxis, ""),
-    ):
-        axis.set_major_locator(MaxNLocator(nbins=3, steps=[1, 2, 5, 10]))
-        axis.set_label_text(label, fontsize=LABEL_SIZE)
-        axis.labelpad = -9
-    left, low, _, height = rectangle
-    figure.text(left - 0.005, low + 0.76 * height, "force (N)", fontsize=LABEL_SIZE)
-    force_mesh(axes, model)
-    force_points(axes, points, color=style.VERMILLION, label="simulation", s=5)
+    axes.tick_params(labelsize=TICK_SIZE)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.label.set_fontsize(LABEL_SIZE)
+    figure.text(left - 0.005, bottom + 0.76 * height - 0.0136, "force (N)", fontsize=LABEL_SIZE)
+    parts.force_mesh(axes, model)
+    parts.force_points(axes, points, color=style.VERMILLION, s=5)

@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures import style
-from reporting.figures.axes import grid_of, show_grid
+from reporting.figures import parts, style
 from reporting.results import Results
 
 
@@ -30,7 +29,7 @@ def profile(results: Results) -> Figure:
 
 def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
     """The profile's contours with the points' amplitudes; the points' residuals."""
-    grid = grid_of(style.rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
+    grid = parts.grid_of(style.rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
     points, noise = style.rows(data, "points"), float(data["noise_um"].iloc[0])
     outliers = style.rows(data, "outliers")
     largest = float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max()))
@@ -44,24 +43,16 @@ def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFra
         (amplitude, "amplitude_um", "amplitude (µm)", float(levels[-1])),
         (residual, "residual_um", "residual (µm)", largest_residual),
     ):
-        drawn = axes.scatter(
-            points["x_mm"],
-            points["y_mm"],
-            c=points[column],
-            s=9,
-            cmap=style.DIVERGING,
-            edgecolor="0.3",
-            linewidth=0.3,
-            clip_on=False,
-            vmin=-limit,
-            vmax=limit,
-        )
+        look: dict[str, Any] = {"cmap": style.DIVERGING, "vmin": -limit, "vmax": limit, "s": 9}
+        look |= {"edgecolor": "0.3", "linewidths": 0.3, "clip_on": False}
+        drawn = parts.coloured_dots(axes, points, column, x="x_mm", y="y_mm", **look)
         if len(outliers):
-            label_of_outliers = f"outliers ({len(outliers)})"
-            x, y = outliers["x_mm"], outliers["y_mm"]
-            axes.plot(x, y, "x", color=style.VERMILLION, label=label_of_outliers)
+            count = f"outliers ({len(outliers)})"
+            axes.plot(
+                *outliers[["x_mm", "y_mm"]].to_numpy().T, "x", color=style.VERMILLION, label=count
+            )
             axes.legend(loc="upper right")
-        show_grid(axes, grid)
+        parts.show_grid(axes, grid)
         axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
         figure.colorbar(drawn, ax=axes, orientation="horizontal", shrink=0.9, label=label)
 

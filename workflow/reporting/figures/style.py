@@ -94,16 +94,9 @@ def add_note(figure: Figure, *lines: str) -> float:
     """
     width_in, height_in = figure.get_size_inches()
     shown = [line for line in lines if line and _with_notes.get()] or [""]
-    figure.text(
-        _NOTE_INDENT_IN / width_in,
-        _MARGIN_IN / height_in,
-        "\n".join(shown),
-        fontsize=NOTE_SIZE_PT,
-        color="0.25",
-        va="bottom",
-        ha="left",
-        linespacing=1.2,
-    )
+    look: dict[str, Any] = {"fontsize": NOTE_SIZE_PT, "color": "0.25", "linespacing": 1.2}
+    corner = _NOTE_INDENT_IN / width_in, _MARGIN_IN / height_in
+    figure.text(*corner, "\n".join(shown), va="bottom", **look)
     taken = float((2 * _MARGIN_IN + len(shown) * _NOTE_LINE_IN) / height_in)
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
@@ -137,11 +130,9 @@ def settle(figure: Figure) -> None:
 
 def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
     """Save small pictures that no font changes: without texts, numbers at axes and legends."""
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis, getattr(axes, "zaxis", None)):
-            if axis is not None:
-                axis.set_major_formatter(NullFormatter())
-                axis.set_minor_formatter(NullFormatter())
+    for axis in figure.findobj(Axis):
+        axis.set_major_formatter(NullFormatter())
+        axis.set_minor_formatter(NullFormatter())
     for part in (*figure.findobj(Text), *figure.findobj(Legend)):
         part.set_visible(False)
     for path in paths:

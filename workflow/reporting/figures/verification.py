@@ -1,5 +1,7 @@
 """The solver examined: stiff and extreme films, and its error against run time."""
 
+from typing import Any
+
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
@@ -8,7 +10,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures import parts, style
 from reporting.results import Results
 
 STYLES = {
@@ -56,20 +58,12 @@ def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
     place = films.groupby(["x", "sigma"])
     rank = place.cumcount() - (place["x"].transform("size") - 1) / 2
     films = films.assign(y=films["sigma"] * 10 ** (APART * rank))
+    cmap = mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
+    look: dict[str, Any] = {"cmap": cmap, "norm": LogNorm(1e-4, 1.0, clip=True), "s": 26}
+    look |= {"edgecolors": "0.3", "linewidths": 0.6, "plotnonfinite": True, "x": "x", "y": "y"}
     for verdict, marker in MARKERS.items():
         some = films[films["verdict"] == verdict]
-        dots = axes.scatter(
-            some["x"],
-            some["y"],
-            c=some["worst_over_allowed"],
-            marker=marker,
-            s=26,
-            cmap=mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white"),
-            norm=LogNorm(1e-4, 1.0, clip=True),
-            plotnonfinite=True,
-            edgecolors="0.3",
-            linewidths=0.6,
-        )
+        dots = parts.coloured_dots(axes, some, "worst_over_allowed", marker=marker, **look)
     axes.set_yscale("log")
     axes.grid(True)
     return dots
@@ -92,16 +86,10 @@ def work_precision(results: Results) -> Figure:
         panel.axhspan(lowest, floor, color="0.85", linewidth=0, zorder=0)
         for method, (colour, marker, line) in STYLES.items():
             path = here[(here["method"] == method) & (here["status"] == "ok")]
-            panel.plot(
-                path["cpu_seconds"],
-                np.maximum(path["relative_error"], floor),
-                color=colour,
-                marker=marker,
-                linestyle=line,
-                markersize=4,
-                markerfacecolor="white" if line == ":" else colour,
-                label=method,
-            )
+            look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line, "ms": 4}
+            look["mfc"] = "white" if line == ":" else colour
+            error = np.maximum(path["relative_error"], floor)
+            panel.plot(path["cpu_seconds"], error, label=method, **look)
         panel.set(title=film, xscale="log", yscale="log", ylim=(lowest, 1))
         panel.set(xlabel="processor time per film (s)", ylabel="relative error of the force (–)")
         panel.grid(True)

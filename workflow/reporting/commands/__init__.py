@@ -1,1 +1,0 @@
-"""What people do with a finished study: figures, the recommended model, the check."""
