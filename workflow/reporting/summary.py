@@ -10,6 +10,7 @@ from reporting.notes import largest_error, percent, rounded_up
 from reporting.pages import Page, front_page, render
 from reporting.results import Results
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
+from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
 from squeezefilm.units import to_its_error, with_error
 
@@ -33,7 +34,7 @@ def summary_page(
     pairs: Sequence[str],
     pictures: Sequence[str],
 ) -> Page:
-    """The study on one page, and the first page of its report with these figures."""
+    """The study on one page, the first page of its report with these figures, what made them."""
     values = summary_values(results, plans=plans, fits=fits, pairs=pairs)
     front = front_page(
         render("in_short.md", **values),
@@ -41,7 +42,8 @@ def summary_page(
         pictures=[results.folder / f"figures/{name}.png" for name in pictures],
         guide="paper_guide.rst" if results.config["paper"] else "study_guide.rst",
     )
-    return Page(values, {"front": front})
+    device = results.summary("simulations/device.json")
+    return Page(values, {"front": front, "provenance": provenance(results.config, device=device)})
 
 
 def summary_values(
