@@ -32,7 +32,7 @@ for space, (plan, *_) in FITS.items():
         input:
             forces=f"<results>/simulations/{plan}/forces.csv",
             sample=f"<results>/simulations/validation_{space}/forces.csv",
-            limit_table=rules.limit_table.output,
+            limit_table=rules.limit_table.output[0],
             scan=SCAN_SUMMARY,
         output:
             fits=candidate_files(space),
