@@ -11,16 +11,19 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 
 
-def film_like(scene: Scene) -> float:
-    """A force that goes with pressure and amplitude as the film's does, and less so with slip."""
-    relative = (scene.epsilon / 0.44) ** 2.1 * scene.gas.ambient_pressure_pa / 101_325
-    slip = sum(flow_coefficients(scene)[1:])
-    return CENTRED_N * relative * (1 - 0.1 * slip) * scene.gas.polytropic_exponent
+def film_like(scenes: list[Scene]) -> np.ndarray:
+    """Forces that go with pressure and amplitude as the film's do, and less so with slip."""
+    relative = [(s.epsilon / 0.44) ** 2.1 * s.gas.ambient_pressure_pa / 101_325 for s in scenes]
+    others = [
+        (1 - 0.1 * sum(flow_coefficients(scene)[1:])) * scene.gas.polytropic_exponent
+        for scene in scenes
+    ]
+    return CENTRED_N * np.array(relative) * others
 
 
 @pytest.fixture(scope="module")
 def table(paper):
-    return compare(paper, force=film_like)
+    return compare(paper, forces=film_like)
 
 
 @pytest.fixture(scope="module")

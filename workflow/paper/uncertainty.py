@@ -27,8 +27,8 @@ from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scene_of
 
-Force = Callable[[Scene], float]
-"""The mean force of a scene in newtons; NaN where it cannot be simulated."""
+Forces = Callable[[Sequence[Scene]], np.ndarray]
+"""The mean force of each scene in newtons; NaN where it cannot be simulated."""
 
 SEARCH_POINTS = 13
 PLAUSIBLE_POINTS = 5
@@ -91,88 +91,22 @@ def _place(point: Mapping[str, float]) -> str:
     return f"h0 = {1e6 * point['h0_m']:g} µm, hv = {1e6 * point['hv_m']:g} µm"
 
 
-@dataclass(frozen=True)
-class Trial:
-    """A difference and one assumption: the film with other values of it."""
-
-    config: Config
-    difference: Difference
-    assumption: Assumption
-    force: Force
-
-    @property
-    def assumed(self) -> float | None:
-        """The value taken, in SI; None where the study's film does not know the assumption."""
-        if self.assumption.rest is not None:
-            return self.assumption.rest
-        try:
-            return float(reduce(getitem, self.assumption.places[0].split("."), self._values()))
-        except KeyError:
-            return None
-
-    @property
-    def plausible(self) -> tuple[float, float]:
-        """Least and largest plausible value, in SI."""
-        if self.assumption.plausible is not None:
-            return self.assumption.plausible
-        value = self.difference.point["hv_m"] / self.assumption.scale
-        half = 0.5 * 10.0 ** -len(f"{value:g}".partition(".")[2])
-        return (value - half) * self.assumption.scale, (value + half) * self.assumption.scale
-
-    def force_n(self, value: float) -> float:
-        """The force with another value of the assumption; NaN where there is no such film."""
-        point, config = self.difference.point, self.config
-        if value != self.assumption.rest:
-            values = deepcopy(self._values())
-            settings: dict[str, Any] = dict.fromkeys(self.assumption.places, value)
-            for place, setting in {**settings, **self.assumption.switch}.items():
-                *sections, key = place.split(".")
-                reduce(getitem, sections, values)[key] = setting
-            point = values.pop("point")
-            config = Config(path=config.path, sections=values)
-        try:
-            return self.force(scene_of(config, **point))
-        except InputError:
-            return float("nan")
-
-    def forces_n(self, values: np.ndarray) -> np.ndarray:
-        """The forces with other values."""
-        return np.array([self.force_n(float(value)) for value in values])
-
-    def needed(self, values: np.ndarray, forces_n: np.ndarray, *, assumed: float) -> float:
-        """The value nearest to the assumed one at which the force is the paper's; NaN if none is.
-
-        Args:
-            values, forces_n: tried, from small to large.
-        """
-        paper_n = self.difference.paper_n
-        off = forces_n - paper_n
-        found = [
-            brentq(lambda value: self.force_n(value) - paper_n, *values[i : i + 2], rtol=1e-6)
-            for i in np.flatnonzero(off[:-1] * off[1:] <= 0)
-        ]
-        return float(min(found, key=lambda value: abs(value - assumed), default=np.nan))
-
-    def _values(self) -> Any:
-        return {**self.config.sections, "point": self.difference.point}
-
-
 def uncertainty_page(results: Results) -> Page:
     """The page of the study's differences from the paper; its forces are simulated for it."""
     config = results.config
     settings, device = solver_settings(config, outputs=()), device_of(config)
 
-    def force(scene: Scene) -> float:
-        [solution] = solve(settings.resolved([scene], device), **settings.how(device))
-        return solution.force_n
+    def forces(scenes: Sequence[Scene]) -> np.ndarray:
+        solutions = solve(settings.resolved(scenes, device), **settings.how(device))
+        return np.array([solution.force_n for solution in solutions])
 
-    table = compare(config, force=force)
+    table = compare(config, forces=forces)
     explaining = (table["verdict"] == "explains").groupby(table["claim"], sort=False).sum()
     shown = readable(table.drop(columns="claim_id"))
     return Page({"explaining": explaining, "shown": shown}, {"csv": table})
 
 
-def compare(config: Config, *, force: Force) -> pd.DataFrame:
+def compare(config: Config, *, forces: Forces) -> pd.DataFrame:
     """A row for each difference and assumption.
 
     It has, in the assumption's unit, what is assumed and plausible; the forces over the
@@ -183,32 +117,67 @@ def compare(config: Config, *, force: Force) -> pd.DataFrame:
     """
     rows = []
     for difference in differences(config):
-        ours_n = force(scene_of(config, **difference.point))
+        (ours_n,) = forces([scene_of(config, **difference.point)])
         if not np.isfinite(ours_n):
             raise RunError(f"{difference.claim_id}: the film could not be simulated")
         for assumption in ASSUMPTIONS:
-            trial = Trial(config, difference, assumption, force)
-            if trial.assumed is not None:
-                rows.append(_row(trial, trial.assumed, ours_n))
+            rows += _rows(config, difference, assumption, float(ours_n), forces)
     return pd.DataFrame(rows)
 
 
-def _row(trial: Trial, assumed: float, ours_n: float) -> dict[str, Any]:
-    difference, assumption = trial.difference, trial.assumption
+def _rows(
+    config: Config, difference: Difference, assumption: Assumption, ours_n: float, forces: Forces
+) -> list[dict[str, Any]]:
+    """The row; none where the study's film does not know the assumption."""
+    sections: Any = {**config.sections, "point": difference.point}
     paper_n, half_n = difference.paper_n, difference.half_digit_n
-    low, high = trial.plausible
-    points = PLAUSIBLE_POINTS if high > low else 1
-    plausible = np.append(trial.forces_n(np.linspace(low, high, points)), ours_n)
+    assumed = assumption.rest
+    if assumed is None:
+        *path, key = assumption.places[0].split(".")
+        if key not in (section := reduce(getitem, path, sections)):
+            return []
+        assumed = float(section[key])
+
+    def scene_with(value: float) -> Scene | None:
+        """The film with another value of the assumption; None where there is no such film."""
+        changed: Any = deepcopy(sections)
+        settings: dict[str, Any] = {**dict.fromkeys(assumption.places, value), **assumption.switch}
+        for place, setting in () if value == assumption.rest else settings.items():
+            *path, key = place.split(".")
+            reduce(getitem, path, changed)[key] = setting
+        point = changed.pop("point")
+        try:
+            return scene_of(Config(path=config.path, sections=changed), **point)
+        except InputError:
+            return None
+
+    def forces_n(values: np.ndarray) -> np.ndarray:
+        """The forces with other values; NaN where there is no such film."""
+        scenes = {k: scene for k, value in enumerate(values) if (scene := scene_with(float(value)))}
+        found = np.full(len(values), np.nan)
+        found[list(scenes)] = forces(list(scenes.values()))
+        return found
+
+    low, high = assumption.plausible or _rounding(assumed, assumption.scale)
+    values = np.linspace(low, high, PLAUSIBLE_POINTS if high > low else 1)
+    plausible = np.append(forces_n(values), ours_n)
     low_n, high_n = np.nanmin(plausible), np.nanmax(plausible)
     # From small to large, with that assumed among them.
     values = np.linspace(*assumption.search, SEARCH_POINTS)
     if assumption.rest is None:
         tried = assumed * np.geomspace(*assumption.search, SEARCH_POINTS)
         values = np.unique(np.append(tried, assumed))
-    reached = trial.forces_n(values)
-    needed = trial.needed(values, reached, assumed=assumed)
+    reached = forces_n(values)
+    off = reached - paper_n
+    needed = [
+        brentq(
+            lambda value: forces_n(np.array([value]))[0] - paper_n, *values[i : i + 2], rtol=1e-6
+        )
+        for i in np.flatnonzero(off[:-1] * off[1:] <= 0)
+    ]
+    nearest = min(needed, key=lambda value: abs(value - assumed), default=np.nan)
     explains = low_n <= paper_n + half_n and high_n >= paper_n - half_n
-    return {
+    row = {
         "claim_id": difference.claim_id,
         "claim": difference.claim,
         "paper_n": paper_n,
@@ -220,10 +189,18 @@ def _row(trial: Trial, assumed: float, ours_n: float) -> dict[str, Any]:
         "plausible_high": high / assumption.scale,
         "force_low_n": low_n,
         "force_high_n": high_n,
-        "needed": needed / assumption.scale,
-        "needed_change_percent": 100 * (needed / assumed - 1) if assumed else np.nan,
+        "needed": nearest / assumption.scale,
+        "needed_change_percent": 100 * (nearest / assumed - 1) if assumed else np.nan,
         "reached_low_n": np.nanmin([*reached, *plausible]),
         "reached_high_n": np.nanmax([*reached, *plausible]),
         "verdict": "explains" if explains else "cannot explain",
         "because": assumption.because,
     }
+    return [row]
+
+
+def _rounding(value: float, scale: float) -> tuple[float, float]:
+    """Least and largest value that rounds to the digits of one in its unit."""
+    shown = value / scale
+    half = 0.5 * 10.0 ** -len(f"{shown:g}".partition(".")[2])
+    return (shown - half) * scale, (shown + half) * scale

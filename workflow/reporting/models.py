@@ -5,6 +5,7 @@ intervals (``squeezefilm fit``). Points that have no force are excluded from the
 """
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ def models_page(results: Results, *, space: str) -> Page:
     """The page of a space's candidates (see ``compare``), the best on the sample first."""
     table, errors = compare(results, space)
     judged = table[table["validation_error"].notna()].sort_values("validation_error", kind="stable")
-    fits = [read_fit(results.folder / f"models/{space}/{model}.json") for model in judged["model"]]
+    fits = [read_fit(results.candidate(space, model)) for model in judged["model"]]
     values = {
         "space": space,
         "shown": readable(judged.drop(columns=["expression", "note"])),
@@ -68,7 +69,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     scenes, no_force = forces[as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
     for name in results.config["comparison"][space]:
-        row, relative = _judged(results, f"{space}/{name}", factors, forces)
+        row, relative = _judged(results.candidate(space, name), factors, forces)
         rows.append(row)
         if relative is not None:
             row["validation_failed"] = no_force
@@ -78,10 +79,9 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def _judged(
-    results: Results, model_file: str, factors: Factors, forces: pd.DataFrame
+    path: Path, factors: Factors, forces: pd.DataFrame
 ) -> tuple[dict[str, Any], np.ndarray | None]:
     """A model's row, and its relative error at each point, unless it cannot be judged."""
-    path = results.folder / f"models/{model_file}.json"
     values = read_json(path)
     try:
         fit = read_fit(path)
@@ -147,7 +147,7 @@ def _recommended(
     if judged.empty:
         return
     best = judged.sort_values(["validation_error", "parameters"], kind="stable").iloc[0]
-    fit = read_fit(results.folder / f"models/{space}/{best['model']}.json")
+    fit = read_fit(results.candidate(space, best["model"]))
     every = pd.concat(list(forces.values()), ignore_index=True)
     known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
     model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(known)))

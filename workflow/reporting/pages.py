@@ -31,7 +31,7 @@ class Page(NamedTuple):
     """What a page's template shows, and the tables and texts that are written with the page."""
 
     values: Mapping[str, Any]
-    files: Mapping[str, pd.DataFrame | str]
+    files: Mapping[str, pd.DataFrame | dict[str, Any] | str]
 
 
 def readable(table: pd.DataFrame) -> pd.DataFrame:

@@ -55,6 +55,12 @@ class Results:
         """A fitted model."""
         return read_fit(self.folder / f"fits/{name}.json")
 
+    def candidate(self, space: str, model: str) -> Path:
+        """The fit of a model that is compared in a space; of its own that to all its points."""
+        own = {"two_factor": "screen", "four_factor": "four_factor"}
+        file = f"fits/{own[space]}" if model == space else f"models/{space}/{model}"
+        return self.folder / f"{file}.json"
+
     def design(self, name: str) -> pd.DataFrame:
         """A design's points."""
         return read_design(self.folder / f"designs/{name}.csv")

@@ -10,6 +10,7 @@ from reporting.notes import largest_error, percent, rounded_up, signed
 from reporting.pages import Page, front_page, render
 from reporting.results import Results
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
+from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
 from squeezefilm.units import to_its_error, with_error
 
@@ -26,7 +27,7 @@ NOTHING = 1e-3
 
 
 def summary_page(results: Results, *, pictures: Sequence[str], **about: Sequence[str]) -> Page:
-    """The study on one page (see ``summary_values``), and its report's first with these figures."""
+    """The study on one page, the first page of its report with these figures, what made them."""
     values = summary_values(results, **about)
     front = front_page(
         render("in_short.md", **values),
@@ -34,7 +35,8 @@ def summary_page(results: Results, *, pictures: Sequence[str], **about: Sequence
         pictures=[results.folder / f"figures/{name}.png" for name in pictures],
         guide="paper_guide.rst" if results.config["paper"] else "study_guide.rst",
     )
-    return Page(values, {"front": front})
+    device = results.summary("simulations/device.json")
+    return Page(values, {"front": front, "provenance": provenance(results.config, device=device)})
 
 
 def summary_values(

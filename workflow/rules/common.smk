@@ -203,10 +203,14 @@ def limit_tables(space):
     return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
 
 
+def candidates(space):
+    """The models that are compared in a space beside its own, of which there is a fit already."""
+    return [model for model in CONFIG["comparison"][space] if model != space]
+
+
 def candidate_files(space):
-    """The fits of the models that are compared in a space."""
-    models = CONFIG["comparison"][space]
-    return expand(f"<results>/models/{space}/{{model}}.json", model=models)
+    """The fits of the models that are compared in a space beside its own."""
+    return expand(f"<results>/models/{space}/{{model}}.json", model=candidates(space))
 
 
 def refined_files(space):
@@ -216,8 +220,8 @@ def refined_files(space):
 
 
 def cores_for(searches):
-    """Cores that so many searches of a fit or a design are worth: starting a process costs too."""
-    return max(1, min(4, searches // 4))
+    """Cores that so many searches of a fit or a design are worth: others need not wait for it."""
+    return max(1, min(4, searches // 4, (workflow.cores or 8) // 2))
 
 
 def listed(file, category, *, caption, **labels):

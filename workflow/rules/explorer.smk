@@ -2,17 +2,13 @@
 
 # The first one is shown first.
 EXPLORER_FITS = ["two_factor_design", "screen", *FITS["four_factor"]]
-# Physics and the study's own formulas, with the finger anywhere: what has no fit of its own above.
-EXPLORER_CANDIDATES = [
-    model for model in CONFIG["comparison"]["four_factor"] if model != "four_factor"
-]
 EXPLORER_PLANS = ["screen", "error_map", "two_factor_design", *FITS["four_factor"]]
 
 
 rule explorer:
     input:
         expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
-        expand("<results>/models/four_factor/{model}.json", model=EXPLORER_CANDIDATES),
+        candidate_files("four_factor"),
         expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
         expand("<results>/simulations/screen/{table}.csv", table=["response", "gains"]),
     output:
@@ -20,7 +16,7 @@ rule explorer:
     params:
         study=sections(*CONFIG),
         fits=EXPLORER_FITS,
-        candidates=EXPLORER_CANDIDATES,
+        candidates=candidates("four_factor"),
         plans=EXPLORER_PLANS,
     message:
         "The explorer: a page to play with the models"

@@ -23,7 +23,7 @@ PAGES = {
             *ON_ERROR_MAP,
             "simulations/error_map/forces.csv",
             *expand("simulations/extrapolation/{name}.csv", name=["film", "forces"]),
-            *expand("simulations/screen/{name}.csv", name=["scenes", *FILM_TABLES]),
+            *expand("simulations/screen/{name}.csv", name=["scenes", *FILM_TABLES["screen"]]),
             "simulations/four_factor/budget.csv",
         ],
     ),

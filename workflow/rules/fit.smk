@@ -9,15 +9,15 @@ rule fit:
         ),
         scan=SCAN_SUMMARY,
     output:
-        fit="<results>/fits/{fit}.json",
+        fits=["<results>/fits/{fit}.json"],
         runs="<results>/fits/{fit}_runs.csv",
     threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
     params:
         code=CODE["models"],
         study=sections("fit", "models", "screen", "positions", *SHAPES),
-        model=lambda wildcards: MODEL_OF_FIT[wildcards.fit],
+        models=lambda wildcards: [MODEL_OF_FIT[wildcards.fit]],
         seeds=None,
     message:
-        "Fit the {params.model} model to {wildcards.fit}"
+        "Fit the {params.models} model to {wildcards.fit}"
     script:
         "../scripts/fit.py"

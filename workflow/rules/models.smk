@@ -9,20 +9,6 @@ wildcard_constraints:
     model="[a-z][a-z0-9_]*",
 
 
-rule limits:
-    input:
-        scenes="<results>/simulations/{plan}/scenes.csv",
-    output:
-        "<results>/simulations/{plan}/limits.csv",
-    params:
-        code=CODE["models"],
-        study=sections(*FILM),
-    message:
-        "What physics says of {wildcards.plan} with nothing fitted"
-    script:
-        "../scripts/limits.py"
-
-
 rule limit_table:
     input:
         profile=SMOOTHED,
@@ -37,30 +23,35 @@ rule limit_table:
         "../scripts/limit_table.py"
 
 
-rule fit_candidate:
-    input:
-        forces=lambda wildcards: f"<results>/simulations/{FITS[wildcards.space][0]}/forces.csv",
-        limits=lambda wildcards: f"<results>/simulations/{FITS[wildcards.space][0]}/limits.csv",
-        limit_table="<results>/models/limit_table.json",
-        sample="<results>/simulations/validation_{space}/forces.csv",
-        sample_limits="<results>/simulations/validation_{space}/limits.csv",
-        scan=SCAN_SUMMARY,
-    output:
-        fit="<results>/models/{space}/{model}.json",
-    params:
-        code=CODE["models"],
-        study=sections("fit", "models", "screen", "positions", *SHAPES),
-        model="{model}",
-        seeds=1,
-    message:
-        "Fit the candidate {wildcards.model} to {wildcards.space} points"
-    script:
-        "../scripts/fit.py"
+# All of a space and what physics says of its points: a process takes longer to start than to fit.
+for space, (plan, *_) in FITS.items():
+
+    rule:
+        name:
+            f"fit_candidates_{space}"
+        input:
+            forces=f"<results>/simulations/{plan}/forces.csv",
+            sample=f"<results>/simulations/validation_{space}/forces.csv",
+            limit_table=rules.limit_table.output[0],
+            scan=SCAN_SUMMARY,
+        output:
+            fits=candidate_files(space),
+            limits=limit_tables(space),
+        params:
+            code=CODE["models"],
+            study=sections("fit", "models", "screen", "positions", *FILM),
+            models=candidates(space),
+            seeds=1,
+        message:
+            f"Fit candidates to {space} points"
+        script:
+            "../scripts/fit.py"
 
 
 rule compare:
     input:
         fits=lambda wildcards: candidate_files(wildcards.space),
+        own=lambda wildcards: f"<results>/fits/{FITS[wildcards.space][0]}.json",
         forces="<results>/simulations/validation_{space}/forces.csv",
         limits="<results>/simulations/validation_{space}/limits.csv",
     output:

@@ -29,6 +29,7 @@ rule summary:
             caption="summary",
         ),
         front="<results>/report/front.rst",
+        provenance="<results>/provenance.json",
     params:
         study=sections(*CONFIG),
         page="summary",
@@ -40,7 +41,7 @@ rule summary:
         },
         paper=PAPER,
     message:
-        "The study on one page, and the report's first page"
+        "The study on one page, the report's first page, and what made them"
     script:
         "../scripts/page.py"
 

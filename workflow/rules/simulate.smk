@@ -1,7 +1,11 @@
 # From a plan to its forces. As CSV, or for a sweep's many rows as Parquet.
 
-# What films do besides giving a force.
-FILM_TABLES = ["budget", "gains", "levitation", "response"]
+# What films of some plans do besides giving a force.
+FILM_TABLES = {
+    "screen": ["budget", "gains", "levitation", "response"],
+    "four_factor": ["budget"],
+    "extrapolation": ["budget", "film"],
+}
 # Plans that are simulated by several jobs; all others by one that makes the plan too.
 DIVIDED = [plan for plan in PLANS if CHUNKS.get(plan, 1) > 1]
 
@@ -104,60 +108,29 @@ rule sweep:
         "Every scene of the sweep has its force"
 
 
-rule film_table:
-    input:
-        points=lambda wildcards: (
-            f"{PLAN}/{'forces' if wildcards.table == 'levitation' else 'scenes'}.csv"
-        ),
-        kernels=rules.compile_kernels.output,
-    output:
-        f"{PLAN}/{{table}}.csv",
-    wildcard_constraints:
-        table="|".join(FILM_TABLES),
-    params:
-        code=CODE["solver"],
-        study=sections("solver", *FILM),
-    message:
-        "What the films of {wildcards.plan} do besides: {wildcards.table}"
-    script:
-        "../scripts/film_table.py"
+for plan, tables in FILM_TABLES.items():
 
-
-rule cross_section:
-    input:
-        scenes="<results>/simulations/extrapolation/scenes.csv",
-        kernels=rules.compile_kernels.output,
-    output:
-        "<results>/simulations/extrapolation/film.csv",
-    params:
-        study=sections("solver", *FILM),
-    message:
-        "Gap and pressure under the finger over a period"
-    script:
-        "../scripts/cross_section.py"
+    rule:
+        name:
+            f"films_{plan}"
+        input:
+            scenes=f"<results>/simulations/{plan}/scenes.csv",
+            forces=f"<results>/simulations/{plan}/forces.csv",
+            kernels=rules.compile_kernels.output,
+        output:
+            expand(f"<results>/simulations/{plan}/{{table}}.csv", table=tables),
+        params:
+            code=CODE["figures" if "film" in tables else "solver"],
+            study=sections("solver", *FILM),
+        message:
+            f"What the films of {plan} do besides giving a force"
+        script:
+            "../scripts/film_tables.py"
 
 
 rule film_tables:
     input:
         rules.compile_kernels.output,
-        "<results>/simulations/extrapolation/film.csv",
-        expand(
-            "<results>/simulations/screen/{table}.csv",
-            table=FILM_TABLES,
-        ),
-        expand(f"{PLAN}/budget.csv", plan=["four_factor", "extrapolation"]),
+        [getattr(rules, f"films_{plan}").output for plan in FILM_TABLES],
     message:
         "What the films of the plans do besides is known"
-
-
-rule provenance:
-    input:
-        rules.compile_kernels.output,
-    output:
-        "<results>/provenance.json",
-    params:
-        study=sections(*CONFIG),
-    message:
-        "What makes these results: code, packages, device, study"
-    script:
-        "../scripts/provenance.py"

@@ -2,23 +2,23 @@
 # that end with it.
 
 
-# Of one fit on all its sets of points: a process takes longer to start than to judge.
+# All fits on all sets of points: a process takes longer to start than to judge.
 for space, plans in JUDGED_ON.items():
 
     rule:
         name:
             f"validate_{space}"
         input:
-            fit="<results>/fits/{fit}.json",
+            fits=expand("<results>/fits/{fit}.json", fit=FITS[space]),
             forces=expand("<results>/simulations/{plan}/forces.csv", plan=plans),
         output:
-            errors=expand("<results>/validation/{{fit}}_on_{plan}.csv", plan=plans),
-            summary=expand("<results>/validation/{{fit}}_on_{plan}.json", plan=plans),
+            errors=expand("<results>/validation/{pair}.csv", pair=validations(space)),
+            summary=expand("<results>/validation/{pair}.json", pair=validations(space)),
         params:
             code=CODE["models"],
             study=sections("validation"),
         message:
-            "Judge the fit {wildcards.fit}"
+            f"Judge the fits of the {space} model"
         script:
             "../scripts/validate.py"
 

@@ -1,38 +1,50 @@
-"""Fit a model to the forces of a plan; why a candidate cannot be fitted is written in its place."""
+"""Fit models to the forces of a plan; why a candidate cannot be fitted is written in its place."""
 
 from pathlib import Path
+from typing import Any
 
-from scripts.job import begin_with_study, write
+from scripts.job import begin_with_study
 from squeezefilm.errors import InputError
 from squeezefilm.files import digest
 from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
-from squeezefilm.tables import read_forces, read_json, read_ok_forces
+from squeezefilm.studies.tasks.fits import fit_to_forces, limits_of, profile_uncertainty
+from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json, write_table
 
 snakemake, config = begin_with_study()
 files, output, params = snakemake.input, snakemake.output, snakemake.params
-model = get_model(params.model, config["models"], place=config.path)
+given: dict[str, Any] = {
+    "forces": read_ok_forces(files.forces),
+    "sample": read_forces(files.sample),
+}
 # Only candidates may use what physics says of the points.
-limits = {name: files[name] for name in ("limits", "sample_limits") if files.get(name)}
-if limits:
-    limits["limit_table"] = read_json(files.limit_table)
-try:
-    fit, runs = fit_to_forces(
-        model,
-        config,
-        forces=read_ok_forces(files.forces),
-        sample=read_forces(files.sample),
-        uncertainty=profile_uncertainty(config, summary=files.scan),
-        seeds=params.seeds,
-        processes=snakemake.threads,
-        source={"forces_sha256": digest(Path(files.forces))},
-        **limits,
-    )
-except InputError as error:
-    if not limits:
-        raise InputError(f"{files.forces}: {error}") from None
-    write(output, fit={"model": model.name, "refused": str(error)})
-    print(error)
-else:
-    write(output, fit=fit.to_dict(), **({} if limits else {"runs": runs}))
-    print(fit.statement)
+candidates = output.get("limits")
+if candidates:
+    limits = [limits_of(points, config) for points in given.values()]
+    for table, path in zip(limits, candidates, strict=True):
+        write_table(table, path)
+    given |= dict(zip(("limits", "sample_limits"), limits, strict=True))
+    given |= {"limit_table": read_json(files.limit_table)}
+uncertainty = profile_uncertainty(config, summary=files.scan)
+source = {"forces_sha256": digest(Path(files.forces))}
+for name, path in zip(params.models, output.fits, strict=True):
+    model = get_model(name, config["models"], place=config.path)
+    try:
+        fit, runs = fit_to_forces(
+            model,
+            config,
+            **given,
+            uncertainty=uncertainty,
+            seeds=params.seeds,
+            processes=snakemake.threads,
+            source=source,
+        )
+    except InputError as error:
+        if not candidates:
+            raise InputError(f"{files.forces}: {error}") from None
+        write_json({"model": name, "refused": str(error)}, path)
+        print(f"{name}: {error}")
+    else:
+        write_json(fit.to_dict(), path)
+        print(f"{name}: {fit.statement}")
+        if not candidates:
+            write_table(runs, output.runs)

@@ -1,4 +1,6 @@
-"""Write the errors of a fit on sets of simulated forces, point by point and in all."""
+"""Write the errors of fits on sets of simulated forces, point by point and in all."""
+
+from itertools import product
 
 from scripts.job import begin_with_study
 from squeezefilm.errors import naming
@@ -8,9 +10,9 @@ from squeezefilm.tables import read_ok_forces, write_json, write_table
 
 snakemake, config = begin_with_study()
 files, output = snakemake.input, snakemake.output
-fit, band = read_fit(files.fit), config["validation"]["relative_error_band"]
-for forces, errors, summary in zip(files.forces, output.errors, output.summary, strict=True):
-    with naming(f"{files.fit} on {forces}"):
-        table, about = errors_on(fit, read_ok_forces(forces), band=band)
+pairs, band = product(files.fits, files.forces), config["validation"]["relative_error_band"]
+for (fit, forces), errors, summary in zip(pairs, output.errors, output.summary, strict=True):
+    with naming(f"{fit} on {forces}"):
+        table, about = errors_on(read_fit(fit), read_ok_forces(forces), band=band)
     write_table(table, errors)
     write_json(about, summary)

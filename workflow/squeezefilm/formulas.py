@@ -24,6 +24,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -146,12 +147,21 @@ class Expression:
         Where it is undefined or overflows the result is NaN or infinite, without a warning.
         """
         with np.errstate(all="ignore"):
-            value = fold(
-                self.root,
-                lambda leaf: np.asarray(values[leaf]) if isinstance(leaf, str) else leaf,
-                lambda part, arguments: _OPERATIONS[part.operator](*arguments),
-            )
+            value = self._function(*(np.asarray(values[name]) for name in self.names))
         return np.asarray(value) + 0.0  # whole numbers as floating-point ones
+
+    @cached_property
+    def _function(self) -> Callable[..., Any]:
+        """The parts as one function of Python's: a fit evaluates them a hundred thousand times."""
+        called = {operator: f"_{place}" for place, operator in enumerate(_OPERATIONS)}
+        text = fold(
+            self.root,
+            lambda leaf: leaf if isinstance(leaf, str) else repr(leaf),
+            lambda part, arguments: f"{called[part.operator]}({', '.join(arguments)})",
+        )
+        known = dict(zip(called.values(), _OPERATIONS.values(), strict=True))
+        function: Callable[..., Any] = eval(f"lambda {', '.join(self.names)}: {text}", known)
+        return function
 
 
 def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Expression:

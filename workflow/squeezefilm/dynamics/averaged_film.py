@@ -22,7 +22,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import odeint
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.asymptotics import edge_layer
@@ -110,10 +110,15 @@ class AveragedFilm:
 
     def response(self, modulation: np.ndarray) -> np.ndarray:
         """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
+        psi, on_rim, at_once = self._louder
+        return self._change(modulation, psi, on_rim, at_once) / self.mean(psi, self.epsilon)
+
+    @cached_property
+    def _louder(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """ψ, and what a small rise of ln ε changes of w on the rim and of the mean pressure."""
         epsilon, psi = self.epsilon, self.density(self.settled(self.epsilon))
         on_rim = _slope(lambda ratio: self.rim(epsilon * ratio))
-        at_once = _slope(lambda ratio: self.mean(psi, epsilon * ratio))
-        return self._change(modulation, psi, on_rim, at_once) / self.mean(psi, epsilon)
+        return psi, on_rim, _slope(lambda ratio: self.mean(psi, epsilon * ratio))
 
     def stiffness(self, modulation: np.ndarray) -> np.ndarray:
         """Fall of the mean force per small rise of ln h0, hv kept, in units of p0 and the area.
@@ -207,20 +212,14 @@ class AveragedFilm:
             return np.asarray(inside * (final + self.slip + y) / self.sigma)
 
         start = psi.ravel()[self.inner] - final
-        found = solve_ivp(
-            rate,
-            (0.0, float(times[-1])),
-            start,
-            method="BDF",
-            t_eval=times,
-            jac=jacobian,
-            rtol=1e-6,
-            atol=1e-8 * np.abs(start).max(),
+        tolerances = {"rtol": 1e-6, "atol": 1e-8 * np.abs(start).max()}
+        found, about = odeint(
+            rate, start, times, Dfun=jacobian, tfirst=True, full_output=True, **tolerances
         )
-        if not found.success:
-            raise ArithmeticError(f"the averaged film: {found.message}")
+        if "successful" not in about["message"]:
+            raise ArithmeticError(f"the averaged film: {about['message']}")
         fields = np.repeat(settled[None], len(times), axis=0).reshape(len(times), -1)
-        fields[:, self.inner] += found.y.T
+        fields[:, self.inner] += found
         densities = fields.reshape(-1, *settled.shape) / self._root(epsilon) - 1
         return np.asarray(self.films.mean(densities) + self._layer(epsilon))
 

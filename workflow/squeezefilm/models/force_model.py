@@ -127,7 +127,11 @@ class ExpressionModel:
 
     def _inputs(self, theta: Array, factors: Factors) -> dict[str, Array]:
         parameters = np.moveaxis(theta, -1, 0)[..., None]
-        return dict(zip(self.parameter_names, parameters, strict=True)) | {
+        return dict(zip(self.parameter_names, parameters, strict=True)) | self.columns_of(factors)
+
+    def columns_of(self, factors: Factors) -> dict[str, Array]:
+        """What the expression knows of points, by the names that it has there."""
+        return {
             name: factors.column(column)
             for name, column in (FACTORS | COLUMNS).items()
             if name in self.parsed.names
