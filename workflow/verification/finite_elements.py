@@ -65,7 +65,7 @@ def periodic_force(
         basis = Basis(mesh, ElementTriP2(), intorder=5)
         free = basis.complement_dofs(basis.get_dofs())
     film = _Film(scene, basis, free, steps=steps)
-    found = march_to_periodic(film.period, np.zeros(film.unknowns), **marching)
+    found = march_to_periodic(film.period, np.zeros(len(free)), **marching)
     return replace(found, force=found.force * 2 ** sum(fold))
 
 
@@ -92,7 +92,6 @@ class _Film:
         self.tested_old = sp.csr_matrix((scene.sigma * self.values + slide).T)
         self.tested_new = sp.csr_matrix((scene.sigma * self.values - slide).T)
         self.steps = steps
-        self.unknowns = len(free)
         self.factors: list[SuperLU | None] = [None] * (steps + 1)
         self.guess: FloatArray | None = None  # u at the phases of the last period
 

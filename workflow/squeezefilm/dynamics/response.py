@@ -5,10 +5,9 @@ follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, throug
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields
 from functools import partial
 from math import inf, nan, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -45,8 +44,7 @@ CHANGED = {
 }
 
 
-@dataclass(frozen=True)
-class Response:
+class Response(NamedTuple):
     """How one film answers, by the slow film.
 
     Attributes:
@@ -249,8 +247,8 @@ def responses(
     table: pd.DataFrame, scenes: Sequence[Scene], *, tolerance: float, device: Device
 ) -> pd.DataFrame:
     """The table with the response of each scene."""
-    unknown = {each.name: [nan] for each in fields(Response)}
-    found = _beside(table, scenes, lambda scene: pd.DataFrame([asdict(response(scene))]), unknown)
+    unknown = {name: [nan] for name in Response._fields}
+    found = _beside(table, scenes, lambda scene: pd.DataFrame([response(scene)]), unknown)
     known = np.flatnonzero(found["status"] == "ok").tolist()
     changes = neglected([scenes[k] for k in known], tolerance=tolerance, device=device)
     return pd.concat([found, pd.DataFrame(changes, index=known)], axis=1)
