@@ -81,6 +81,8 @@ def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path,
     words = ["plot", "fig99", study.root, "--config", study.config]
     assert "figures are overview, error_map" in refused(*words, "--output", tmp_path / "a.png")
     assert "name ends in .png" in refused(*words, "--output", tmp_path / "a.mp4")
+    words[1] = "overview"
+    assert "a table is drawn by" in refused(*words, "--output", tmp_path / "a.csv")
 
 
 def test_a_page_shows_tables_text_and_verdicts_and_needs_nothing_else():
@@ -122,8 +124,8 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(
     shutil.copytree(study.root, tmp_path, dirs_exist_ok=True)
     (tmp_path / "models/recommended.csv").write_text(RECOMMENDED)
     (tmp_path / "simulations/screen/budget.csv").write_text(
-        "h0_m,hv_m,left_out_least_percent,left_out_most_percent,above_range,basis\n"
-        "5e-6,1e-6,-1.2,0.5,,this scene\n6e-6,1e-6,-2,11,inertia,this scene\n"
+        "h0_m,hv_m,left_out_least_percent,left_out_most_percent,above_range,in_force\n"
+        "5e-6,1e-6,-1.2,0.5,,\n6e-6,1e-6,-2,11,inertia,\n"
     )
     results = Results.of(tmp_path, repository / "config/plate.yaml")
     text = render("in_short.md", **headline_values(results))

@@ -1,21 +1,24 @@
-"""The candidates for the force model side by side, and the one that is recommended.
+"""The candidates for the force model side by side, the one that is recommended, those refined.
 
 One half of a space's validation sample ranks the models, the other calibrated their prediction
 intervals (``squeezefilm fit``). Points that have no force are excluded from the errors and counted.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy import stats
 
+from reporting.notes import VERDICTS
 from reporting.pages import Page, readable
 from reporting.results import Results
+from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import read_fit, working_point
+from squeezefilm.models.fit_file import FittedModel, read_fit, working_point
 from squeezefilm.models.force_model import SPACES, check_columns
 from squeezefilm.models.prediction_interval import (
     QUANTITIES,
@@ -24,7 +27,7 @@ from squeezefilm.models.prediction_interval import (
     relative_errors,
 )
 from squeezefilm.solution import as_in, form_of
-from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json
+from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
 
 COLUMNS = (
     *("model", "parameters", "fit_points", "fit_error", "left_out_error", "validation_points"),
@@ -167,3 +170,96 @@ def _recommended(
         at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
         found = working_point(fit, at, force_n=wanted["force_n"])
         yield {**about, "h0_m": wanted["h0_m"], **place, **found}
+
+
+def refine_page(results: Results, *, space: str) -> Page:
+    """A row for each model that was refined, and what its refinement ended with.
+
+    The unseen points are the space's validation sample.
+
+    Raises InputError for a file that is missing or lacks what it must have.
+    """
+    sample, factors = results.sample(space)
+    known = (sample["status"] == "ok").to_numpy()
+    force_n, factors = sample["force_n"].to_numpy()[known], factors.take(known)
+    rows, reasons, profile_uncertainty = [], {}, 0.0
+    for name in results.config["refine"][space]:
+        folder = f"refine/{space}/{name}"
+        verdict = results.summary(f"{folder}/verdict.json")
+        if "refused" in verdict:
+            unknown = {"parameters": None, "verdict": "left out", "simulations": None}
+            rows.append({"model": verdict["model"], **unknown})
+            reasons[verdict["model"]] = ("left out", f"{verdict['refused']}.")
+            continue
+        fit = read_fit(results.folder / folder / "fit.json")
+        profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
+        rows.append(_refined(results.folder / folder, verdict, fit, factors, force_n))
+        reasons[verdict["model"]] = (
+            VERDICTS[verdict["verdict"]],
+            f"{verdict['reason']}. {verdict['error_by_region_text']} "
+            f"(by {verdict['errors_mapped_by']}).",
+        )
+    table = pd.DataFrame(rows)
+    refined = table[table["verdict"] != "left out"]
+    values = {
+        "points": len(force_n),
+        "reasons": reasons,
+        "profile_uncertainty": profile_uncertainty,
+        "shown": readable(refined.assign(verdict=refined["verdict"].map(VERDICTS))),
+    }
+    return Page(values, {"table": table})
+
+
+def _refined(
+    folder: Path,
+    verdict: Mapping[str, Any],
+    fit: FittedModel,
+    factors: Factors,
+    force_n: np.ndarray,
+) -> dict[str, Any]:
+    """What a refinement estimated, and the errors at unseen points."""
+    model, estimated = fit.force_model, verdict["estimated"]
+    check_columns(model, factors)
+    error = model.evaluate(fit.theta, factors) - force_n
+    best = model.evaluate(np.array(verdict["theta_of_all_points"]), factors) - force_n
+    size_n = np.linalg.norm(force_n)
+    return {
+        "model": model.name,
+        "parameters": len(fit.theta),
+        "verdict": verdict["verdict"],
+        "simulations": verdict["simulations"],
+        "estimated_global_error": estimated["global_error"],
+        "estimated_global_upper": estimated["global_upper"],
+        "unseen_global_error": float(np.linalg.norm(error) / size_n),
+        "unseen_global_error_of_all_points": float(np.linalg.norm(best) / size_n),
+        "estimated_worst_error": estimated["worst_error"],
+        "unseen_worst_error": float(np.abs(error).max() / np.sqrt(np.mean(force_n**2))),
+        "unseen_points": len(force_n),
+        "share_in_interval": _coverage(folder, verdict, fit, factors, error),
+    }
+
+
+def _coverage(
+    folder: Path,
+    verdict: Mapping[str, Any],
+    fit: FittedModel,
+    factors: Factors,
+    error_n: np.ndarray,
+) -> float:
+    """Share of the unseen points whose error is within their own 95 % interval.
+
+    NaN where there are none: the design does not settle the parameters.
+    """
+    if verdict["lack_of_fit_n"] is None:
+        return float("nan")
+    spread: Any = 0.0
+    if fit.theta:
+        own = read_ok_forces(folder / "forces.csv")
+        at = factors_of(own, limits=folder / "limits.csv")
+        design = at.take(own["point_id"].str.startswith("design").to_numpy())
+        f, unseen = (fit.force_model.gradient(fit.theta, points) for points in (design, factors))
+        # The sensitivity is f' (F'F/n)^-1 f / p.
+        spread = sensitivity(f, unseen) * len(fit.theta) / len(design)
+    quantile = float(stats.t.ppf(0.975, verdict["verification_points"]))
+    allowed_n = quantile * verdict["lack_of_fit_n"] * np.sqrt(1 + spread)
+    return float(np.mean(np.abs(error_n) <= allowed_n))

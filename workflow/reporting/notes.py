@@ -13,9 +13,8 @@ VERDICTS = {
     "model": "limited by the model",
     "simulation": "limited by the simulations",
     "budget": "out of simulations",
-    "left out": "left out",
 }
-"""How a refinement of a model ended."""
+"""How the refinement of a model ended, where the model was refined."""
 
 
 def percent(share: float) -> str:

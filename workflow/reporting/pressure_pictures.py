@@ -58,7 +58,7 @@ def read_field(path: Path | str) -> Dataset:
             raise InputError(
                 f"{path}: no {name} over {', '.join(AXES)}, as `squeezefilm pressure` writes it"
             )
-    if missing := {"h0_m", "hv_m"} - set(field.attrs):
+    if missing := {"h0_m", "hv_m", "frequency_hz"} - set(field.attrs):
         raise InputError(f"{path}: the attribute {min(missing)} is missing")
     if not np.isfinite(field["overpressure"]).any():
         raise InputError(f"{path}: there is no pressure in it")
@@ -144,7 +144,5 @@ def _over_the_period(axes: Axes, field: Dataset) -> None:
 
 
 def _title(field: Dataset) -> str:
-    text = f"h0 {1e6 * field.attrs['h0_m']:.4g} µm, hv {1e6 * field.attrs['hv_m']:.4g} µm"
-    if "frequency_hz" in field.attrs:
-        text += f", {1e-3 * field.attrs['frequency_hz']:.4g} kHz"
-    return text
+    h0_um, hv_um = (1e6 * field.attrs[name] for name in ("h0_m", "hv_m"))
+    return f"h0 {h0_um:.4g} µm, hv {hv_um:.4g} µm, {1e-3 * field.attrs['frequency_hz']:.4g} kHz"

@@ -74,6 +74,12 @@ class Results:
         file = f"validation/{fit}_on_{plan}.csv"
         return self.table(file, "h0_m", "hv_m", "relative_error")
 
+    def budget(self, plan: str) -> pd.DataFrame:
+        """What the equation leaves out of a plan's forces."""
+        columns = ("left_out_least_percent", "left_out_most_percent", "above_range", "in_force")
+        table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns)
+        return table.assign(above_range=table["above_range"].fillna(""))
+
     def table(self, file: str, *columns: str) -> pd.DataFrame:
         """Any table of the results, which has at least these columns."""
         return read_columns(self.folder / file, columns=columns)

@@ -139,36 +139,29 @@ def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
     return {f"{name} ({unit})": scale * values for (name, unit, scale, _), values in shown.items()}
 
 
-def _budget(results: Results) -> pd.DataFrame:
-    """What the equation leaves out of the screen's forces."""
-    columns = ("h0_m", "hv_m", "left_out_least_percent", "left_out_most_percent", "above_range")
-    return results.table("simulations/screen/budget.csv", *columns)
-
-
 def _neglected(results: Results) -> dict[str, Any] | None:
     """The ends of what is left out in all over the screen; None where they are not known."""
-    table = _budget(results)
+    table = results.budget("screen")
     ends = table[["left_out_least_percent", "left_out_most_percent"]].to_numpy(dtype=float)
     if not np.isfinite(ends).all():
         return None
     return {
         "lower": signed(ends.min()),
         "upper": signed(ends.max()),
-        "above_range": bool(table["above_range"].fillna("").ne("").any()),
+        "above_range": bool(table["above_range"].ne("").any()),
     }
 
 
 def _effects(results: Results) -> pd.DataFrame:
     """Each effect at the screen's least and largest gap, at its largest amplitude."""
-    table = _budget(results)
+    table = results.budget("screen")
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
-    effects = {name: text for name, text in EFFECTS.items() if f"{name}_percent" in table}
-    shown: dict[str, Any] = {"effect": list(effects.values())}
+    shown: dict[str, Any] = {"effect": list(EFFECTS.values())}
     for _, row in table.iloc[[0, -1]].iterrows():
         present = str(row["in_force"]).split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
             "in the forces" if name in present else signed(row[f"{name}_percent"])
-            for name in effects
+            for name in EFFECTS
         ]
     return pd.DataFrame(shown)
 

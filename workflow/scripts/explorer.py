@@ -4,7 +4,7 @@ from pathlib import Path
 
 from plotly.offline import get_plotlyjs
 
-from reporting.explorer import explorer_page, modulation_of
+from reporting.explorer import explorer_page
 from reporting.results import Results
 from scripts.job import begin_with_study
 from squeezefilm.files import write_text
@@ -18,6 +18,5 @@ page = explorer_page(
     candidates=params.candidates,
     forces={plan: results.forces(plan) for plan in params.plans},
     drawing_library=get_plotlyjs(),
-    modulation=modulation_of(results),
 )
 write_text(page, snakemake.output[0])

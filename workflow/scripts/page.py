@@ -6,9 +6,8 @@ from pathlib import Path
 from paper.equations import equations_page
 from paper.uncertainty import uncertainty_page
 from reporting.check import check_page
-from reporting.models import models_page
+from reporting.models import models_page, refine_page
 from reporting.pages import Page, render, write_pages
-from reporting.refinement import refine_page
 from reporting.results import Results
 from reporting.summary import summary_page
 from scripts.job import begin_with_study, write

@@ -32,7 +32,6 @@ def explorer_page(
     candidates: Sequence[str],
     forces: Mapping[str, pd.DataFrame],
     drawing_library: str,
-    modulation: Mapping[str, Any] | None = None,
 ) -> str:
     """The page as text.
 
@@ -41,7 +40,6 @@ def explorer_page(
         candidates: names of models with the finger anywhere.
         forces: simulated forces, by the name of their plan, for the drawings.
         drawing_library: plotly.js as text.
-        modulation: how films follow a changing amplitude (see modulation_of), if known.
 
     Raises InputError for a fit that is missing or that the page cannot compute with.
     """
@@ -66,7 +64,7 @@ def explorer_page(
         ],
         "position": form_of(next(iter(forces.values()))),
         "inertia": inertia(config),
-        "modulation": modulation,
+        "modulation": _modulation(results),
         "start": {name: start[name] for name in ("h0_m", "hv_m", "force_n")},
     }
     # In full double precision, and so that no text ends the script it stands in.
@@ -103,7 +101,7 @@ def _code(name: str, fit: FittedModel) -> str:
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
 
 
-def modulation_of(results: Results) -> dict[str, Any]:
+def _modulation(results: Results) -> dict[str, Any]:
     """How the force follows a modulated amplitude: films on a grid of gap and amplitude.
 
     From the two tables of ``squeezefilm response`` for the screen. The page shows, at a point, what
@@ -129,9 +127,10 @@ def _film(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
         return {"why": row["status"]}
     if gains["gain"].isna().all():
         return {"why": gains["status"].iloc[0]}
-    lines = gains[["gain", "phase_deg"]].astype(object)
+    lines = gains[["gain", "phase_deg"]]
+    known: dict[Any, Any] = lines.astype(object).where(lines.notna(), None).to_dict("list")
     return {
         **{name: row[name] for name in ("corner_hz", "static_gain", "prompt_gain")},
         "error": float(gains["error"].max()),
-        **lines.where(lines.notna(), None).to_dict("list"),
+        **known,
     }

@@ -13,10 +13,9 @@ from matplotlib.figure import Figure
 
 from reporting.figures import style
 from reporting.figures.film import budget, levitation, response
-from reporting.figures.maps import error_map, force_map
+from reporting.figures.maps import error_map, force_map, profile
 from reporting.figures.models import model_errors, refined, sensitivity
 from reporting.figures.overview import overview
-from reporting.figures.profile import profile
 from reporting.figures.verification import stability, work_precision
 from reporting.results import Results
 from squeezefilm.errors import InputError

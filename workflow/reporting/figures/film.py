@@ -58,15 +58,12 @@ def budget(results: Results) -> Figure:
 
 
 def _budgets(results: Results, plan: str) -> pd.DataFrame:
-    file = f"simulations/{plan}/budget.csv"
-    columns = ("h0_m", "hv_m", "phi_r_m", "phi_deg", "above_range", "in_force")
-    table = results.table(file, *columns)
+    table = results.budget(plan)
     lengths = [name for name in form_of(table) if name.endswith("_m")]
-    middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
+    ends = ["left_out_least_percent", "left_out_most_percent"]
     return parts.in_micrometres(table).assign(
         **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
-        left_out_percent=middle,
-        above_range=table["above_range"].fillna(""),
+        left_out_percent=table[ends].mean(axis="columns", skipna=False),
     )
 
 

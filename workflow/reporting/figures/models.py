@@ -49,15 +49,12 @@ def model_errors(results: Results, space: str) -> Figure:
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 1.85 * down)
     panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
     top = max(float(data["size"].max()), 1e-10)
-    colours: dict[str, Any] = {
-        "norm": LogNorm(top * 10.0**-DECADES, top, clip=True),
-        "cmap": style.SEQUENTIAL,
-    }
+    norm = LogNorm(top * 10.0**-DECADES, top, clip=True)
     for axes in panels[len(judged) :]:
         axes.set_visible(False)
     for number, (axes, model) in enumerate(zip(panels, judged.to_dict("records"), strict=False)):
         rows = data[data["model"] == model["model"]].sort_values("size", kind="stable")
-        dots = parts.coloured_dots(axes, rows, "size", s=5, **colours)
+        dots = parts.coloured_dots(axes, rows, "size", s=5, norm=norm, cmap=style.SEQUENTIAL)
         share = percent(model["validation_error"])
         axes.set_title(f"{model['model']} ({model['parameters']:.0f})\n{share}", fontsize=7)
         lowest_of_column = number >= len(judged) - across
