@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+import scipy
 
 from reporting.notes import VERDICTS
 from reporting.pages import Page, readable
@@ -260,6 +260,6 @@ def _coverage(
         f, unseen = (fit.force_model.gradient(fit.theta, points) for points in (design, factors))
         # The sensitivity is f' (F'F/n)^-1 f / p.
         spread = sensitivity(f, unseen) * len(fit.theta) / len(design)
-    quantile = float(stats.t.ppf(0.975, verdict["verification_points"]))
+    quantile = float(scipy.special.stdtrit(verdict["verification_points"], 0.975))
     allowed_n = quantile * verdict["lack_of_fit_n"] * np.sqrt(1 + spread)
     return float(np.mean(np.abs(error_n) <= allowed_n))

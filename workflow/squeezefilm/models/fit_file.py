@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 from pydantic import (
     BaseModel,
@@ -23,7 +24,6 @@ from pydantic import (
     ValidationError,
     field_validator,
 )
-from scipy.optimize import brentq
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import Finger, GapShape
@@ -409,7 +409,9 @@ def amplitude_for_force(
         share = grid[defined]
         if values[defined]:
             ends = grid[place : place + 2]
-            share = brentq(signed, *ends, args=(-values[defined],), xtol=1e-16, rtol=1e-15)
+            share = scipy.optimize.brentq(
+                signed, *ends, args=(-values[defined],), xtol=1e-16, rtol=1e-15
+            )
         # The sign may change at a pole or at the edge, too.
         if abs(excess(share)[0]) <= 1e-9 * (1 + abs(force_n)):
             return float(share) * h0_m

@@ -30,9 +30,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.optimize import Bounds, brentq, differential_evolution, least_squares
-from scipy.special import fdtri
 
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
@@ -115,9 +114,9 @@ def evolution(objective: Objective, limit: Array, seed: int) -> list[Found]:
 
     With five parameters and bounds of a million, about every second one ends in a false minimum.
     """
-    rough = differential_evolution(
+    rough = scipy.optimize.differential_evolution(
         lambda columns: objective(columns.T),
-        Bounds(-limit, limit),
+        scipy.optimize.Bounds(-limit, limit),
         rng=seed,
         vectorized=True,
         updating="deferred",
@@ -293,7 +292,9 @@ def local_fit(
         return whole(theta[free] + change)
     tolerances = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
     with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
-        found = least_squares(residuals, theta[free], jac=slopes, x_scale="jac", **tolerances)
+        found = scipy.optimize.least_squares(
+            residuals, theta[free], jac=slopes, x_scale="jac", **tolerances
+        )
     return whole(found.x)
 
 
@@ -390,7 +391,7 @@ def parameter_ranges(
             f"profile: {len(factors)} points fix the {len(theta)} parameters of {model.name} "
             "exactly; a range needs more points than parameters"
         )
-    allowed = least * (1 + float(fdtri(1, spare, LEVEL)) / spare)
+    allowed = least * (1 + float(scipy.special.fdtri(1, spare, LEVEL)) / spare)
     slopes = model.gradient(theta, factors)
     size = np.linalg.norm(slopes, axis=0)
     size = np.where(size > 0, size, 1.0)
@@ -424,7 +425,7 @@ def parameter_ranges(
                 if way - inside >= 1e-9:
                     continue
             elif excess(inside) < 0:  # not so of a fit whose residual is rounding
-                inside = float(brentq(excess, inside, way, xtol=1e-6))
+                inside = float(scipy.optimize.brentq(excess, inside, way, xtol=1e-6))
             return float(theta[place] + inside * step), tried[inside][0]
         return float(np.copysign(np.inf, step)), tried[inside][0]
 
