@@ -258,8 +258,6 @@ def _points(path: Path) -> np.ndarray:
     if not FEWEST <= len(z) <= MOST:
         raise InputError(f"{len(z)} points; an outline has {FEWEST} to {MOST}")
     steps = np.abs(np.roll(z, -1) - z)
-    if (twice := np.flatnonzero(steps == 0)).size:
-        raise InputError(f"line {table.index[twice[0] + 1]}: the point before stands again")
     if steps[-1] > GAP * steps[:-1].max():
         raise InputError(
             f"the outline is not closed: its last point is {steps[-1] * 1e3:.3g} mm from the "

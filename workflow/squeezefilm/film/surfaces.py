@@ -14,12 +14,11 @@ from numpy.polynomial.legendre import legvander
 
 from squeezefilm.solution import CARTESIAN, POLAR
 
-RADII, ANGLES = 41, 72
-LINES = 53
-"""Points of the nets on which a profile is looked at all over: along a radius, around; a side."""
+# Points of the nets on which a profile is looked at all over: along a radius, around; a side.
+RADII, ANGLES, LINES = 41, 72, 53
 
+# Two numbers of each smooth mode, by rising degree.
 Orders = tuple[tuple[int, int], ...]
-"""Two numbers of each smooth mode, by rising degree."""
 
 
 @dataclass(frozen=True)

@@ -81,11 +81,6 @@ class Limit:
     not_above: float
     source: str
 
-    @property
-    def bound(self) -> float:
-        """The value up to which nothing is exceeded."""
-        return min(self.not_above, self.unknown_above)
-
     def text(self, value: float) -> str:
         """Return by what a value exceeds the limit, and what that means."""
         never = not value <= self.not_above
@@ -123,7 +118,8 @@ def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[
     limits = [limit for limit in LIMITS if limit.symbol in symbols]
     values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
-    beyond = ~(np.array([values[each.symbol] for each in limits]) <= [[e.bound] for e in limits])
+    bounds = [[min(each.unknown_above, each.not_above)] for each in limits]
+    beyond = ~(np.array([values[each.symbol] for each in limits]) <= bounds)
     for limit, rows in zip(limits, beyond, strict=True):
         if rows.any():
             for row in np.flatnonzero(rows & FILMS[limit.films](scenes)).tolist():

@@ -376,19 +376,19 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
         if each.get("type") in NODES
         for node, x, y in zip(each["node_nums"], each["x"], each["y"], strict=True)
     }
-    functions = [each for each in sets if each.get("type") == FUNCTION]
-    if len({abs(int(each["rsp_dir"])) for each in functions}) > 1:
-        functions = [each for each in functions if abs(int(each["rsp_dir"])) == NORMAL]
+    every = [each for each in sets if each.get("type") == FUNCTION]
+    functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL] or every
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
     unplaced = set(nodes) - set(places)
     refuse(
         "universal file",
         {
-            "no places of points (data set 15 or 2411) are in it": not places,
-            "no functions (data set 58) along one direction or z are in it": not functions,
-            f"the node {min(unplaced, default=0)} of a function has no place (set 15)": unplaced,
-            "a node has several functions; export one for each point": len(set(nodes)) < len(nodes),
+            "no functions (data set 58) are in it": not functions,
+            f"the node {min(unplaced, default=0)} of a function has no place (data set 15 or "
+            "2411)": unplaced,
+            "a node has several functions; export one, or that along z": len(set(nodes))
+            < len(nodes),
             "the functions are neither displacements (type 8) nor velocities (11) but of type "
             f"{', '.join(map(str, sorted(kinds)))}": kinds not in ({DISPLACEMENT}, {VELOCITY}),
         },
