@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -81,7 +82,7 @@ class Limit:
     not_above: float
     source: str
 
-    @property
+    @cached_property
     def bound(self) -> float:
         """The value up to which nothing is exceeded."""
         return min(self.not_above, self.unknown_above)
@@ -131,10 +132,10 @@ def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[
     values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
     beyond = ~(np.array([values[each.symbol] for each in limits]) <= [[e.bound] for e in limits])
-    for limit, rows in zip(limits, beyond, strict=True):
-        if rows.any():
-            for row in np.flatnonzero(rows & FILMS[limit.films](scenes)).tolist():
-                texts[row].append(limit.text(float(values[limit.symbol][row])))
+    for at in beyond.any(axis=1).nonzero()[0].tolist():
+        limit = limits[at]
+        for row in np.flatnonzero(beyond[at] & FILMS[limit.films](scenes)).tolist():
+            texts[row].append(limit.text(float(values[limit.symbol][row])))
     return texts
 
 
