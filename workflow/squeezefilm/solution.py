@@ -86,9 +86,7 @@ class Solutions(Sequence[Solution]):
     @classmethod
     def of_method(cls, method: str, count: int) -> Solutions:
         """Solutions that are not known yet."""
-        columns = {name: np.empty(count, dtype=kind) for name, kind in KINDS.items()}
-        for name, column in columns.items():
-            column.fill(DEFAULTS[name])
+        columns = {name: value.repeat(count) for name, value in UNKNOWN.items()}
         columns["method"].fill(method)
         return cls(columns)
 
@@ -140,11 +138,13 @@ class Solutions(Sequence[Solution]):
 DEFAULTS: dict[str, object] = {
     each.name: "" if each.default is MISSING else each.default for each in fields(Solution)
 }
-# Of the columns: numbers as such; texts and what has parts as objects.
-KINDS = {
-    name: type(value) if isinstance(value, (int, float)) else object
+# Columns of that for one scene: numbers as such; texts and what has parts as objects.
+UNKNOWN = {
+    name: np.empty(1, dtype=type(value) if isinstance(value, (int, float)) else object)
     for name, value in DEFAULTS.items()
 }
+for _name, _column in UNKNOWN.items():
+    _column.fill(DEFAULTS[_name])
 SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )

@@ -214,6 +214,7 @@ class Film:
         return Scenes((self,), index, h0_m, hv_m, x_m, y_m, point_id)
 
 
+NUMBERS_OF_GAS = tuple(each.name for each in fields(Gas))
 # Which of some scenes.
 Rows = slice | np.ndarray
 
@@ -221,7 +222,8 @@ Rows = slice | np.ndarray
 def distinct(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first row of each different value, and which of the values each row has, (n,)."""
     if len(values) == 1 or (values == values[:1]).all():
-        return np.arange(len(values))[:1], np.zeros(len(values), dtype=np.int64)
+        which = np.zeros(len(values), dtype=np.int64)
+        return which[:1], which
     _, first, which = np.unique(values, return_index=True, return_inverse=True)
     return first, which
 
@@ -229,7 +231,7 @@ def distinct(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def rows_alike(values: np.ndarray) -> list[np.ndarray]:
     """The rows of each different value."""
     first, which = distinct(values)
-    if len(first) <= 1:
+    if len(first) < 2:
         return [np.arange(len(values))][: len(values)]
     ends = np.cumsum(np.bincount(which))[:-1]
     return np.split(np.argsort(which, kind="stable"), ends)
@@ -282,7 +284,13 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         if isinstance(scenes, Scenes):
             return scenes
         films: dict[Film, int] = {}
-        index = [films.setdefault(scene.film, len(films)) for scene in scenes]
+        known: dict[tuple[int, ...], int] = {}  # by parts that are the same: hashing takes longer
+        index, scenes = [], list(scenes)
+        for scene in scenes:
+            parts = id(scene.gas), id(scene.actuator), id(scene.finger)
+            if parts not in known:
+                known[parts] = films.setdefault(scene.film, len(films))
+            index.append(known[parts])
         columns = np.array([(each.h0_m, each.hv_m, each.x_m, each.y_m) for each in scenes])
         point_id = np.array([each.point_id for each in scenes], dtype=object)
         h0_m, hv_m, x_m, y_m = columns.reshape(-1, 4).T.copy()
@@ -318,9 +326,14 @@ class Scenes(OperatingPoints, Sequence[Scene]):
             yield film, rows, replace(some, films=(film,), film_index=np.zeros_like(rows))
 
     @cached_property
+    def flat(self) -> bool:
+        """Whether no gap is shaped at rest."""
+        return all([film.finger.gap.flat for film in self.films])
+
+    @cached_property
     def gas(self) -> Gas:  # type: ignore[override]
         """The gas' numbers, those of several films as columns."""
-        return self._part("gas", *(each.name for each in fields(Gas)))
+        return self._part("gas", *NUMBERS_OF_GAS)
 
     @cached_property
     def actuator(self) -> Actuator:  # type: ignore[override]
@@ -367,6 +380,8 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @cached_property
     def rest_range(self) -> tuple[np.ndarray, np.ndarray]:
         """Least and largest gap over h0 without vibration."""
+        if self.flat:
+            return (np.ones(len(self)),) * 2
         least_m, most_m, _, _ = self._rises
         return 1 + least_m / self.h0_m, 1 + most_m / self.h0_m
 
@@ -386,11 +401,10 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def _on_net(self) -> tuple[np.ndarray, np.ndarray]:
-        narrowest, closure = 1 - self.epsilon, self.epsilon.copy()
-        for film, rows, some in self.of_each_film():
-            if film.finger.gap.flat:
-                closure[rows] *= getattr(film.actuator.profile, "largest", 1.0)
-            else:
+        largest = self.column(lambda film: getattr(film.actuator.profile, "largest", 1.0))
+        narrowest, closure = 1 - self.epsilon, largest * self.epsilon
+        for film, rows, some in () if self.flat else self.of_each_film():
+            if not film.finger.gap.flat:
                 narrowest[rows], closure[rows] = some._shaped()
         return narrowest, closure
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -81,6 +82,11 @@ class Limit:
     not_above: float
     source: str
 
+    @cached_property
+    def bound(self) -> float:
+        """The value up to which nothing is exceeded."""
+        return min(self.not_above, self.unknown_above)
+
     def text(self, value: float) -> str:
         """Return by what a value exceeds the limit, and what that means."""
         never = not value <= self.not_above
@@ -118,12 +124,11 @@ def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[
     limits = [limit for limit in LIMITS if limit.symbol in symbols]
     values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
-    bounds = [[min(each.unknown_above, each.not_above)] for each in limits]
-    beyond = ~(np.array([values[each.symbol] for each in limits]) <= bounds)
-    for limit, rows in zip(limits, beyond, strict=True):
-        if rows.any():
-            for row in np.flatnonzero(rows & FILMS[limit.films](scenes)).tolist():
-                texts[row].append(limit.text(float(values[limit.symbol][row])))
+    beyond = ~(np.array([values[each.symbol] for each in limits]) <= [[e.bound] for e in limits])
+    for at in beyond.any(axis=1).nonzero()[0].tolist():
+        limit = limits[at]
+        for row in np.flatnonzero(beyond[at] & FILMS[limit.films](scenes)).tolist():
+            texts[row].append(limit.text(float(values[limit.symbol][row])))
     return texts
 
 

@@ -72,7 +72,7 @@ def estimate(
     loose = margin == 1 and tolerance >= LOOSE_FROM
     share = np.maximum(LOOSE_SIZE_SHARE if loose else SIZE_SHARE, size_share_of(scenes, terms))
     largest = np.maximum(said["moment"], share * size)
-    fall = np.full(len(said), UNKNOWN_FALL)
+    fall: np.ndarray | float = UNKNOWN_FALL
     again = ~np.isnan(before[1])
     if margin == 1 and again.any():
         new = np.array([largest, size])

@@ -291,11 +291,11 @@ def composite(needs: Needs, *, tolerance: float, worth: bool) -> dict[int, Expan
         worth: to have those alone that hold the tolerance, of scenes whose periodic state should
             take longer.
     """
+    if worth and not _may_pay(needs.scenes, tolerance):
+        return {}
     by_layer = by_second = np.ones(len(needs), dtype=bool)
     if worth:
         by_layer, by_second = _pay(needs, tolerance)
-        if not (by_layer | by_second).any():
-            return {}
     known = np.ones(len(needs), dtype=bool)
     known[list(not_derived_for(needs))] = False
     tried = np.flatnonzero(known & by_layer)
@@ -325,6 +325,13 @@ def _with_second_order(films: Films) -> AsymptoticForces:
     return forces
 
 
+def _may_pay(scenes: Scenes, tolerance: float) -> bool:
+    """Whether an expansion may pay for any of some scenes, at a glance."""
+    if scenes.sigma.max() >= COMPOSITE_FROM or scenes.epsilon.min() ** 2 <= TINY * tolerance:
+        return True
+    return any([film.gas.inertia == "included" for film in scenes.films])
+
+
 def _pay(needs: Needs, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """Whether the edge layer's expansion, and the composite, may hold the tolerance and are worth
     their cost, (n,) each.
@@ -339,8 +346,6 @@ def _pay(needs: Needs, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     tiny = square <= TINY * tolerance
     by_layer = (slender >= EDGE_LAYER_FROM) | inertia
     by_second = (slender >= COMPOSITE_FROM) & (tolerance <= COMPOSITE_TO_TOLERANCE) | inertia
-    if not (by_layer | by_second).any():
-        return by_layer, tiny
     # By the pad's corners, which no expansion has, where the profile is large; by inertia and slip.
     corners = square / sigma
     terms = np.maximum(15 * _reynolds(scenes) / sigma, 0.3 * 6 * scenes.slip_knudsen * sigma**-0.5)

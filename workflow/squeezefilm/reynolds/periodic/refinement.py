@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from squeezefilm.film.scene import Rows
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
@@ -108,7 +109,8 @@ class Refinement:
         if group.guess is not None:  # so that the finer grid does not take the state over as it is
             shares = [GOING_ON * left] * len(group.grids)
         scenes = self.needs.scenes
-        if not np.array_equal(group.rows, np.arange(len(scenes))):  # these know their numbers
+        every = len(group.rows) == len(scenes) and (group.rows == np.arange(len(scenes))).all()
+        if not every:  # those know their numbers
             scenes = scenes[group.rows]
         return Batch(scenes, group.terms, group.grids, shares, group.guess, self.keep_states)
 
@@ -118,31 +120,30 @@ class Refinement:
         The others wait for finer grids. Returns how many are finished.
         """
         rows, terms, grids, solutions = group.rows, group.terms, group.grids, self.solutions
+        at: Rows = slice(None) if batch.scenes is self.needs.scenes else rows
         said, grid, finer = stages[-1].said, grids[-1], finer_grid(grids[-1], room=self.room)
         coarse, fine = (grids[0], *grids)[-2:]
         nodes = coarse.across, fine.across
         error, allowed, change = estimate(
             said,
-            self.change[:, rows],
+            self.change[:, at],
             scenes=batch.scenes,
             terms=terms,
             grids=(coarse, fine),
-            of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=rows),
+            of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=at),
             least=least_fall(batch.scenes, coarse.across[0]),
             tolerance=self.tolerance,
         )
         if len(grids) == 1:  # a single grid tells no error
             error[:], change[:] = np.inf, np.nan
-        self.change[:, rows] = change
-        newton = [states.said["newton_steps"] for states in stages]
-        krylov = [states.said["krylov_iterations"] for states in stages]
-        flops = [iteration_flops(each, terms) for each in grids]
-        solutions.newton_steps[rows] += sum(newton)
-        solutions.krylov_iterations[rows] += sum(krylov)
-        work = zip(flops, newton, krylov, strict=True)
-        solutions.work[rows] += sum([each * (steps + more) for each, steps, more in work])
-        solutions.residual[rows] = said["residual"]
-        self._write_grid(rows, grid)
+        self.change[:, at] = change
+        for each, states in zip(grids, stages, strict=True):
+            newton, krylov = states.said["newton_steps"], states.said["krylov_iterations"]
+            solutions.newton_steps[at] += newton
+            solutions.krylov_iterations[at] += krylov
+            solutions.work[at] += iteration_flops(each, terms) * (newton + krylov)
+        solutions.residual[at] = said["residual"]
+        self._write_grid(at, grid)
         reasons: dict[int, str] = {}  # why scenes end without a force
 
         def end(which: np.ndarray, reason: str, *, with_error: bool = False) -> None:
@@ -151,7 +152,7 @@ class Refinement:
                 reasons.setdefault(k, f"{reason}: {text}" if with_error else reason)
 
         begun = np.zeros(len(rows), dtype=bool)
-        if any([np.count_nonzero(states.status) for states in stages[-2:]]):
+        if any([states.status.any() for states in stages[-2:]]):
             failed = [states.status != 0 for states in stages[-2:]]
             begun = self._begin_again(group, failed[-1], finer)
             hopeless = (failed[-1] | (finer is None)) & ~begun
@@ -174,7 +175,8 @@ class Refinement:
         for k, reason in states_refused(batch.scenes, terms, thinnest=said["thinnest"]).items():
             end(np.arange(len(rows)) == k, reason)
         waiting = ~begun
-        waiting[list(reasons)] = False
+        if reasons:
+            waiting[list(reasons)] = False
         good = ((error <= allowed) & waiting).nonzero()[0]
         accepted, scale_n = rows[good], batch.scenes.force_scale_n
         solutions.status[accepted] = "ok"
@@ -216,7 +218,7 @@ class Refinement:
             self.failures[rows] += 1
         return which
 
-    def _write_grid(self, rows: np.ndarray, grid: Grid) -> None:
+    def _write_grid(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
         self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
         self.solutions.nt[rows] = grid.nt

@@ -376,7 +376,7 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
 
     A gap that is shaped at rest is as hard as its narrowest place, and as closed, everywhere.
     """
-    if all(film.finger.gap.flat for film in scenes.films):
+    if scenes.flat:
         return scenes.epsilon, scenes.sigma, 0.0
     flat = scenes.column(lambda film: film.finger.gap.flat)
     bulge_m = scenes.column(lambda film: abs(film.finger.gap.bulge_m))
@@ -394,9 +394,8 @@ def least_fall(scenes: Scenes, nodes_x: int) -> np.ndarray:
         nodes_x: across the finger along x, of the coarser grid.
     """
     epsilon, sigma, _ = gap_numbers(scenes)
-    uneven = sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA
-    fall = np.where(uneven, THIN_LAYER_FALL, 0.0)
-    if not any(film.finger.speed_x_m_per_s for film in scenes.films):
+    fall = THIN_LAYER_FALL * (sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA)
+    if not any([film.finger.speed_x_m_per_s for film in scenes.films]):
         return fall
     layers = np.abs(scenes.bearing_number) / (1 - epsilon)
     return np.where(nodes_x < NODES_PER_SLIDING * np.sqrt(layers), SLIDING_FALL, fall)

@@ -14,8 +14,8 @@ and of time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
-from math import inf
+from functools import lru_cache, reduce
+from math import hypot, inf
 
 import numpy as np
 
@@ -46,21 +46,17 @@ def modes_of(
         motion: factors of sin T and cos T of their mean gaps, both together below 1, (2, films).
     """
     near, lag = np.rint(motion / VARIATION_STEP), numbers["lag"]
-    code = 1000 * near[0] + near[1]
-    lags = slows = np.zeros((0, len(code)))
+    steps = [*near]
     if lag.any():
-        lags = np.rint(LAGS_PER_DECADE * np.log10(np.maximum(lag, LEAST_LAG)))[None]
+        lags = np.rint(LAGS_PER_DECADE * np.log10(np.maximum(lag, LEAST_LAG)))
         across = [max(grid.x.full_points, grid.y.full_points / aspect) for grid in grids]
         waves = np.multiply.outer(across, numbers["waves_per_node"])
         half = np.array([[grid.nt / 2] for grid in grids])
         slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_STEP)
-        for steps in (*lags, *slows):
-            code = 1000 * code + steps
-    first, which = distinct(code)
-    near = near[:, first]
-    near *= MOST_VARIATION / np.maximum(np.hypot(*near), MOST_VARIATION)
+        steps += [lags, *slows]
+    first, which = distinct(reduce(lambda code, each: 1000 * code + each, steps))
     instants = tuple([grid.nt for grid in grids])
-    kinds = np.concatenate([near, lags[:, first], slows[:, first]]).T.tolist()
+    kinds = np.array(steps)[:, first].T.tolist()
     return Packed.of_rows([_packed_modes(instants, *kind) for kind in kinds]), which
 
 
@@ -70,8 +66,9 @@ def _packed_modes(
 ) -> Packed:
     """The arrays of one kind of films, on each of some grids."""
     stages = []
+    shrunk = MOST_VARIATION / max(hypot(variation, lagging), MOST_VARIATION)
     for nt, slow in zip(instants, slows or [1 / SLOW_STEP] * len(instants), strict=True):
-        arrays = _time_modes(nt, variation, lagging, lag, slow)
+        arrays = _time_modes(nt, shrunk * variation, shrunk * lagging, lag, slow)
         stages.append({name: array[None] for name, array in arrays.items()})
     return packed(stages)
 
