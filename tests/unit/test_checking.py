@@ -34,14 +34,10 @@ def stored(found: list[Quantity]) -> dict[tuple[str, str, str], dict[str, str]]:
     return {each.key: dict(each.cells) for each in found}
 
 
-def failures(table: pd.DataFrame) -> pd.DataFrame:
-    return table[table["verdict"] != PASSED]
-
-
 def failed(table: pd.DataFrame) -> list[str]:
     """The names of the quantities that fail beside FORCES."""
     rows = compare(quantities(table), stored(quantities(FORCES)))
-    return failures(rows)["quantity"].tolist()
+    return rows.loc[rows["verdict"] != PASSED, "quantity"].tolist()
 
 
 def with_cell(row: int) -> pd.Series:

@@ -81,8 +81,7 @@ def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path,
     words = ["plot", "fig99", study.root, "--config", study.config]
     assert "figures are overview, error_map" in refused(*words, "--output", tmp_path / "a.png")
     assert "name ends in .png" in refused(*words, "--output", tmp_path / "a.mp4")
-    words[1] = "overview"
-    assert "a table is drawn by" in refused(*words, "--output", tmp_path / "a.csv")
+    assert "drawn by" in refused("plot", "overview", *words[2:], "--output", tmp_path / "a.csv")
 
 
 def test_a_page_shows_tables_text_and_verdicts_and_needs_nothing_else():

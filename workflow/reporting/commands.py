@@ -7,7 +7,7 @@ from pathlib import Path
 
 from reporting.results import Results
 from squeezefilm.cli.options import OUTPUT, command, option, write_rows
-from squeezefilm.errors import InputError
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.tables import write_table
 
 RESULTS = option("results", "RESULTS", "the study's results", type=Path)
@@ -79,7 +79,10 @@ def recommend(options: argparse.Namespace) -> None:
     """
     from reporting.models import recommend
 
-    write_rows(recommend(Results.of(options.results, options.config)), options.output)
+    table = recommend(Results.of(options.results, options.config))
+    if table["model"].isna().all():
+        raise RunError(f"{options.results}: no model can be judged; models/*.md say why")
+    write_rows(table, options.output)
 
 
 @command(

@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 from mpl_toolkits.mplot3d import Axes3D
 
 from reporting.figures import style
-from reporting.notes import percent
+from reporting.notes import percent, signed
 from reporting.results import Results
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
@@ -156,10 +156,9 @@ def error_contours(
     drawn = axes.contour(*grid, levels=levels, **lines)
     band = float(data["band_percent"].iloc[0])
     if reach > band:
-        edge = axes.contour(
-            *grid[:2], np.abs(grid[2]), levels=[band], colors="black", linewidths=1.8
-        )
-        axes.clabel(edge, fontsize=6, fmt={band: f"±{band:g} %"})
+        thick: dict[str, Any] = {"colors": "black", "linestyles": "solid", "linewidths": 1.8}
+        edge = axes.contour(*grid, levels=[-band, band], **thick)
+        axes.clabel(edge, fontsize=6, fmt=lambda level: f"{signed(level, 3)} %")
     return filled, drawn
 
 
