@@ -63,6 +63,8 @@ FORMS: dict[str, bytes] = {
         *(np.hypot(X, Y), np.degrees(np.arctan2(Y, X)), abs(U), PHASE),
     ).encode(),
     "brackets": with_header("X [mm],Y [mm],Amplitude [µm],Phase [°]").encode(),
+    "short words": with_header("x-pos [mm],Y [mm],disp. ampl. [µm],Phase [°]").encode(),
+    "one short word": with_header("x_mm,y_mm,Displ. [µm],phase_deg").encode(),
     "a header that is a comment": f"# made today\n# {PLAIN}".encode(),
     "lines before the header": f"Scan data\nDevice;3\n\n{PLAIN}".encode(),
     "other columns": text(
