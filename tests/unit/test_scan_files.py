@@ -149,6 +149,7 @@ def universal(path: Path, *, unit: float = 1.0, damaged: float = 1.0, **changes:
         pyuff.prepare_15(nodes, 0 * nodes, 0 * nodes, 0 * nodes, X, Y, 0 * X, True),
     ]
     for node, value in zip(nodes, TURNED, strict=True):
+        size = 1e-6 * unit * (damaged if node == 70 else 1)
         function = {
             "binary": 0,
             "func_type": 4,
@@ -156,11 +157,7 @@ def universal(path: Path, *, unit: float = 1.0, damaged: float = 1.0, **changes:
             "rsp_dir": 3,
             "ref_node": 1,
             "ref_dir": 3,
-            "data": np.array([0.1, 1.0, 0.3])
-            * value
-            * 1e-6
-            * unit
-            * (damaged if node == 70 else 1),
+            "data": np.array([0.1, 1.0, 0.3]) * value * size,
             "x": FREQUENCY_HZ + np.array([-400.0, 30.0, 460.0]),
             "id1": "scan",
             "rsp_ent_name": "p",
