@@ -1,6 +1,6 @@
 """A study says what differs; all else has a default, and nothing of it is hidden."""
 
-from math import hypot
+from math import hypot, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -137,7 +137,27 @@ def test_thin_air_is_thin_in_every_number():
     assert gas["density_kg_per_m3"] == pytest.approx(0.1204)
     assert gas["mean_free_path_m"] == pytest.approx(6.7e-7)
     written = study(gas={"ambient_pressure": 10132.5, "mean_free_path": 5e-7})["gas"]
-    assert (written["mean_free_path_m"], written["density_kg_per_m3"]) == (
-        5e-7,
-        gas["density_kg_per_m3"],
-    )
+    assert written["mean_free_path_m"] == 5e-7
+    assert written["density_kg_per_m3"] == gas["density_kg_per_m3"]
+
+
+def test_a_gas_has_its_own_numbers_by_its_name():
+    helium = study(gas={"name": "helium", "ambient_pressure": "2 bar", "prandtl": 0.7})["gas"]
+    assert (helium["viscosity_pa_s"], helium["prandtl"]) == (1.962e-5, 0.7)
+    kinetic = 1.962e-5 * sqrt(pi / 2 / 2e5 / helium["density_kg_per_m3"])
+    assert helium["mean_free_path_m"] == pytest.approx(kinetic, rel=2e-3)
+    for gas, words in (({"name": "neon"}, "'neon' is none of air"), ({"name": []}, "none of air")):
+        with pytest.raises(InputError, match=rf"gas\.name: .*{words}"):
+            study(gas=gas)
+    with pytest.raises(InputError, match=r"not that of argon.* give density"):
+        study(gas={"name": "argon", "viscosity": 1.81e-5})
+
+
+def test_a_circle_has_a_diameter():
+    bare = SHORT.replace("{shape: ellipse, length_x: 12 mm, length_y: 16 mm}", "{}")
+    circle, ellipse = ({"shape": "circle", "diameter": "9 mm"}, {"shape": "ellipse"})
+    ellipse |= {"length_x": 0.009, "length_y": 0.009}
+    assert study(bare, finger=circle)["finger"] == study(bare, finger=ellipse)["finger"]
+    for wrong in (circle | {"length_x": 1e-3}, ellipse | {"diameter": 1e-3}, {"shape": "circle"}):
+        with pytest.raises(InputError, match=r"finger\.diameter: "):
+            study(bare, finger=wrong)

@@ -63,6 +63,8 @@ FORMS: dict[str, bytes] = {
         *(np.hypot(X, Y), np.degrees(np.arctan2(Y, X)), abs(U), PHASE),
     ).encode(),
     "brackets": with_header("X [mm],Y [mm],Amplitude [µm],Phase [°]").encode(),
+    "short words": with_header("x-pos [mm],Y [mm],disp. ampl. [µm],Phase [°]").encode(),
+    "one short word": with_header("x_mm,y_mm,Displ. [µm],phase_deg").encode(),
     "a header that is a comment": f"# made today\n# {PLAIN}".encode(),
     "lines before the header": f"Scan data\nDevice;3\n\n{PLAIN}".encode(),
     "other columns": text(
@@ -147,6 +149,7 @@ def universal(path: Path, *, unit: float = 1.0, damaged: float = 1.0, **changes:
         pyuff.prepare_15(nodes, 0 * nodes, 0 * nodes, 0 * nodes, X, Y, 0 * X, True),
     ]
     for node, value in zip(nodes, TURNED, strict=True):
+        size = 1e-6 * unit * (damaged if node == 70 else 1)
         function = {
             "binary": 0,
             "func_type": 4,
@@ -154,11 +157,7 @@ def universal(path: Path, *, unit: float = 1.0, damaged: float = 1.0, **changes:
             "rsp_dir": 3,
             "ref_node": 1,
             "ref_dir": 3,
-            "data": np.array([0.1, 1.0, 0.3])
-            * value
-            * 1e-6
-            * unit
-            * (damaged if node == 70 else 1),
+            "data": np.array([0.1, 1.0, 0.3]) * value * size,
             "x": FREQUENCY_HZ + np.array([-400.0, 30.0, 460.0]),
             "id1": "scan",
             "rsp_ent_name": "p",

@@ -119,10 +119,15 @@ class Section(BaseModel):
     model_config = KEYS
 
 
+def _described_with_name(schema: dict[str, Any]) -> None:
+    schema["properties"]["name"] = {"enum": list(GASES), "default": "air"}
+    _described(schema)
+
+
 @dataclass(frozen=True)
 class Gas:
-    """The film's gas; air at 20 °C where nothing is written. Of another gas, whose viscosity is
-    another, all is to be written. The paper states none of these.
+    """The film's gas; air at 20 °C where nothing is written. Of a gas without a `name` here, whose
+    viscosity is another, all is to be written. The paper states none of these.
 
     The film's own type: in Python its numbers may be any, in a study they are within limits. The
     density follows the pressure as ρ ~ p^(1/n), the mean free path goes like 1/ρ, as for molecules
@@ -130,12 +135,13 @@ class Gas:
     leaves out enters its budget alone (quantities/model_error.py).
 
     Attributes:
-        viscosity_pa_s: dynamic viscosity μ
+        viscosity_pa_s: dynamic viscosity μ; default: that of `name` at 20 °C, 1.81e-5 of air
         ambient_pressure_pa: pressure p0 around the finger
-        density_kg_per_m3: density at ambient pressure, by which the gas has inertia; default: air's
-            at 20 °C under the pressure, 1.204 at 101325 Pa
+        density_kg_per_m3: density at ambient pressure, by which the gas has inertia; default: that
+            of `name` at 20 °C under the pressure, 1.204 of air at 101325 Pa
         mean_free_path_m: mean free path at ambient density, for `rarefaction` and the budget; in
-            the film it goes like 1/density; default: air's under the pressure, 67 nm at 101325 Pa
+            the film it goes like 1/density; default: that of `name` under the pressure, 67 nm of
+            air at 101325 Pa
         rarefaction: `none` (viscous flow), `slip` (first order, 6 Kn H²) or `fukui-kaneko` (their
             flow factor, for D ≥ 5)
         slip_coefficient: slip length over the mean free path with `rarefaction: slip`: 1 is
@@ -149,12 +155,15 @@ class Gas:
             temperature: `none`, as in the paper's equation; `included`, with
             `polytropic_exponent` 1; or `auto`, included in a scene whose force it changes by more
             than `solver.model_tolerance`
-        prandtl: Prandtl number, viscosity over conduction of heat
-        heat_capacity_ratio: ratio γ of the specific heats
-        viscosity_exponent: κ of the viscosity's growth with temperature, T^κ
+        prandtl: Prandtl number, viscosity over conduction of heat; default: that of `name`, 0.71 of
+            air
+        heat_capacity_ratio: ratio γ of the specific heats; default: that of `name`, 1.4 of air
+        viscosity_exponent: κ of the viscosity's growth with temperature, T^κ; default: that of
+            `name`, 0.7 of air
+        name: gas whose numbers are taken where none are written
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = KEYS | {"json_schema_extra": _described_with_name}
 
     viscosity_pa_s: Annotated[float, Number("Pa s", 1e-7, 100)] = 1.81e-5
     ambient_pressure_pa: Annotated[float, Number("Pa", 1, 1e9)] = 101325.0
@@ -170,22 +179,36 @@ class Gas:
     viscosity_exponent: Annotated[float, Number("1", 0, 2)] = 0.7
 
 
-OF_AIR = (
-    *("density_kg_per_m3", "mean_free_path_m"),
+OF_A_GAS = (
+    *("viscosity_pa_s", "density_kg_per_m3", "mean_free_path_m"),
     *("prandtl", "heat_capacity_ratio", "viscosity_exponent"),
 )
-"""What is air's where it is not written: to be written for another gas."""
+# At 20 °C and 101325 Pa by CoolProp 6 (Bell et al., Ind. Eng. Chem. Res. 53, 2014), the mean free
+# path μ √(π/(2 p ρ)); air as the paper's studies have it. All of another gas is to be written.
+GASES = {
+    "air": (1.81e-5, 1.204, 67e-9, 0.71, 1.4, 0.7),
+    "nitrogen": (1.757e-5, 1.165, 64.1e-9, 0.718, 1.401, 0.776),
+    "helium": (1.962e-5, 0.1663, 189.4e-9, 0.664, 1.667, 0.683),
+    "argon": (2.231e-5, 1.662, 68.1e-9, 0.665, 1.67, 0.837),
+    "carbon dioxide": (1.468e-5, 1.839, 42.6e-9, 0.764, 1.297, 0.96),
+    "hydrogen": (8.80e-6, 0.08375, 119.7e-9, 0.685, 1.406, 0.692),
+}
 
 
 def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
-    """A gas with what is not written of it: that of air, whose density goes with the pressure."""
-    gas, air = validated(values), Gas()
-    lacking = [name for name in OF_AIR if key_of(name) not in values]
-    if lacking and abs(gas.viscosity_pa_s / air.viscosity_pa_s - 1) > LIKE_AIR:
+    """A gas with what is not written of it: by its name, the density as the pressure has it."""
+    written = dict(values) if isinstance(values, dict) else values
+    name = written.pop("name", "air") if isinstance(values, dict) else "air"
+    if name not in list(GASES):
+        raise mistake(f"{name!r} is none of {', '.join(GASES)}", "name")
+    gas, own = validated(written), dict(zip(OF_A_GAS, GASES[name], strict=True))
+    lacking = [each for each in OF_A_GAS if key_of(each) not in written]
+    viscosity = gas.viscosity_pa_s if "viscosity" in written else own["viscosity_pa_s"]
+    if lacking and abs(viscosity / own["viscosity_pa_s"] - 1) > LIKE_AIR:
         raise mistake(
-            f"{gas.viscosity_pa_s:g} is not that of air at 20 °C, {air.viscosity_pa_s:g}; of "
-            f"another gas give {', '.join(map(key_of, lacking))} too, which are air's where they "
-            "are not written",
+            f"{viscosity:g} is not that of {name} at 20 °C, {own['viscosity_pa_s']:g}; of another "
+            f"gas give {', '.join(map(key_of, lacking))} too, which are {name}'s where they are "
+            "not written",
             "viscosity",
         )
     if gas.slip_coefficient != 1 and gas.rarefaction != "slip":
@@ -194,12 +217,10 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
             f"{gas.rarefaction}",
             "slip_coefficient",
         )
-    density = gas.ambient_pressure_pa / air.ambient_pressure_pa
-    under_pressure = {
-        "density_kg_per_m3": air.density_kg_per_m3 * density,
-        "mean_free_path_m": air.mean_free_path_m / density,
-    }
-    return replace(gas, **{name: v for name, v in under_pressure.items() if name in lacking})
+    density = gas.ambient_pressure_pa / Gas.ambient_pressure_pa
+    own["density_kg_per_m3"] *= density
+    own["mean_free_path_m"] /= density
+    return replace(gas, **{each: own[each] for each in lacking})
 
 
 class Rectangle(Section):
@@ -394,13 +415,16 @@ class Finger(Section):
 
     Attributes:
         shape: its outline
-        length_x_m: the rectangle's side, the ellipse's axis or the curve's extent, along x
-        length_y_m: the same along y
+        length_x_m: the rectangle's side, the ellipse's axis or the curve's extent, along x;
+            default: of a circle the diameter; else it must be written
+        length_y_m: the same along y; default: the same along y
+        diameter_m: of a circle, instead of its lengths
         rotation_deg: by how much its x axis is turned from the actuator's, against the clock
         speed_x_m_per_s: speed at which the surface passes it, towards +x of its own axes; 0 at rest
     """
 
-    shape: Literal["rectangle", "ellipse", "curve"] = "rectangle"
+    shape: Literal["rectangle", "ellipse", "circle", "curve"] = "rectangle"
+    diameter_m: Length | None = None
     outline: OutlineFile | None = None
     length_x_m: Length
     length_y_m: Length
@@ -408,8 +432,21 @@ class Finger(Section):
     speed_x_m_per_s: Annotated[float, Number("m/s", -10000, 10000)] = 0.0
     gap: GapShape = Field(default_factory=GapShape)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _circle(cls, keys: Any) -> Any:
+        """A circle is the ellipse of two equal axes."""
+        if not isinstance(keys, dict) or keys.get("shape") != "circle":
+            return keys
+        if "diameter" not in keys or {"length_x", "length_y"} & set(keys):
+            raise mistake("a circle has a diameter, and no length_x and length_y", "diameter")
+        sides = dict.fromkeys(("length_x", "length_y"), keys["diameter"])
+        return {key: keys[key] for key in keys if key != "diameter"} | sides | {"shape": "ellipse"}
+
     @model_validator(mode="after")
     def _outline_of_a_curve(self) -> "Finger":
+        if self.diameter_m is not None:
+            raise mistake(f"it is there, and finger.shape is {self.shape}", "diameter")
         curve = self.shape == "curve"
         if curve != (self.outline is not None):
             raise mistake(
