@@ -132,7 +132,7 @@ def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[
     values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
     beyond = ~(np.array([values[each.symbol] for each in limits]) <= [[e.bound] for e in limits])
-    for at in beyond.any(axis=1).nonzero()[0].tolist():
+    for at in np.flatnonzero(beyond.any(axis=1)).tolist():
         limit = limits[at]
         for row in np.flatnonzero(beyond[at] & FILMS[limit.films](scenes)).tolist():
             texts[row].append(limit.text(float(values[limit.symbol][row])))
