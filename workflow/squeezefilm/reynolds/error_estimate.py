@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import isfinite
 
 import numpy as np
@@ -70,7 +71,7 @@ def estimate(
     per_residual = stiffness_of(scenes, terms) / narrowest
     size, residual, moved = said["size"], said["residual"], said["newton_steps"] > 0
     loose = margin == 1 and tolerance >= LOOSE_FROM
-    share = np.maximum(LOOSE_SIZE_SHARE if loose else SIZE_SHARE, size_share_of(scenes, terms))
+    share = size_share_of(scenes, terms, least=LOOSE_SIZE_SHARE if loose else SIZE_SHARE)
     largest = np.maximum(said["moment"], share * size)
     fall: np.ndarray | float = UNKNOWN_FALL
     again = ~np.isnan(before[1])
@@ -109,11 +110,13 @@ def left_after(fall: np.ndarray | float) -> np.ndarray:
     return np.asarray(FALL_FACTOR * q / (1 - q))
 
 
+@lru_cache(maxsize=64)
 def margin_of(terms: Terms) -> float:
     """By which the estimates of films with some terms are increased."""
     return max(term.ESTIMATE_MARGIN for term in terms) if terms else 1.0
 
 
+@lru_cache(maxsize=64)
 def least_fall_of(terms: Terms) -> float:
     """The factor below which no changes of films with some terms are believed to fall."""
     return max((term.LEAST_FALL for term in terms), default=0.0)

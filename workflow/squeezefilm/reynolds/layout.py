@@ -96,9 +96,10 @@ def rows_of(
         numbers: with a row per scene.
         tolerance: of each scene on each stage, (scenes, stages).
     """
-    kind, places = _row_type(tuple(names for names, _ in columns), numbers.dtype)
+    names, whole = zip(*columns, strict=True)
+    kind, places = _row_type(names, numbers.dtype)
     table = np.empty((*tolerance.shape, kind.itemsize // 8), dtype=np.int64)
-    for place, (_, values) in zip(places, columns, strict=False):
+    for place, values in zip(places, whole, strict=False):
         table[:, :, place] = values
     reals = table.view(np.float64)
     reals[..., places[-1]] = numbers.view(np.float64).reshape(len(numbers), 1, -1)

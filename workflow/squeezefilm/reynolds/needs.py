@@ -148,9 +148,8 @@ class Needs:
 def needs_of(scenes: Scenes | Sequence[Scene] | Scene) -> Needs:
     """What scenes need, from their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
-    if (
-        not scenes.flat or len(scenes) > MOST_KEPT
-    ):  # a gap's terms go by its size where it is shaped
+    # The terms of a gap that is shaped at rest go by its size.
+    if not scenes.flat or len(scenes) > MOST_KEPT:
         return _needs_of(scenes)
     columns = (scenes.film_index, scenes.x_m, scenes.y_m)
     return replace(_kept_needs(scenes.films, *(each.tobytes() for each in columns)), scenes=scenes)

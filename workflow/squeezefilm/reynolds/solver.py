@@ -57,7 +57,7 @@ def solve(
     if not len(scenes):
         return Solutions.of([])
     scenes = Scenes.of(scenes)
-    if any("auto" in (film.gas.inertia, film.gas.heat) for film in scenes.films):
+    if any(["auto" in (film.gas.inertia, film.gas.heat) for film in scenes.films]):
         raise ValueError("what of a scene's gas is auto must be decided before it is solved")
 
     def attempt(some: Scenes) -> Solutions:

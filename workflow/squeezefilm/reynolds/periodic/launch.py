@@ -201,6 +201,7 @@ class Launch:
         return states
 
 
+@lru_cache(maxsize=64)
 def in_single(terms: Terms) -> bool:
     """Whether GMRES works in single precision: residual and state are double, so that only its
     steps are rounded. Most terms' own lines in the linear system are written for doubles.

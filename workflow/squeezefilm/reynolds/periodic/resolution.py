@@ -101,8 +101,6 @@ def first_grids(
         room: most unknowns of a grid that the device has memory for.
         kept: whether states are, of which quantities ask for more than the force does.
     """
-    seen = nodes_for_profile(needs, tolerance=tolerance)
-    curvature = needs.samples(share_of(tolerance)).curvature
     for kind, film, rows in _alike(needs):
         terms, finger = needs.kinds[kind], film.finger
         outline, aspect = finger.smooth_outline, finger.length_y_m / finger.length_x_m
@@ -111,20 +109,7 @@ def first_grids(
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
             share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
-        nodes, folds = seen[rows].T, np.array([needs.fold_x[rows], needs.fold_y[rows]])
-        wanted = _points(
-            needs.scenes if isinstance(rows, slice) else needs.scenes[rows],
-            terms,
-            outline,
-            aspect,
-            nodes=nodes,
-            curvature=curvature[rows].T,
-            folds=folds,
-            tolerance=tolerance,
-            share=share,
-            step=step,
-        )
-        columns = np.concatenate([wanted, folds, nodes])
+        columns = _points(needs, rows, film, tolerance=tolerance, share=share, step=step)
         numbers = np.arange(len(needs))[rows]
         for some in rows_alike(CODE @ columns):
             each = columns[:, some[0]].tolist()
@@ -189,29 +174,24 @@ def _alike(needs: Needs) -> Iterator[tuple[int, Film, Rows]]:
 
 
 def _points(
-    scenes: Scenes,
-    terms: Terms,
-    outline: Outline | None,
-    aspect: float,
-    *,
-    nodes: np.ndarray,
-    curvature: np.ndarray,
-    folds: np.ndarray,
-    tolerance: float,
-    share: float,
-    step: int,
+    needs: Needs, rows: Rows, film: Film, *, tolerance: float, share: float, step: int
 ) -> np.ndarray:
-    """Unknowns nx, ny and instants nt, (3, n), that leave a share of the tolerance.
+    """Unknowns nx, ny and instants nt of scenes like a film's that leave a share of the tolerance.
+
+    Below them, in (7, n), whether half is enough along x, y, and nodes along them without which a
+    grid would not see the profile.
 
     Time: powers of 1/(1 + ε sin T) have harmonics that decay like ρ^k, ρ = ε / (1 + √(1 − ε²)).
 
     Args:
-        nodes: along x, y without which a grid would not see the profile, (2, n).
-        curvature: of the profile along x, y, (2, n).
-        folds: whether half is enough along x, y, (2, n).
         step: of which unknowns along the axes are multiples, FOURS or TWOS.
     """
-    digits = log10(1 / (share * tolerance))
+    scenes = needs.scenes if isinstance(rows, slice) else needs.scenes[rows]
+    terms, digits = needs.kinds[needs.kind[rows][0]], log10(1 / (share * tolerance))
+    outline, aspect = film.finger.smooth_outline, film.finger.length_y_m / film.finger.length_x_m
+    nodes = nodes_for_profile(needs, tolerance=tolerance)[rows].T
+    curvature = needs.samples(share_of(tolerance)).curvature[rows].T
+    folds = np.array([needs.fold_x[rows], needs.fold_y[rows]])
     epsilon, sigma, bend = gap_numbers(scenes)
     moving = np.maximum(epsilon, TINY)  # of films at rest, too, there are logarithms
     ratio = moving / (1 + np.sqrt(1 - epsilon**2))
@@ -240,7 +220,7 @@ def _points(
         wanted[1] = _nodes_around(digits, width[1], outline)
     most = np.where(shares > 1, MOST_FIRST_FOLDED, MOST_FIRST)
     unknowns = np.minimum(step * np.ceil(np.maximum(nodes, wanted) / shares / step), most)
-    return np.concatenate([unknowns, nt[None]])
+    return np.concatenate([unknowns, nt[None], folds, nodes])
 
 
 def _nodes(digits: float, *, sigma: np.ndarray, width: np.ndarray) -> np.ndarray:

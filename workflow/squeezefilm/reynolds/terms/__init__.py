@@ -5,7 +5,7 @@ Here alone are they listed, in the order in which they are spoken of.
 
 from __future__ import annotations
 
-from functools import reduce
+from functools import lru_cache, reduce
 from math import inf
 from typing import Any
 
@@ -93,11 +93,12 @@ def layer_stiffness_of(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> A
     return reduce(np.maximum, (term.layer_stiffness(scene, sigma=sigma) for term in terms), 1.0)
 
 
-def size_share_of(scene: OperatingPoints, terms: Terms) -> Any:
+def size_share_of(scene: OperatingPoints, terms: Terms, *, least: float) -> Any:
     """Share of the size of two grids' difference that counts at least."""
-    return reduce(np.maximum, (term.size_share(scene) for term in terms), 0.0)
+    return reduce(np.maximum, [term.size_share(scene) for term in terms], least)
 
 
+@lru_cache(maxsize=64)
 def unknown_fields(terms: Terms) -> int:
     """Fields that the periodic state solves for."""
     return 1 + sum(term.UNKNOWN_FIELDS for term in terms)
