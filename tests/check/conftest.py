@@ -16,36 +16,22 @@ REFERENCE = "tests/reference"
 TABLE = "results/quick/check/check.csv"
 
 
-def read_check(path: Path) -> pd.DataFrame:
-    """The table of a check, all its cells but the last column as texts."""
-    table = pd.read_csv(path, dtype=str, keep_default_na=False)
-    return table.assign(of_tolerance=table["of_tolerance"].astype(float))
+Failed = set[tuple[str, str, str]]
+
+
+def failed_in(table: Path) -> Failed:
+    """Part, item and quantity of what failed in the table of a check."""
+    rows = pd.read_csv(table, dtype=str, keep_default_na=False).query("verdict == 'failed'")
+    return set(rows[["part", "item", "quantity"]].itertuples(index=False, name=None))
 
 
 @dataclass(frozen=True)
 class Checked:
-    """A checkout in which the quick study was made and checked."""
+    """A checkout in which the quick study was made and checked, as `make check` does."""
 
     folder: Path
     status: int
     log: str
-
-    @property
-    def table(self) -> pd.DataFrame:
-        return read_check(self.folder / TABLE)
-
-    @property
-    def failed(self) -> set[tuple[str, str, str]]:
-        """Part, item and quantity of what failed."""
-        table = self.table
-        rows = table.loc[table["verdict"] == "failed", ["part", "item", "quantity"]]
-        return set(rows.itertuples(index=False, name=None))
-
-
-def run_check(folder: Path, *arguments: str, environment: dict[str, str] | None = None) -> Checked:
-    """`snakemake check`, as `make check` calls it."""
-    done = snakemake(folder, "check", *QUICK, *arguments, environment=environment)
-    return Checked(folder, done.returncode, done.stdout)
 
 
 @pytest.fixture(scope="session")
@@ -53,8 +39,10 @@ def sound(repository, tmp_path_factory):
     """The study as it is."""
     folder = tmp_path_factory.mktemp("sound") / "checkout"
     copy_with_results(repository, folder, REFERENCE)
-    shutil.rmtree(folder / "results/quick/check", ignore_errors=True)
-    return run_check(folder)
+    for table in folder.glob("results/quick/check/check.*"):
+        table.unlink()
+    done = snakemake(folder, "check", *QUICK)
+    return Checked(folder, done.returncode, done.stdout)
 
 
 @pytest.fixture
@@ -71,17 +59,16 @@ class Results:
     folder: Path
     checkout: Path
 
-    def failed(self) -> set[tuple[str, str, str]]:
-        """Part, item and quantity of what fails now; the exit status must say so too."""
+    def failed(self) -> Failed:
+        """What fails now; the exit status must say so too."""
         output = self.folder / "check.csv"
         config = self.checkout / "config" / "quick.yaml"
         reference = self.checkout / REFERENCE / "quick"
         words = [str(self.folder), f"--config={config}", f"--reference={reference}"]
         status = cli.main(["check", *words, f"--output={output}"])
-        table = read_check(output)
-        rows = table.loc[table["verdict"] == "failed", ["part", "item", "quantity"]]
-        assert status == (1 if len(rows) else 0)
-        return set(rows.itertuples(index=False, name=None))
+        failed = failed_in(output)
+        assert status == (1 if failed else 0)
+        return failed
 
 
 @pytest.fixture

@@ -14,10 +14,11 @@ from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.self_test import ITERATION_TOLERANCE, films
+from squeezefilm.reynolds.self_test import films
 from squeezefilm.reynolds.terms import terms_of
 
 KERNELS = tuple(films())
+TOLERANCE = 1e-4  # every branch is reached; here and there the same iterations are left out
 # What is made wrong in vectors.cl on demand, to see that it is found.
 SCALED = "FOR_EACH(i, count4 / (LANES / 4)) a_lanes[i] *= factor;\n    "
 SOUND = f"{SCALED}SYNC;"
@@ -32,7 +33,7 @@ def means(device: Device, kernel: str) -> list[float]:
     scene, grid = films()[kernel]
     grids = [Grid(points, 4, 8, grid.fold_x, grid.fold_y) for points in (4, 8)]
     scenes = Scenes.of(_two(scene))
-    batch = Batch(scenes, terms_of(scene), grids, [ITERATION_TOLERANCE] * 2)
+    batch = Batch(scenes, terms_of(scene), grids, [TOLERANCE] * 2)
     (states,) = launch([batch], device=device).states()
     return np.concatenate([state.mean for state in states]).tolist()
 

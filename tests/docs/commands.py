@@ -20,24 +20,24 @@ NAMES = {
 }
 """Commands that a text may only name, such as `squeezefilm budget`, `snakemake refine optimal`."""
 
-MADE = "results/paper/simulations/screen"
+MADE = "results/quick/simulations/screen"
 PLACEHOLDERS = {
     "CONFIG.yaml": "config/paper.yaml",
     "SCENES.csv": f"{MADE}/scenes.csv",
     "/PLAN/": "/screen/",
+    "results/paper/": "results/quick/",
 }
-"""What stands for a file of the reader's own; what is written keeps its name."""
+"""What stands for a file of the reader's own, and the paper's study in small."""
 
+REPORT_OF_MINE = "make report CONFIG=config/mine.yaml REPORT=results/mine.html"
 SMALLER = {
     "squeezefilm new my-actuator": (
         "squeezefilm new my-actuator && sed -i 's/{start:/{levels: 4, start:/'"
         " config/my-actuator.yaml && cat sizes.yaml >> config/my-actuator.yaml"
     ),
     "make reference": "make reference STUDIES=mine",
-    "make report CONFIG=config/quick.yaml": "make report CONFIG=config/mine.yaml",
-    "make report CONFIG=config/my-actuator.yaml REPORT=results/my-actuator.html": (
-        "make report CONFIG=config/mine.yaml REPORT=results/mine.html"
-    ),
+    "make report CONFIG=config/quick.yaml": REPORT_OF_MINE,
+    "make report CONFIG=config/my-actuator.yaml REPORT=results/my-actuator.html": REPORT_OF_MINE,
     "make resume CONFIG=config/quick.yaml": "make resume CONFIG=config/mine.yaml",
     "snakemake verification --configfile config/quick.yaml": "snakemake verification",
 }

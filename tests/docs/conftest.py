@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from ..workflow.conftest import copy_checkout
+from ..workflow.conftest import copy_with_results
 from .commands import MADE, Command, as_run, to_run
 
 FILES = ("Makefile", "README.md", "LICENSE", "docs")
@@ -54,24 +54,24 @@ def block(page: Path, beginning: str) -> str:
     return re.sub(r"^    ", "", lines[0], flags=re.MULTILINE)
 
 
-def edited(path: Path, changes: dict[str, str], *, to: Path | None = None) -> None:
+def edited(path: Path, changes: dict[str, str]) -> None:
     """Replace each pattern, which must be there."""
     text = path.read_text(encoding="utf-8")
     for pattern, new in changes.items():
         text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
         assert count, pattern
-    (to or path).write_text(text, encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
 
 
 def small_checkout(repository: Path, folder: Path) -> Path:
     """A copy of the checkout in which the docs' studies are small, with the environment here."""
-    copy_checkout(repository, folder, *FILES)
+    copy_with_results(repository, folder, *FILES)
     for name in OF_THE_ENVIRONMENT:
         shutil.copy2(repository / name, folder / name)  # with its time: `make` installs nothing
     (folder / ".venv").symlink_to(sys.prefix)
-    (folder / "results").mkdir()
+    (folder / "results").mkdir(exist_ok=True)
     config = folder / "config"
-    edited(config / "quick.yaml", {r"^study: .*": "study: paper"}, to=config / "paper.yaml")
+    shutil.copy(config / "quick.yaml", config / "paper.yaml")
     (folder / "sizes.yaml").write_text(SIZES, encoding="utf-8")
     models = block(folder / "docs/how-to/compare-models.md", "models:")
     mine = block(folder / "docs/reference/configuration.md", "study: mine") + models

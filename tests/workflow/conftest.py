@@ -17,7 +17,7 @@ from reporting.results import Results
 HERE = Path(__file__).resolve().parent
 PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")
 QUICK = ("--configfile", "config/quick.yaml")
-EVERYTHING = ("paper", "verification", "models", "optimal", "refine", "sweep")
+EVERYTHING = ("paper", "models", "optimal", "refine", "sweep")
 
 
 def copy_checkout(source: Path, target: Path, *more: str) -> Path:
@@ -69,8 +69,8 @@ class Finished:
 
 @pytest.fixture(scope="session")
 def finished(repository, tmp_path_factory):
-    """The quick study, run from start to end."""
-    folder = copy_checkout(repository, tmp_path_factory.mktemp("run") / "checkout")
+    """The quick study, run to its end."""
+    folder = copy_with_results(repository, tmp_path_factory.mktemp("run") / "checkout")
     done = snakemake(folder, *EVERYTHING, *QUICK)
     assert done.returncode == 0, done.stdout[-6000:]
     return Finished(folder, done.stdout)
