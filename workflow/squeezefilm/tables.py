@@ -4,6 +4,8 @@ A table is CSV, or Parquet where its file name ends in ``.parquet``: for plans s
 would take longer to read than scenes to solve.
 """
 
+from __future__ import annotations
+
 import csv
 import io
 import json
@@ -51,7 +53,7 @@ def read_scenes(path: Path | str, *, rows: Rows = slice) -> pd.DataFrame:
     """Read a plan: ``point_id`` as text, the four factors as finite numbers, order kept.
 
     Args:
-        rows: which of them, given how many there are; of Parquet no others are held.
+        rows: which of them, given how many there are.
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
@@ -175,7 +177,7 @@ def _csv_rows(
 def _parquet_rows(
     path: Path, *, wanted: Callable[[Sequence[str]], list[str]], rows: Rows
 ) -> tuple[pd.DataFrame, list[int]]:
-    """Some rows of a Parquet file; no other row groups are held."""
+    """Some rows of a Parquet file, and their numbers."""
     with needing("workflow", what="a table in Parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
@@ -183,26 +185,21 @@ def _parquet_rows(
     try:
         with pq.ParquetFile(path) as file:
             columns = wanted(file.schema_arrow.names)
-            metadata = file.metadata
-            sizes = [metadata.row_group(group).num_rows for group in range(metadata.num_row_groups)]
-            start, stop, _ = rows(metadata.num_rows).indices(metadata.num_rows)
-            ends = np.cumsum(sizes, dtype=int)
-            groups = np.flatnonzero((ends > start) & (ends - sizes < stop))
-            first = int(ends[groups[0]] - sizes[groups[0]]) if len(groups) else 0
-            found = file.read_row_groups(groups.tolist(), columns=columns)
-            found = found.slice(start - first, stop - start)
+            read = file.read(columns=columns)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such table") from None
     except (OSError, pa.ArrowException) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: the table cannot be read: {reason}") from None
+    asked = range(read.num_rows)[rows(read.num_rows)]
+    found = read.slice(asked.start, len(asked))
     for column in found.schema:
         text = pa.types.is_string(column.type) or pa.types.is_large_string(column.type)
         number = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
         kind = "text" if column.name in TEXT_COLUMNS else "numbers"
         if not (text if kind == "text" else number):
             raise InputError(f"{path}: column {column.name!r} holds {column.type}, not {kind}")
-    return found.to_pandas()[columns], [*range(start + 1, start + len(found) + 1)]
+    return found.to_pandas()[columns], [row + 1 for row in asked]
 
 
 def _number(cell: str | float) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import product
 from math import prod
@@ -30,13 +29,14 @@ from squeezefilm.units import quantities
 if TYPE_CHECKING:
     import xarray
 
+    from squeezefilm.api.points import Points
+
 Values = str | float | Sequence[float] | np.ndarray
 """Values of one factor: a number in SI units (degrees for angles), several of them, or a text with
 units such as ``"5 um"``, ``"5 um, 6 um"``, ``"0.5:2.5:9 um"`` (first:last:count)."""
 COLUMNS = {"h0": "h0_m", "hv": "hv_m", "x": "x_m", "y": "y_m", "phi_r": "phi_r_m", "phi": "phi_deg"}
 """What the factors are called where they are asked for, and their columns."""
 MOST_POINTS = 1_000_000
-WIDTH = 80
 
 
 class Position(TypedDict, total=False):
@@ -48,36 +48,8 @@ class Position(TypedDict, total=False):
     phi: Values | None
 
 
-class Points(pd.DataFrame):
-    """A table with a row for each point, as pandas has it, which shows what it holds.
-
-    All columns, and 2.2e-06 for what pandas shows as 0.000002 where no other format is set.
-    """
-
-    @property
-    def _constructor(self) -> type[Points]:
-        return Points
-
-    def __repr__(self) -> str:
-        with _shown_whole():
-            return str(super().__repr__())
-
-    def _repr_html_(self) -> str | None:
-        with _shown_whole():
-            html: str | None = super()._repr_html_()  # type: ignore[misc]
-            return html
-
-
-def _shown_whole() -> AbstractContextManager[None]:
-    number = pd.get_option("display.float_format") or "{:.6g}".format
-    whole = ("display.width", WIDTH, "display.max_columns", None)
-    return pd.option_context(*whole, "display.float_format", number)
-
-
-def points_of(*, option: str = "{}", **given: Values | None) -> Points:
+def columns_of(*, option: str = "{}", **given: Values | None) -> dict[str, tuple[float, ...]]:
     """Every combination of the values given, a column for each factor given.
-
-    What is added to it, such as forces, is a table of Points again.
 
     Args:
         option: how a factor's name is written in messages.
@@ -102,7 +74,14 @@ def points_of(*, option: str = "{}", **given: Values | None) -> Points:
         raise InputError(message.format(**called))
     if (count := prod(map(len, values_of.values()))) > MOST_POINTS:
         raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
-    return Points(list(product(*values_of.values())), columns=list(values_of), dtype=float)
+    return dict(zip(values_of, zip(*product(*values_of.values()), strict=True), strict=False))
+
+
+def points_of(*, option: str = "{}", **given: Values | None) -> Points:
+    """The same as a table; what is added to it, such as forces, is a table of Points again."""
+    from squeezefilm.api.points import Points
+
+    return Points(columns_of(option=option, **given), dtype=float)
 
 
 def levels(values: Values, *, called: str, unit: str) -> list[float]:
@@ -189,12 +168,12 @@ class Film:
 
         Raises InputError for a value without meaning or unit, and for a finger off the actuator.
         """
-        points = points_of(h0=h0, hv=hv, **position)
-        if len(points) != 1:
-            raise InputError(f"one scene is asked for, not {len(points)}: `curve` takes several")
-        return self.scenes(points)[0]
+        scenes = self.scenes(columns_of(h0=h0, hv=hv, **position))
+        if len(scenes) != 1:
+            raise InputError(f"one scene is asked for, not {len(scenes)}: `curve` takes several")
+        return scenes[0]
 
-    def scenes(self, points: pd.DataFrame) -> Scenes:
+    def scenes(self, points: pd.DataFrame | Mapping[str, Sequence[float]]) -> Scenes:
         """The operating points of a table: h0_m, hv_m and a position, if any.
 
         Raises InputError as ``scene`` does.

@@ -1,5 +1,7 @@
 """Commands that solve the film equation: forces, what it leaves out of them, pressure fields."""
 
+from __future__ import annotations
+
 import argparse
 import sys
 from contextlib import nullcontext
@@ -32,12 +34,12 @@ from squeezefilm.cli.options import (
     SCENES,
     STUDY,
     TOLERANCE,
+    columns_in,
     command,
     film_at,
     flag,
     option,
     points,
-    points_in,
     write_rows,
 )
 from squeezefilm.config.loading import load_config
@@ -93,15 +95,14 @@ def simulate(options: argparse.Namespace) -> None:
     settings = solver_settings(
         film.config, tolerance=options.tolerance, method=options.method, outputs=outputs
     )
-    points, path = points_in(options), options.scenes
-    if (path is None) == points.columns.empty:
+    points, path = columns_in(options), options.scenes
+    if (path is None) == (not points):
         raise InputError("give a table of scenes, or points by --h0 and --hv")
     if path is None and not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give both --h0 and --hv")
     if options.dry_run:
-        rows = points if path is None else read_scenes(path)
         with naming(path) if path else nullcontext():
-            scenes = film.scenes(rows)
+            scenes = film.scenes(read_scenes(path) if path else points)
         device = device_of(film.config, option=options.device)
         table = preview_table(scenes, settings=settings, device=device)
         if options.output is not None:
@@ -114,7 +115,10 @@ def simulate(options: argparse.Namespace) -> None:
 
 
 def _simulate_points(
-    points: pd.DataFrame, options: argparse.Namespace, film: Film, settings: SolverSettings
+    points: dict[str, tuple[float, ...]],
+    options: argparse.Namespace,
+    film: Film,
+    settings: SolverSettings,
 ) -> None:
     """One force with all that is known of it, or a table of several."""
     scenes, smoothed = film.scenes(points), film.scan
@@ -126,7 +130,7 @@ def _simulate_points(
         print(forces[0])
     else:
         forces = forces_of(scenes, derivatives=options.derivatives, budget=options.budget, **how)
-        write_rows(forces_table(points, forces), options.output)
+        write_rows(forces_table(pd.DataFrame(points), forces), options.output)
         for warning in smoothed.warnings if smoothed else ():
             print(warning, file=sys.stderr)
     failures = [

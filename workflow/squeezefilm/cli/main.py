@@ -1,11 +1,9 @@
 """The command line: a module per command, loaded when it is called."""
 
 import argparse
-import difflib
 import gc
 import importlib
 import importlib.util
-import inspect
 import os
 import re
 import signal
@@ -15,6 +13,7 @@ import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NoReturn
 
 from squeezefilm import __version__
@@ -99,9 +98,12 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
     # of a small command.
     gc.disable()
     with _ending_at_once():
+        sys.modules.setdefault("pandas", _LoadedWhenUsed("pandas"))
         command = loaded(chosen, commands[chosen])
     gc.freeze()
     gc.enable()
+    import inspect  # with difflib a third of what `squeezefilm --help` would load
+
     parser = argparse.ArgumentParser(
         prog=f"squeezefilm {chosen}",
         description=inspect.cleandoc(command.run.__doc__ or command.__doc__),
@@ -135,6 +137,8 @@ def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) ->
 
 
 def _nearest(word: str, known: Iterable[str]) -> str:
+    import difflib
+
     near = difflib.get_close_matches(word, [*known], n=1)
     return f"did you mean {near[0]!r}? " if near else ""
 
@@ -143,6 +147,16 @@ def loaded(name: str, place: str) -> Any:
     """A command: a module of a package, or what a module has under this name."""
     name, module = name.replace("-", "_"), importlib.import_module(place)
     return getattr(module, name, None) or importlib.import_module(f"{place}.{name}")
+
+
+class _LoadedWhenUsed(ModuleType):
+    """A package whose import waits for its first use: one force needs no tables."""
+
+    def __getattr__(self, name: str) -> Any:
+        if sys.modules[self.__name__] is self:
+            del sys.modules[self.__name__]
+        with _ending_at_once():
+            return getattr(importlib.import_module(self.__name__), name)
 
 
 @contextmanager

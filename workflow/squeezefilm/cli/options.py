@@ -3,6 +3,8 @@
 The docstring of a command is its help.
 """
 
+from __future__ import annotations
+
 import argparse
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.api.film import Film, Values, points_of
+from squeezefilm.api.film import Film, Values, columns_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
@@ -96,16 +98,21 @@ def film_at(path: str | None) -> Film:
     return Film(load_config(path or PAPER_CONFIG, model=FilmSections))
 
 
-def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
+def columns_in(options: argparse.Namespace, **defaults: Values) -> dict[str, tuple[float, ...]]:
     """Every combination of the options' values, a column for each factor given or with a default.
 
     Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
     given = {name: getattr(options, name, None) for name in POINTS}
-    return points_of(
+    return columns_of(
         option="--{}",
         **{name: defaults.get(name) if each is None else each for name, each in given.items()},
     )
+
+
+def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
+    """The same as a table."""
+    return pd.DataFrame(columns_in(options, **defaults))
 
 
 def write_rows(table: pd.DataFrame, path: str | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import atan2, degrees, hypot
 from pathlib import Path
@@ -157,7 +157,12 @@ def film_in(config: Config, *, profile: Profile | None = None) -> Film:
     return Film(Gas(**config["gas"]), actuator, finger_of(config))
 
 
-def scenes_in(table: pd.DataFrame, config: Config, *, profile: Profile | None = None) -> Scenes:
+def scenes_in(
+    table: pd.DataFrame | Mapping[str, Sequence[float]],
+    config: Config,
+    *,
+    profile: Profile | None = None,
+) -> Scenes:
     """The scenes of a table on the study's film.
 
     Args:
@@ -169,9 +174,9 @@ def scenes_in(table: pd.DataFrame, config: Config, *, profile: Profile | None = 
     """
     if missing := [name for name in FACTOR_COLUMNS[:2] if name not in table]:
         raise InputError(f"points need the column {missing[0]!r}")
-    names, centre = as_in(FACTOR_COLUMNS, table), np.zeros(len(table))
+    names, centre = as_in(FACTOR_COLUMNS, table), np.zeros(len(table["h0_m"]))
     h0_m, hv_m, x_m, y_m = (np.asarray(table.get(name, centre), dtype=float) for name in names)
-    numbered = table.get("point_id", np.arange(1, len(table) + 1))
+    numbered = table.get("point_id", np.arange(1, len(centre) + 1))
     point_id = np.array(list(map(str, numbered)), dtype=object)
     if POLAR[0] in names:
         for row in np.flatnonzero(x_m < 0)[:1]:

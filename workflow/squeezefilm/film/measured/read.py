@@ -17,6 +17,8 @@ the line at the actuator's frequency is taken; points are those of data set 15 o
 of data set 164.
 """
 
+from __future__ import annotations
+
 import csv
 import io
 import math

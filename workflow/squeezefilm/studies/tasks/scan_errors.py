@@ -1,5 +1,7 @@
 """What a scan leaves open in the forces that are simulated with its profile."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import replace
