@@ -8,6 +8,7 @@ rule design_two_factor:
         designs=["<results>/designs/two_factor.csv"],
         searches="<results>/designs/two_factor_searches.csv",
         summary="<results>/designs/two_factor.json",
+    priority: 2
     threads: cores_for(CONFIG["design"]["searches"])
     params:
         code=CODE["models"],

@@ -11,6 +11,8 @@ rule fit:
     output:
         fits=["<results>/fits/{fit}.json"],
         runs="<results>/fits/{fit}_runs.csv",
+    # All that is designed and judged waits for it.
+    priority: 2
     threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
     params:
         code=CODE["models"],

@@ -48,7 +48,6 @@ rule refine_model:
     input:
         kernels="<results>/simulations/device.json",
         sample="<results>/simulations/validation_{space}/forces.csv",
-        sample_limits="<results>/simulations/validation_{space}/limits.csv",
         scan=SCAN_SUMMARY,
     output:
         rounds="<results>/refine/{space}/{model}/rounds.csv",

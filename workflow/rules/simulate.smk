@@ -36,6 +36,7 @@ rule simulate_plan:
         timings=f"{PLAN}/timings.{{suffix}}",
     wildcard_constraints:
         plan="|".join(plan for plan in PLANS if plan not in DIVIDED),
+    priority: 1
     resources:
         mem_mb=lambda wildcards, attempt: 2000 * attempt,
         runtime=lambda wildcards, attempt: 30 * attempt,

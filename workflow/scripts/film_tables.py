@@ -28,21 +28,6 @@ def levitation() -> pd.DataFrame:
     return levitations(moved, loads_n, how=how, scan_error_n=scan_error_n)
 
 
-def response() -> pd.DataFrame:
-    """How the plan's forces follow a changing amplitude."""
-    return responses(points, scenes, tolerance=settings.tolerance, device=device)
-
-
-def gains() -> pd.DataFrame:
-    """How much of a modulation of the amplitude the plan's forces follow."""
-    return all_gains(points, scenes, FREQUENCY_HZ)
-
-
-def budget() -> pd.DataFrame:
-    """What the film equation leaves out of the plan's forces."""
-    return budget_table(points, config)
-
-
 def film() -> pd.DataFrame:
     """Gap and pressure along the middle of the finger over a period."""
     from reporting.cross_section import cross_section
@@ -56,6 +41,12 @@ snakemake, config = begin_with_study()
 settings, device = solver_settings(config, outputs=()), device_of(config)
 points = read_scenes(snakemake.input.scenes)
 scenes = scenes_in(points, config)
-tables = {table.__name__: table for table in (budget, gains, levitation, response, film)}
+tables = {
+    "budget": lambda: budget_table(points, config),
+    "film": film,
+    "gains": lambda: all_gains(points, scenes, FREQUENCY_HZ),
+    "levitation": levitation,
+    "response": lambda: responses(points, scenes, tolerance=settings.tolerance, device=device),
+}
 for path in snakemake.output:
     write_table(tables[Path(path).stem](), path)

@@ -11,7 +11,7 @@ from squeezefilm.tables import read_json, read_ok_forces, read_scenes
 snakemake, config = begin_with_study()
 files = snakemake.input
 with naming(files.fit):
-    designs, efficiencies, sensitivity, summary = designs_of_fit(
+    designs = designs_of_fit(
         read_fit(files.fit),
         config,
         forces=read_ok_forces(files.forces),
@@ -19,10 +19,4 @@ with naming(files.fit):
         plans={Path(path).parent.name: read_scenes(path) for path in files.plans},
         patterns=read_json(files.patterns),
     )
-write(
-    snakemake.output,
-    designs=designs,
-    efficiencies=efficiencies,
-    sensitivity=sensitivity,
-    summary=summary,
-)
+write(snakemake.output, **designs)

@@ -13,7 +13,6 @@ tables, fit, verdict = refine(
     config,
     space=snakemake.wildcards.space,
     sample=read_forces(files.sample),
-    sample_limits=files.sample_limits,
     uncertainty=profile_uncertainty(config, summary=files.scan),
 )
 write(snakemake.output, **tables, fit=fit, verdict=verdict)

@@ -146,12 +146,12 @@ def optimal(options: argparse.Namespace) -> None:
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     config = load_config(options.config)
     with naming(options.fit):
-        designs, efficiencies, *_ = designs_of_fit(
+        found = designs_of_fit(
             fitted,
             config,
             forces=forces,
             limits=limits_for(fitted.force_model, forces, config),
             existing=read_scenes(options.existing) if options.existing else None,
         )
-    write_table(designs, options.output)
-    write_rows(efficiencies[["plan", "points", "d_efficiency", "lower_bound"]], None)
+    write_table(found["designs"], options.output)
+    write_rows(found["efficiencies"][["plan", "points", "d_efficiency", "lower_bound"]], None)

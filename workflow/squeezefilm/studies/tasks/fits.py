@@ -25,7 +25,7 @@ from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import errors_in_study
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
 
-Limits = pd.DataFrame | Path | str | None
+Limits = pd.DataFrame | None
 
 
 def profile_uncertainty(config: Config, *, summary: Path | str | None = None) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -220,11 +219,11 @@ def designs_of_fit(
     config: Config,
     *,
     forces: pd.DataFrame,
-    limits: Path | str | pd.DataFrame | None = None,
+    limits: pd.DataFrame | None = None,
     existing: pd.DataFrame | None = None,
     plans: Mapping[str, pd.DataFrame] | None = None,
     patterns: Mapping[str, Any] | None = None,
-) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame, dict[str, Any]]:
+) -> dict[str, Any]:
     """All optimal designs of a fit, with its plans and patterns beside them.
 
     Args:
@@ -233,8 +232,8 @@ def designs_of_fit(
         plans: scenes of other plans, by their names.
         patterns: summary of the searches by the paper's criterion.
 
-    Returns: the designs' points, efficiencies beside other plans, a map of the sensitivity, and a
-        summary.
+    Returns: tables ``designs``, their points, ``efficiencies`` beside other plans, and
+        ``sensitivity``, a map; and a ``summary``.
 
     Raises InputError where the model cannot be used on these points, or has no parameters.
     """
@@ -263,9 +262,9 @@ def designs_of_fit(
         "parameter_ranges_note": RANGES_NOTE,
     }
     points = [_table(study, *each, existing) for each in designs.items()]
-    return (
-        pd.concat(points, ignore_index=True),
-        table,
-        sensitivity_map(study, designs["local"]),
-        summary,
-    )
+    return {
+        "designs": pd.concat(points, ignore_index=True),
+        "efficiencies": table,
+        "sensitivity": sensitivity_map(study, designs["local"]),
+        "summary": summary,
+    }

@@ -1,7 +1,6 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ from squeezefilm.solution import as_in
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in
-from squeezefilm.studies.tasks.fits import fit_values, validated
+from squeezefilm.studies.tasks.fits import fit_values, limits_for, validated
 from squeezefilm.studies.tasks.physics_limits import with_limits
 from squeezefilm.tables import (
     FACTOR_COLUMNS,
@@ -89,7 +88,6 @@ def refine(
     *,
     space: str,
     sample: pd.DataFrame,
-    sample_limits: Path | str,
     uncertainty: float,
 ) -> tuple[dict[str, pd.DataFrame], dict[str, Any], dict[str, Any]]:
     """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
@@ -99,7 +97,7 @@ def refine(
 
     Args:
         space: ``two_factor`` or ``four_factor``.
-        sample: forces of a validation sample; sample_limits the table of its physics limits.
+        sample: forces of a validation sample.
         uncertainty: share of a force that the scan of a measured profile leaves open.
 
     Returns: tables by their names (TABLES), the last fit, and the verdict.
@@ -127,7 +125,7 @@ def refine(
     print(f"{outcome.verdict}: {outcome.reason}")
     values = _fit_values(model, simulated, outcome, uncertainty=uncertainty)
     fit = fit_of(values, place=f"{config['study']}: {model.name}")
-    fit = validated(fit, config, sample=sample, limits=sample_limits)
+    fit = validated(fit, config, sample=sample, limits=limits_for(model, sample, config))
     print(fit.statement)
     last, points = outcome.rounds[-1], outcome.simulated
     where, source = _map(model, simulated, outcome)
