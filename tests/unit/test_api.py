@@ -39,10 +39,21 @@ def test_every_name_is_there_and_is_told_to_type_checkers_alike(repository):
         _ = sf.lod
 
 
-def test_to_import_it_loads_nothing_heavy():
-    code = "import sys, squeezefilm; print(*{'numpy', 'pandas', 'pyopencl'} & sys.modules.keys())"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == ""
+LIGHT = {
+    "import squeezefilm": {"numpy", "pandas", "pyopencl"},
+    "from squeezefilm.cli.main import main; main('simulate --h0 5um --hv 2um'.split())": {
+        *("pandas.core", "scipy")
+    },
+}
+
+
+@pytest.mark.parametrize("code", LIGHT)
+def test_it_loads_nothing_heavy_that_is_not_needed(code):
+    words = [sys.executable, "-c", f"{code}\nimport sys; print(sorted(sys.modules))"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    loaded = set(ast.literal_eval(done.stdout.splitlines()[-1]))
+    assert "squeezefilm" in loaded
+    assert not LIGHT[code] & loaded
 
 
 def test_a_force_has_its_error_and_what_its_equation_leaves_out(study):

@@ -40,7 +40,6 @@ GROUPS: Groups = {
 package."""
 INTERRUPTED = "squeezefilm: interrupted\n"
 NEGATIVE = re.compile(r"-\.?\d")
-OPTION = re.compile(r"--[a-z][a-z0-9-]*")
 NAME_WIDTH, WIDTH = 18, 100
 
 
@@ -77,9 +76,8 @@ def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> 
     The status is 0 for done, 1 for what could not be completed, 2 for invalid input, 130 after
     Ctrl-C, at which the loading of a command ends in one line as well.
     """
-    words = with_negative_values(sys.argv[1:] if arguments is None else arguments)
     try:
-        return _run(words, groups=groups)
+        return _run(sys.argv[1:] if arguments is None else arguments, groups=groups)
     except KeyboardInterrupt:
         sys.stderr.write(INTERRUPTED)
         return 130
@@ -109,6 +107,7 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         description=inspect.cleandoc(command.run.__doc__ or command.__doc__),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser._negative_number_matcher = NEGATIVE  # for values such as that of --x -2mm
     command.add_arguments(parser)
     options, unknown = parser.parse_known_args(words[1:])
     if unknown:
@@ -175,17 +174,6 @@ def _ending_at_once() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-def with_negative_values(words: Sequence[str]) -> list[str]:
-    """Words of a command line in which no value looks like an option: ``--x -2mm`` as one word."""
-    found: list[str] = []
-    for word in words:
-        if found and NEGATIVE.match(word) and OPTION.fullmatch(found[-1]):
-            found[-1] += f"={word}"
-        else:
-            found.append(word)
-    return found
 
 
 def overview(groups: Groups) -> str:

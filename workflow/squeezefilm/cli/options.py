@@ -6,9 +6,9 @@ The docstring of a command is its help.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pandas as pd
@@ -37,21 +37,14 @@ OptionAdder = Callable[[argparse.ArgumentParser], object]
 Run = Callable[[argparse.Namespace], int | None]
 
 
-@dataclass(frozen=True)
-class Command:
-    """A command: the function that runs it, and what adds its options to a parser."""
+def command(*options: OptionAdder) -> Callable[[Run], SimpleNamespace]:
+    """Make a function a command that has some options."""
 
-    run: Run
-    options: Sequence[OptionAdder]
-
-    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
-        for add in self.options:
+    def add_arguments(parser: argparse.ArgumentParser) -> None:
+        for add in options:
             add(parser)
 
-
-def command(*options: OptionAdder) -> Callable[[Run], Command]:
-    """Make a function a command that has some options."""
-    return lambda run: Command(run, options)
+    return lambda run: SimpleNamespace(run=run, add_arguments=add_arguments)
 
 
 def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> OptionAdder:
