@@ -165,7 +165,7 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results):
     (shown,) = explorer.browser.run(films, row.h0_m, row.hv_m)["films"]
     scene = scene_of(config, row.h0_m, row.hv_m)
     library = response(scene)
-    for name in ("corner_hz", "static_gain", "prompt_gain"):
+    for name in ("corner_hz", "static_gain", "instantaneous_gain"):
         assert shown[name] == pytest.approx(getattr(library, name), rel=1e-6)
     frequency_hz = pd.read_csv(results / "simulations/screen/gains.csv")["frequency_hz"].unique()
     found = gains(scene, frequency_hz)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.pad import Finger
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Piston, Profile, Sinc
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc
@@ -37,7 +37,7 @@ def film(
     knudsen: float = 0.0134,
     **gas: Any,
 ) -> Scene:
-    """A scene with the given ε, σ, Λ; the finger's centre at x, y in units of its side."""
+    """A scene with the given ε, σ, Λ; the pad's centre at x, y in units of its side."""
     angular_frequency = 2 * pi * 4e4
     viscosity = sigma * PRESSURE_PA * H0_M**2 / (12 * angular_frequency * LENGTH_M**2)
     speed = bearing * PRESSURE_PA * H0_M**2 / (6 * viscosity * LENGTH_M)
@@ -55,14 +55,14 @@ def film(
             **{"inertia": "none", "heat": "none"} | gas,
         ),
         actuator=Actuator(angular_frequency / (2 * pi), Disc(1.0), profile),
-        finger=Finger(LENGTH_M, aspect * LENGTH_M, speed),
+        pad=Pad(LENGTH_M, aspect * LENGTH_M, speed),
     )
 
 
 def periodic_state(
     scene: Scene, *, points: int, instants: int, fold: bool = False, tolerance: float = 1e-10
 ) -> tuple[Grid, States]:
-    """The scene solved on one given grid: ``points`` across the finger in both directions."""
+    """The scene solved on one given grid: ``points`` across the pad in both directions."""
     unknowns = points // 2 if fold else points
     grid = Grid(nx=unknowns, ny=unknowns, nt=instants, fold_x=fold, fold_y=fold)
     return grid, solve_batch([scene], grid, tolerance=tolerance, device=choose_device())
@@ -88,7 +88,7 @@ def limit(
     slip: float = 0.0,
     **place: Any,
 ) -> AsymptoticForces:
-    """A method applied to films under one finger."""
+    """A method applied to films under one pad."""
     nodes = expansion_axis(points).all_nodes
     scene = film(epsilon=0.1, sigma=1.0, **place)
     s = scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))
@@ -113,8 +113,8 @@ class AsTheGap:
     is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        finger = self.scene.finger
-        return self.scene.rest_gap(x_m / finger.length_x_m + 0.5, y_m / finger.length_y_m + 0.5)
+        pad = self.scene.pad
+        return self.scene.rest_gap(x_m / pad.length_x_m + 0.5, y_m / pad.length_y_m + 0.5)
 
 
 def saying(states: States, **values: np.ndarray) -> States:

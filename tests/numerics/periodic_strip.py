@@ -1,4 +1,4 @@
-"""An infinite strip of film by Newton's method: with a loss at its rim, under a finger that moves.
+"""An infinite strip of film by Newton's method: with a loss at its rim, under a pad that moves.
 
 A yardstick that shares nothing with the solver but the equation σ ∂(HP)/∂T = ∂(H³ P ∂P/∂x)/∂x:
 Chebyshev nodes across the strip, of width 1, and an odd number of instants, all solved at once.

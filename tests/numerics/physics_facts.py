@@ -1,7 +1,7 @@
 """Values that are known apart from every solver of this repository, each with its source.
 
-Forces are means over a period in units of p0 times the finger's area, unless they end in _N.
-Profiles are the piston, s = 1, and the paper's sinc(109.8 r) in the middle of a square finger.
+Forces are means over a period in units of p0 times the pad's area, unless they end in _N.
+Profiles are the piston, s = 1, and the paper's sinc(109.8 r) in the middle of a square pad.
 """
 
 import math
@@ -22,7 +22,7 @@ SINC_FAST = {0.1: 0.0045767166, 0.44: 0.0951846761}
 # Converged at ε = 0.44, by σ, on whose ten digits two independent programs agree.
 SINC_CONVERGED = {583.0: 0.0945747144, 2331.0: 0.0949461577}
 
-# The paper's actuator, by two independent programs: gap, amplitude and place of the finger along x.
+# The paper's actuator, by two independent programs: gap, amplitude and place of the pad along x.
 CENTRED_N = 0.9620420
 """At 5 µm and 2.2 µm in the middle, where the paper's finite elements give 0.99 N."""
 ASIDE_N = 0.7075753

@@ -24,10 +24,10 @@ def random_scenes(
 ) -> list[Scene]:
     """Gap, excursion and position are uniform, the frequency is so in its logarithm.
 
-    like: of gas, finger and profile; its surface bounds the positions.
+    like: of gas, pad and profile; its surface bounds the positions.
     """
     random = np.random.default_rng(seed)
-    farthest_m = min(like.actuator.surface.half_m) - like.finger.reach_m
+    farthest_m = min(like.actuator.surface.half_m) - like.pad.reach_m
     scenes: list[Scene] = []
     while len(scenes) < count:
         h0_m, epsilon = random.uniform(*H0_M), random.uniform(*EPSILON)
@@ -57,11 +57,11 @@ def moved_by_leaving_out(
     choices = resolve_auto_terms(scenes, model_tolerance=model_tolerance, device=choose_device())
     without = [scene for scene in choices if getattr(scene.gas, term) == "none"]
     beside = [replace(each, gas=replace(each.gas, **{term: "included"})) for each in without]
-    left_out, included = (
+    simplifications, included = (
         np.array([each.force_n for each in solve(some, tolerance=1e-4, method="periodic")])
         for some in (without, beside)
     )
-    return np.abs(included / left_out - 1)
+    return np.abs(included / simplifications - 1)
 
 
 def random_films(count: int, *, seed: int) -> list[Scene]:

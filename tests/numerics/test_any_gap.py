@@ -21,7 +21,7 @@ WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 OTHER = StandingWave(wavelength_m=0.014, direction_deg=60.0, crest_m=0.004)
 TWO_MODES = Quadrature(WAVE, OTHER, shares=(0.7, 0.7))
 FLAT = GapShape()
-SHAPE = GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, bulge_m=0.5e-6)
+SHAPE = GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, crown_m=0.5e-6)
 
 
 def travelling(direction_deg: float = 0.0) -> Profile:
@@ -36,7 +36,7 @@ def begun_later(angle: float) -> Quadrature:
 
 
 def shaped(scene: Scene, gap: GapShape = SHAPE) -> Scene:
-    return replace(scene, finger=replace(scene.finger, gap=gap))
+    return replace(scene, pad=replace(scene.pad, gap=gap))
 
 
 def mean(scene: Scene, *, tolerance: float = 1e-6, method: str = "periodic") -> float:
@@ -126,10 +126,10 @@ def test_a_gap_that_breathes_keeps_its_mean_square():
         ({"profile": travelling()}, FLAT),
         ({"profile": TWO_MODES, "aspect": 8.0}, FLAT),
         ({"x": 0.1}, GapShape(tilt_x_m=2e-6)),
-        ({"profile": PISTON, "aspect": 0.6}, GapShape(bulge_m=-0.7e-6)),
+        ({"profile": PISTON, "aspect": 0.6}, GapShape(crown_m=-0.7e-6)),
         ({"x": 0.1, "y": 0.05}, SHAPE),
         ({"profile": TWO_MODES}, SHAPE),
-        ({"profile": travelling()}, GapShape(bulge_m=1e-6)),
+        ({"profile": travelling()}, GapShape(crown_m=1e-6)),
     ],
 )
 def test_limits_of_fast_squeezing_know_any_gap(numbers, gap):

@@ -25,7 +25,7 @@ def film(scene: Scene, reynolds: float, sigma: float, epsilon: float = 0.1, **ga
     its = replace(
         its,
         density_kg_per_m3=reynolds * per_gap / rate,
-        ambient_pressure_pa=12 * per_gap * rate * scene.finger.length_x_m**2 / sigma,
+        ambient_pressure_pa=12 * per_gap * rate * scene.pad.length_x_m**2 / sigma,
         **({"inertia": "included"} | gas),
     )
     actuator = replace(scene.actuator, profile=Piston())

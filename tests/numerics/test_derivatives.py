@@ -69,7 +69,7 @@ FILMS = {
     ),
     "sliding": film(epsilon=0.4, sigma=300.0, x=0.1, bearing=3.0, aspect=1.5),
     "tilted, two phases": replace(
-        TWO_PHASES, finger=replace(TWO_PHASES.finger, gap=GapShape(2e-6, -1e-6, 0.5e-6))
+        TWO_PHASES, pad=replace(TWO_PHASES.pad, gap=GapShape(2e-6, -1e-6, 0.5e-6))
     ),
 }
 
@@ -85,9 +85,9 @@ def test_derivatives_are_quotients_of_forces_simulated_anew(name: str) -> None:
         assert value == pytest.approx(expected, rel=2e-3, abs=rounded(scene, number)), number
 
 
-def test_places_are_along_the_actuator_s_axes_however_the_finger_is_turned() -> None:
+def test_places_are_along_the_actuator_s_axes_however_the_pad_is_turned() -> None:
     plain = FILMS["off the centre"]
-    turned = replace(plain, finger=replace(plain.finger, length_y_m=0.006, rotation_deg=30.0))
+    turned = replace(plain, pad=replace(plain.pad, length_y_m=0.006, rotation_deg=30.0))
     found = derivatives(turned, tolerance=1e-5)
     for number in ("x_m", "y_m"):
         assert found.value[number] == pytest.approx(quotient(turned, number), rel=1e-3)
@@ -133,7 +133,7 @@ def test_errors_hold(tolerance: float) -> None:
     [
         (film(epsilon=0.3, sigma=300.0, inertia="included"), "not known with inertia"),
         (
-            replace(FILMS["thick"], finger=replace(FILMS["thick"].finger, shape="ellipse")),
+            replace(FILMS["thick"], pad=replace(FILMS["thick"].pad, shape="ellipse")),
             "rectangular pads alone",
         ),
         (film(epsilon=0.4, sigma=100.0, rarefaction="fukui-kaneko", knudsen=0.5), "no force"),

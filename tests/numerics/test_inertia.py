@@ -117,7 +117,7 @@ def test_small_motion_has_the_second_order_force(
     ("epsilon", "sigma", "reynolds"),
     [(0.2, 583.0, 0.45), (0.2, 583.0, 1.81), (0.4, 2331.0, 0.45), (0.2, 146.0, 7.23)],
 )
-def test_the_middle_of_a_long_finger_is_the_strip(
+def test_the_middle_of_a_long_pad_is_the_strip(
     heat: str, epsilon: float, sigma: float, reynolds: float
 ) -> None:
     """By the program that made the stored table of strips."""
@@ -135,7 +135,7 @@ def test_the_middle_of_a_long_finger_is_the_strip(
     )
 
 
-def test_forces_of_the_paper_s_finger(scene: Scene) -> None:
+def test_forces_of_the_paper_s_pad(scene: Scene) -> None:
     """Forces by a program written apart from this solver."""
     included = replace(scene, gas=replace(scene.gas, inertia="included"))
     wide = replace(included, h0_m=10e-6, hv_m=2e-6)
@@ -189,7 +189,7 @@ def test_error_falls_fast_with_points_and_with_instants() -> None:
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
+def test_a_pad_turned_or_mirrored_bears_as_much(turned: bool) -> None:
     """Each direction has its own flux points, halves their own symmetry."""
     at = {"x": 0.1, "y": 0.25} if turned else {"x": -0.25, "y": 0.1}
     scenes = [

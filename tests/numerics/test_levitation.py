@@ -69,7 +69,7 @@ def study(tmp_path, **sections) -> str:
             "surface": {"shape": "rectangle", "length_x": 0.01, "length_y": 0.01},
             "profile": {"kind": "piston"},
         },
-        "finger": {"length_x": 0.01, "length_y": 0.01},
+        "pad": {"length_x": 0.01, "length_y": 0.01},
     } | sections
     path = tmp_path / "study.yaml"
     path.write_text(yaml.safe_dump({name: each for name, each in values.items() if each}))
@@ -108,7 +108,7 @@ def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_
     # What is neglected still, the rim and slip, is in both.
     lower, upper = without[ends].astype(float) - with_both[ends].astype(float)[::-1].to_numpy()
     assert lower < moved_m < upper
-    share = without["left_out_most_percent"] / 100
+    share = without["modelling_error_upper_percent"] / 100
     stiffness = without["load_n"] / without["stiffness_n_per_m"]
     assert without[ends[1]] == pytest.approx(share * stiffness, rel=1e-4)
 
@@ -116,7 +116,7 @@ def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_
 DISC = {
     "gas": {},
     "actuator": {"frequency": 20e3, "surface_radius": 0.03, "profile": {"kind": "piston"}},
-    "finger": {"shape": "ellipse", "length_x": 0.03, "length_y": 0.03},
+    "pad": {"shape": "ellipse", "length_x": 0.03, "length_y": 0.03},
 }
 
 
@@ -149,8 +149,8 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
 
 
 def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(tmp_path):
-    finger = {"length_x": 0.01, "length_y": 0.01, "gap": {"tilt_x": 6e-6}}
-    row = levitated(tmp_path, "--load", "0.5N", "--hv", "1um", finger=finger).iloc[0]
+    pad = {"length_x": 0.01, "length_y": 0.01, "gap": {"tilt_x": 6e-6}}
+    row = levitated(tmp_path, "--load", "0.5N", "--hv", "1um", pad=pad).iloc[0]
     assert row["h0_m"] > 4e-6
 
 

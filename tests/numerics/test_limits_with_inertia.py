@@ -31,7 +31,7 @@ def at(a: float, reynolds: float) -> list[float]:
 
 
 def sinc(points: tuple[int, int], *, aspect: float = 1.0, along_y: bool = True) -> np.ndarray:
-    """The paper's sinc under the centred finger, or one that changes along x alone."""
+    """The paper's sinc under the centred pad, or one that changes along x alone."""
     x, y = (expansion_axis(count).all_nodes - 0.5 for count in points)
     far = np.hypot(x[:, None], aspect * y * along_y)
     return np.sinc(SINC_ALONG * far)
@@ -47,7 +47,7 @@ def on_strip(
     points: tuple[int, int] = (33, 33),
     side: float = 4.0,
 ) -> float:
-    """Mean under an infinite strip: a finger of twice the length less one of the length."""
+    """Mean under an infinite strip: a pad of twice the length less one of the length."""
     two = np.ones(2)
     profiles = np.repeat(sinc(points, along_y=False)[None], 2, axis=0)
     aspects = np.array([side, 2 * side])

@@ -24,13 +24,13 @@ from squeezefilm.reynolds.solver import solve
 from squeezefilm.solution import cartesian
 from verification import finite_elements
 
-TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, bulge_m=-0.2e-6)
+TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, crown_m=-0.2e-6)
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 TURN = 2 * np.pi * np.arange(120) / 120
 
 
 def pad(scene: Scene, **changes: object) -> Scene:
-    return replace(scene, finger=replace(scene.finger, **changes))  # type: ignore[arg-type]
+    return replace(scene, pad=replace(scene.pad, **changes))  # type: ignore[arg-type]
 
 
 def ellipse(**numbers: object) -> Scene:
@@ -126,7 +126,7 @@ def test_an_ellipse_has_the_forces_of_galerkin_s_method_in_its_modes(
 
 
 @pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
-def test_turning_finger_place_and_profile_changes_nothing(outline):
+def test_turning_pad_place_and_profile_changes_nothing(outline):
     """Off the centre and off the axes, so that turning the wrong way would show."""
     scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
     scene = replace(scene, **cartesian(0.002, 20.0))
@@ -166,7 +166,7 @@ def written(folder: Path, z_mm: np.ndarray) -> Path:
 
 
 def ellipse_mm(scene: Scene, turned_deg: float = 0.0) -> np.ndarray:
-    half_x, half_y = 500 * scene.finger.length_x_m, 500 * scene.finger.length_y_m
+    half_x, half_y = 500 * scene.pad.length_x_m, 500 * scene.pad.length_y_m
     turn = np.exp(1j * np.radians(turned_deg))
     return turn * (half_x * np.cos(TURN) + 1j * half_y * np.sin(TURN)) + 2 - 3j
 
@@ -177,7 +177,7 @@ def curved(scene: Scene, folder: Path, z_mm: np.ndarray, sides_m: tuple[float, f
 
 
 def test_a_curve_lies_as_its_file_says(tmp_path):
-    """A turned ellipse, off the centre of a wave, turned by its finger or in its file."""
+    """A turned ellipse, off the centre of a wave, turned by its pad or in its file."""
     plain = film(
         epsilon=0.4,
         sigma=300.0,
@@ -187,10 +187,10 @@ def test_a_curve_lies_as_its_file_says(tmp_path):
         y=0.1,
     )
     scene = pad(plain, shape="ellipse", rotation_deg=30.0)
-    rim = np.array(scene.finger.outline())
+    rim = np.array(scene.pad.outline())
     half = 0.5 * np.hypot(
-        scene.finger.length_x_m * np.array([np.sqrt(0.75), 0.5]),
-        scene.finger.length_y_m * np.array([0.5, np.sqrt(0.75)]),
+        scene.pad.length_x_m * np.array([np.sqrt(0.75), 0.5]),
+        scene.pad.length_y_m * np.array([0.5, np.sqrt(0.75)]),
     )
     assert np.abs(rim).max(axis=0) == pytest.approx(half, rel=1e-3)
     given = curved(plain, tmp_path, ellipse_mm(scene, 30.0), tuple(2 * half))
@@ -265,7 +265,7 @@ def test_the_answers_under_an_ellipse_are_those_of_its_modes():
 
 def test_the_pressure_under_a_curve_is_that_under_its_ellipse(tmp_path):
     scene = pad(film(epsilon=0.44, sigma=100.0, aspect=0.8, x=0.2), shape="ellipse")
-    sides_m = scene.finger.length_x_m, scene.finger.length_y_m
+    sides_m = scene.pad.length_x_m, scene.pad.length_y_m
     given = curved(scene, tmp_path, ellipse_mm(scene), sides_m)
     wanted = {"x": np.linspace(0, 1, 9), "y": np.linspace(0, 1, 8), "instants": 8}
     one, other = (

@@ -45,7 +45,7 @@ def outputs(scene: Scene, *names: str, tolerance: float = 1e-6) -> Outputs:
 
 
 def wave(crest: float, *, direction_deg: float = 0.0) -> StandingWave:
-    """Crests 1.5 sides apart, the first so many wavelengths from the finger's centre."""
+    """Crests 1.5 sides apart, the first so many wavelengths from the pad's centre."""
     length_m = 1.5 * LENGTH_M
     return StandingWave(length_m, direction_deg, crest_m=crest * length_m)
 
@@ -102,7 +102,7 @@ def test_the_power_put_in_is_what_friction_takes(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FILMS)
-def test_thrust_is_the_shear_at_the_finger_s_wall(name: str) -> None:
+def test_thrust_is_the_shear_at_the_pad_s_wall(name: str) -> None:
     """−⟨∫(h/2) ∇p⟩, here by the pressure's own slope."""
     scene = FILMS[name]
     fields = on_nodes(scene, points=40, instants=24)
@@ -131,7 +131,7 @@ def test_thrust_of_a_gas_with_inertia_lacks_half_of_what_leaves_over_the_rim() -
 def test_a_tilted_pad_over_a_piston_is_pushed_by_half_its_slope() -> None:
     """∇h is the pad's own slope, so that −F₀/2 of it is left: towards where the gap closes."""
     scene = film(epsilon=0.4, sigma=100.0, profile=PISTON)
-    scene = replace(scene, finger=replace(scene.finger, gap=GapShape(tilt_x_m=0.2 * H0_M)))
+    scene = replace(scene, pad=replace(scene.pad, gap=GapShape(tilt_x_m=0.2 * H0_M)))
     (solution,) = solve([scene], tolerance=1e-4)
     found = outputs(scene, "thrust", tolerance=1e-4)
     expected = -0.2 * H0_M / LENGTH_M * solution.force_n / 2
@@ -153,16 +153,16 @@ def test_no_thrust_on_a_crest_or_a_node_of_a_standing_wave(crest: float, inertia
         assert abs(found.value[name]) <= min(found.error[name], 1e-4 * size) + 1e-12 * size
 
 
-def test_a_turned_finger_has_its_answers_along_the_actuator_s_axes() -> None:
+def test_a_turned_pad_has_its_answers_along_the_actuator_s_axes() -> None:
     """A square turned by a quarter is the same square."""
     scene = film(epsilon=0.4, sigma=300.0, x=0.2, y=0.1)
-    turned = replace(scene, finger=replace(scene.finger, rotation_deg=90.0))
+    turned = replace(scene, pad=replace(scene.pad, rotation_deg=90.0))
     plain, other = (outputs(each, tolerance=1e-5) for each in (scene, turned))
     for name, value in plain.value.items():
         doubt = plain.error[name] + other.error[name]
         assert abs(other.value[name] - value) <= doubt, name
-    assert plain.value["centre_x"] < 0  # towards the crest, which is at −x of the finger
-    assert plain.value["moment_y"] > 0  # that lifts the finger's side at −x
+    assert plain.value["centre_x"] < 0  # towards the crest, which is at −x of the pad
+    assert plain.value["moment_y"] > 0  # that lifts the pad's side at −x
 
 
 def test_centre_and_moments_are_those_of_the_pressure_field() -> None:
@@ -208,9 +208,9 @@ def test_extremes_lie_between_the_nodes_too() -> None:
 def test_friction_of_a_surface_that_slides_is_couette_s(rarefaction: str) -> None:
     """A film that hardly vibrates: μ U A/(h0 + 2λ) towards where the surface moves."""
     scene = film(epsilon=1e-4, sigma=50.0, bearing=2.0, rarefaction=rarefaction)
-    turned = replace(scene, finger=replace(scene.finger, rotation_deg=30.0))
+    turned = replace(scene, pad=replace(scene.pad, rotation_deg=30.0))
     path_m = scene.gas.mean_free_path_m if rarefaction == "slip" else 0.0
-    drag = scene.gas.viscosity_pa_s * scene.finger.speed_x_m_per_s * AREA_M2 / (H0_M + 2 * path_m)
+    drag = scene.gas.viscosity_pa_s * scene.pad.speed_x_m_per_s * AREA_M2 / (H0_M + 2 * path_m)
     found = outputs(turned, "thrust").value
     assert found["sliding_friction"] == pytest.approx(drag, rel=1e-6)
     along = found["thrust_x"], found["thrust_y"]

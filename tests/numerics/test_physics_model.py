@@ -105,7 +105,7 @@ BESSEL = {
     "direction_deg": 0.0,
 }
 SMALL_DISC = {"frequency_hz": 40e3, "surface_radius_m": 0.02, "profile": BESSEL}
-TILTED = {"tilt_x_m": 1e-6, "tilt_y_m": 0.0, "bulge_m": 0.5e-6}
+TILTED = {"tilt_x_m": 1e-6, "tilt_y_m": 0.0, "crown_m": 0.5e-6}
 CENTRED = {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
 
 
@@ -113,7 +113,7 @@ CENTRED = {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
     ("sections", "ranges", "error"),
     [
         ({"gas": {"inertia": "auto"}}, CENTRED, 2e-5),
-        ({"finger": {"gap": TILTED}, "gas": {"inertia": "none"}}, CENTRED, 1e-4),
+        ({"pad": {"gap": TILTED}, "gas": {"inertia": "none"}}, CENTRED, 1e-4),
         ({"actuator": SMALL_DISC}, {"phi_r_m": (0.0, 0.0129)}, 1e-5),
     ],
     ids=["inertia", "tilted and bulging", "wavy profile"],

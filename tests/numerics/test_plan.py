@@ -34,7 +34,7 @@ TERMS: tuple[dict[str, Any], ...] = (
 
 
 def random_scene(random: np.random.Generator) -> Scene:
-    """Any finger, gas, motion and profile that a study can say, not too hard to solve."""
+    """Any pad, gas, motion and profile that a study can say, not too hard to solve."""
     x, y = (float(place) for place in random.choice([0.0, 0.2], 2))
     shaped = random.random() < 0.3
     scene = film(
@@ -50,7 +50,7 @@ def random_scene(random: np.random.Generator) -> Scene:
         return scene
     shape = str(random.choice(["rectangle", "ellipse"]))
     gap = GapShape(tilt_x_m=float(random.choice([0.0, 1e-6])))
-    return replace(scene, finger=replace(scene.finger, shape=shape, gap=gap))
+    return replace(scene, pad=replace(scene.pad, shape=shape, gap=gap))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -62,14 +62,14 @@ def test_every_method_does_what_is_planned_on_random_scenes(method, tolerance):
     solutions = solve(scenes, tolerance=tolerance, method=method)
     for preview, solution in zip(planned, solutions, strict=True):
         assert preview.method == solution.method
-        assert "; ".join(part.what for part in preview.left_out) == solution.left_out
+        assert "; ".join(part.what for part in preview.simplifications) == solution.simplifications
         if solution.status.startswith(FOUND_OUT):
             assert preview.status == "ok"
         else:
             assert preview.status == solution.status
         assert (preview.domain == "") == (solution.nx == 0)
         assert (preview.expected_mflop == 0) == (preview.domain == "")
-        assert all(part.why for part in preview.left_out)
+        assert all(part.why for part in preview.simplifications)
     assert method in ("auto", "periodic") or {each.status for each in planned} != {"ok"}
 
 

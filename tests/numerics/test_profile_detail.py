@@ -20,7 +20,7 @@ def formula(expression: str) -> Formula:
 
 
 def wave(share: float) -> StandingWave:
-    """A standing wave of some share of the finger, its crest in the middle."""
+    """A standing wave of some share of the pad, its crest in the middle."""
     return StandingWave(wavelength_m=share * LENGTH_M, direction_deg=0.0, crest_m=0.0)
 
 
@@ -42,12 +42,12 @@ def test_a_spot_that_no_grid_sees_is_refused_with_its_size(expression, tolerance
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_no_method_solves_what_it_does_not_see(method, shape):
     scene = film(epsilon=0.4, sigma=583.0, profile=formula(SPOT))
-    scene = replace(scene, finger=replace(scene.finger, shape=shape))
+    scene = replace(scene, pad=replace(scene.pad, shape=shape))
     (solution,) = solve([scene], tolerance=1e-2, method=method)
     assert "the profile has a feature" in solution.status
 
 
-def test_a_spot_is_looked_for_under_the_finger_alone():
+def test_a_spot_is_looked_for_under_the_pad_alone():
     elsewhere = "1-0.5*exp(-((x-0.011)**2+y**2)/2e-5**2)"
     flat, spotted = (
         solve([film(epsilon=0.4, sigma=583.0, profile=each)], tolerance=1e-4)[0]
@@ -91,10 +91,10 @@ def test_a_refusal_gives_its_error_in_the_tolerance_s_terms():
     ("centre_m", "shape"), [(0.0112, "rectangle"), (0.0165, "rectangle"), (0.0112, "ellipse")]
 )
 def test_a_profile_next_to_nothing_bears_nothing_within_its_error(centre_m, shape):
-    """1e-17 and 1e-58 at the finger's edge: the force, of its square, is far below rounding."""
+    """1e-17 and 1e-58 at the pad's edge: the force, of its square, is far below rounding."""
     spot = formula(f"exp(-((x-{centre_m})/1e-3)**2)")
     scene = film(epsilon=0.4, sigma=100.0, profile=spot)
-    scene = replace(scene, finger=replace(scene.finger, shape=shape))
+    scene = replace(scene, pad=replace(scene.pad, shape=shape))
     (solution,) = solve([scene], tolerance=1e-2, method="periodic")
     assert solution.status == "ok"
     assert abs(solution.force_n) <= solution.force_error_n < 1e-25

@@ -66,7 +66,7 @@ def test_a_seed_draws_the_same_study_and_seeds_draw_all_kinds(tmp_path):
     studies = [drawn(seed) for seed in range(60)]
     kinds = {each["actuator"]["profile"]["kind"] for each in studies}
     assert kinds == {"bessel", "standing-wave", "travelling-wave", "piston"}
-    assert {each["finger"]["shape"] for each in studies} == {"rectangle", "ellipse"}
+    assert {each["pad"]["shape"] for each in studies} == {"rectangle", "ellipse"}
     assert {each["gas"]["rarefaction"] for each in studies} == {"none", "slip", "fukui-kaneko"}
 
 

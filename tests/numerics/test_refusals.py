@@ -20,26 +20,26 @@ COMPOSITE = "the composite expansion is "
 
 
 @pytest.mark.parametrize(
-    ("numbers", "finger", "method", "reason"),
+    ("numbers", "pad", "method", "reason"),
     [
         (INERTIA | FACTOR, {}, "auto", "not for fukui-kaneko"),
-        (INERTIA | SLIDING, {}, "auto", "not derived for a sliding finger"),
-        (INERTIA, ELLIPSE, "auto", "inertia is not known under this finger"),
+        (INERTIA | SLIDING, {}, "auto", "not derived for a sliding pad"),
+        (INERTIA, ELLIPSE, "auto", "inertia is not known under this pad"),
         (INERTIA, ELLIPSE, "composite", "derived for rectangular pads"),
         (INERTIA | TWO_PHASES, {}, "composite", COMPOSITE + "derived for a vibration in one phase"),
         (HEAT | {"polytropic_exponent": 1.4}, {}, "auto", "polytropic_exponent 1"),
         (HEAT | FACTOR, {}, "auto", "not for fukui-kaneko"),
-        (HEAT | SLIDING, {}, "auto", "heat is not derived for a sliding finger"),
-        (HEAT, ELLIPSE, "auto", "heat is not known under this finger"),
+        (HEAT | SLIDING, {}, "auto", "heat is not derived for a sliding pad"),
+        (HEAT, ELLIPSE, "auto", "heat is not known under this pad"),
         (HEAT, {}, "composite", COMPOSITE + "not derived with heat"),
         (SLIDING, ELLIPSE, "auto", "not supported: a sliding pad that is not a rectangle"),
         (SLIDING, {}, "composite", COMPOSITE + "not derived with bearing"),
         (SLIP, TILTED, "composite", COMPOSITE + "derived for a gap that is even at rest with slip"),
     ],
 )
-def test_what_was_not_derived_is_refused_and_planned_so(numbers, finger, method, reason):
+def test_what_was_not_derived_is_refused_and_planned_so(numbers, pad, method, reason):
     scene = film(**{"epsilon": 0.3, "sigma": 200.0} | numbers)
-    scene = replace(scene, finger=replace(scene.finger, **finger))
+    scene = replace(scene, pad=replace(scene.pad, **pad))
     (solution,) = solve([scene], tolerance=1e-3, method=method)
     assert reason in solution.status
     assert np.isnan(solution.force_n)

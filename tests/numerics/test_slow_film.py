@@ -50,14 +50,14 @@ def slow_film(
 
 
 def strip(aspect: float, *, layer: bool) -> AveragedFilm:
-    """A finger 1 by ``aspect`` with a profile along x alone."""
+    """A pad 1 by ``aspect`` with a profile along x alone."""
     nodes = expansion_axis(15).all_nodes - 0.5
     s = np.repeat(np.sinc(STRIP * nodes)[:, None], 33, axis=1)
     return slow_film(epsilon=0.4, sigma=2331.0, amplitude=s, aspect=aspect, layer=layer)
 
 
 def of_the_middle(force_by_aspect: dict[float, np.ndarray]) -> np.ndarray:
-    """Of two long fingers, what the longer one has more: that of a strip without ends."""
+    """Of two long pads, what the longer one has more: that of a strip without ends."""
     short, long = sorted(force_by_aspect)
     return (force_by_aspect[long] * long - force_by_aspect[short] * short) / (long - short)
 
@@ -67,7 +67,7 @@ def piston(*, epsilon: float, sigma: float, slip: float = 0.0) -> AveragedFilm:
 
 
 @pytest.mark.parametrize("squeeze", [0.1, 10.0, 30.0, 100.0, 1000.0])
-def test_under_a_piston_at_rest_a_moving_finger_has_the_films_linear_stiffness(squeeze):
+def test_under_a_piston_at_rest_a_moving_pad_has_the_films_linear_stiffness(squeeze):
     """Blech's spring, in units of p0 and the area over h0; and what damps."""
     film = piston(epsilon=1e-3, sigma=1e4)
     (found,) = film.stiffness(np.array([squeeze / 1e4]))
@@ -87,7 +87,7 @@ def test_under_a_piston_at_rest_a_moving_finger_has_the_films_linear_stiffness(s
         (STRIP, 0.8, 500.0, 0.8),
     ],
 )
-def test_a_moving_finger_over_a_vibration_feels_what_the_full_equation_says(
+def test_a_moving_pad_over_a_vibration_feels_what_the_full_equation_says(
     uneven, epsilon, sigma, damping
 ):
     """On a strip, from slow motion through the corner to that of gas that stays.

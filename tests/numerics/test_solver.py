@@ -98,7 +98,7 @@ def test_the_composite_that_auto_takes_holds_the_tolerance(tolerance, sigma, mos
 
 @dataclass(frozen=True)
 class Spot:
-    """A spot 20 mm off the disc's centre, which is exactly nothing under a finger at the centre."""
+    """A spot 20 mm off the disc's centre, which is exactly nothing under a pad at the centre."""
 
     is_complex = False
 
@@ -147,7 +147,7 @@ def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance):
     solutions = solve(scenes, tolerance=tolerance, report=finished.append)
     assert alike([solutions[at] for at in (0, 2, 3, 5)], solve(good, tolerance=tolerance))
     assert solutions[1].status == "unexpected error: LinAlgError: singular matrix"
-    assert solutions[4].status == "the profile has no finite value at some place under the finger"
+    assert solutions[4].status == "the profile has no finite value at some place under the pad"
     assert np.isnan([solutions[1].force_n, solutions[4].force_n]).all()
     assert sum(finished) == len(scenes)
     planned = [each.status for each in previews(scenes, tolerance=tolerance)]
@@ -163,10 +163,10 @@ def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order():
 
 
 def test_result_does_not_depend_on_the_other_scenes(paper_scenes):
-    """Nor on their surfaces and fingers, which may differ."""
+    """Nor on their surfaces and pads, which may differ."""
     scene = paper_scenes[0]
     other_wave = replace(scene, actuator=replace(scene.actuator, profile=Sinc(50.0)))
-    small = replace(scene, finger=replace(scene.finger, length_x_m=0.008, length_y_m=0.008))
+    small = replace(scene, pad=replace(scene.pad, length_x_m=0.008, length_y_m=0.008))
     scenes = [*paper_scenes[:12], other_wave, small]
     together = solve(scenes, tolerance=1e-6)
     backwards = solve(scenes[::-1], tolerance=1e-6)[::-1]

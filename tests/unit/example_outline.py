@@ -7,7 +7,7 @@ import numpy as np
 STUDY = """
 study: patch
 actuator: {frequency: 20 kHz, surface_radius: 30 mm, profile: {kind: piston}}
-finger: {shape: curve, length_x: 10 mm, length_y: 8 mm, outline: {file: patch.csv}}
+pad: {shape: curve, length_x: 10 mm, length_y: 8 mm, outline: {file: patch.csv}}
 screen:
   h0: {start: 20 µm, stop: 35 um}
   hv: {start: 2 µm, stop: 18.5 µm, levels: 5}

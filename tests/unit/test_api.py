@@ -60,7 +60,7 @@ def test_a_force_has_its_error_and_what_its_equation_leaves_out(study):
     force = study.force(h0="5 um", hv="2.2 um")
     assert float(force) == pytest.approx(0.962042, abs=force.error_n + 5e-7)
     assert 0 < force.error_n < 1e-4 * float(force)  # the study's tolerance
-    least, most = force.left_out_percent
+    least, most = force.modelling_error_percent
     assert -0.3 < least < 0.1 < 0.5 < most < 1.0  # README: −0.16 to +0.77 %
     assert force.scene.epsilon == pytest.approx(0.44)
     assert force.status == "ok"
@@ -100,18 +100,18 @@ def test_polar_and_cartesian_places_are_one(study):
 
 
 def test_a_film_needs_no_file():
-    film = sf.Film.of(actuator=DISC, finger=PAD)
+    film = sf.Film.of(actuator=DISC, pad=PAD)
     force = film.force(h0=5e-6, hv=1e-6, tolerance=1e-4)
     assert force.scene.gas.inertia == "included"  # air, whose inertia counts here
     (again,) = solve([force.scene], tolerance=1e-4)
     assert float(force) == again.force_n
-    slow = sf.Film.of(actuator=DISC | {"frequency": 20}, finger=PAD)
+    slow = sf.Film.of(actuator=DISC | {"frequency": 20}, pad=PAD)
     assert slow.force(h0=5e-6, hv=1e-6).scene.gas.inertia == "none"
 
 
 @pytest.mark.parametrize("inertia", ["none", "included"])
 def test_the_mean_of_the_pressure_is_the_force(inertia):
-    film = sf.Film.of(actuator=DISC, finger=PAD, gas={"inertia": inertia})
+    film = sf.Film.of(actuator=DISC, pad=PAD, gas={"inertia": inertia})
     field = film.pressure("5 um", "2 um", places=401, instants=16, tolerance=1e-3)
     assert field.overpressure.dims == ("phase", "y", "x")
     assert field.overpressure.attrs["units"] == "Pa"
@@ -135,13 +135,13 @@ def test_a_pressure_field_is_a_file(suffix, study, tmp_path):
     if suffix == "nc":
         with xarray.open_dataset(path, engine="scipy") as found:
             xarray.testing.assert_allclose(found, field)
-            assert found.attrs["finger_x_m"] == pytest.approx(-1e-3)
+            assert found.attrs["pad_x_m"] == pytest.approx(-1e-3)
         return
     table = pd.read_csv(path)
     assert len(table) == 5 * 5 * 8
     row = table[(table["phase_deg"] == 90) & (table["x_m"] == 0) & (table["y_m"] == 0)]
     found = float(field.overpressure.sel(phase=90, x=0, y=0))
-    assert float(row["overpressure_pa"].iloc[0]) == pytest.approx(found)
+    assert float(row["gauge_pressure_pa"].iloc[0]) == pytest.approx(found)
 
 
 def test_a_fit_predicts_what_is_simulated(study, fit):
@@ -188,7 +188,7 @@ def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsy
     [
         ({"h0": "5", "hv": 1e-6}, "h0 '5' must be a number with a unit of m"),
         ({"h0": 5e-6, "hv": "1, 2 um"}, "one scene is asked for, not 2"),
-        ({"h0": 5e-6, "hv": 5e-6}, "surface and finger touch"),
+        ({"h0": 5e-6, "hv": 5e-6}, "surface and pad touch"),
     ],
 )
 def test_what_means_nothing_is_refused_with_a_reason(given, message, study):
@@ -197,7 +197,7 @@ def test_what_means_nothing_is_refused_with_a_reason(given, message, study):
 
 
 def test_a_film_without_a_force_says_why():
-    film = sf.Film.of(actuator=DISC, finger=PAD, gas={"inertia": "included"})
+    film = sf.Film.of(actuator=DISC, pad=PAD, gas={"inertia": "included"})
     with pytest.raises(sf.RunError, match=r"; validity: .*hv/h0 = 0.99 is above 0.95"):
         film.force(5e-5, 4.95e-5)
     table = film.curve(5e-5, [4.95e-5])

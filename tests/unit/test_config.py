@@ -75,7 +75,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("", "a: &b [c]\nd: *b\n", "line 1: an alias of this value is not allowed"),
     ("", "<<: {a: 1}\n", "line 1: top level: unknown key '<<'"),
     ("", "a: [\n", "not valid YAML"),
-    ("stop: 2 µm", "stop: 5 µm", "hv_m = 5e-06 reaches h0_m = 5e-06: surface and finger touch"),
+    ("stop: 2 µm", "stop: 5 µm", "hv_m = 5e-06 reaches h0_m = 5e-06: surface and pad touch"),
     ("h0: {levels: 41}", "h0: {stop: 12 µm}", "error_map.h0.stop: 1.2e-05 does not suit screen.h0"),
     ("2.9 mm]", "3.1 mm]", "off the actuator's 10.00 mm disc"),
     (SINC, "kind: formula, expression: open('x')", "actuator.profile.expression: column 1"),
@@ -95,7 +95,7 @@ def test_each_mistake_is_said_once_in_the_order_of_the_file(study):
     text = """
 study: Mine
 actuator: {frequency: 15 mm, surface_radius: 30 mm, profile: {wave_number: 3}}
-finger: {lenght_x: 0.012, length_y: 16 mm, shape: elipse}
+pad: {lenght_x: 0.012, length_y: 16 mm, shape: elipse}
 screen: {h0: {start: 20 um}, hv: {start: 2 um, stop: 4 um, levels: 1}}
 solver: {tolerance: 7}
 extrapolation: 3
@@ -108,8 +108,8 @@ models: {own: {expression: t0, parameters: 3}}
         ("line 2", "study"),
         ("line 3", "actuator.frequency"),
         ("line 3", "actuator.profile"),
-        ("line 4", "finger"),
-        ("line 4", "finger.shape"),
+        ("line 4", "pad"),
+        ("line 4", "pad.shape"),
         ("line 5", "screen.h0"),
         ("line 5", "screen.hv.levels"),
         ("line 6", "solver.tolerance"),
@@ -118,8 +118,8 @@ models: {own: {expression: t0, parameters: 3}}
     ]
     said = {place: text for _, place, text in told}
     assert said["actuator.profile"].startswith("missing 'kind' (`sinc`, `piston`")
-    assert "did you mean 'length_x'?" in said["finger"]
-    assert "did you mean 'ellipse'?" in said["finger.shape"]
+    assert "did you mean 'length_x'?" in said["pad"]
+    assert "did you mean 'ellipse'?" in said["pad.shape"]
     assert said["screen.h0"] == "missing 'stop' (1e-9 … 0.001 m): the last"
     assert said["solver.tolerance"].endswith("; allowed: 1e-10 … 0.1")
 

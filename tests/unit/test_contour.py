@@ -8,8 +8,8 @@ import squeezefilm as sf
 from squeezefilm.config.loading import effective_text, parse_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.outline import read_contour
-from squeezefilm.film.pad import Finger
-from squeezefilm.studies.study import check_study, finger_of
+from squeezefilm.film.pad import Pad
+from squeezefilm.studies.study import check_study, pad_of
 
 SIDES_M = 0.01, 0.008
 
@@ -27,8 +27,8 @@ def test_points_make_one_curve_in_any_unit_direction_and_place(z_mm, header, uni
     assert contour.area == pytest.approx(np.pi / 4 * 0.8, rel=2e-5)
     assert np.abs(contour.points.real).max() == pytest.approx(0.5, abs=2e-5)
     assert np.abs(contour.points.imag).max() == pytest.approx(0.4, abs=2e-5)
-    finger_share = Finger(0.01, 0.008, 0.0, shape="curve", contour=contour).rectangle_within
-    assert finger_share == pytest.approx(np.sqrt(0.5), rel=2e-3)
+    pad_share = Pad(0.01, 0.008, 0.0, shape="curve", contour=contour).rectangle_within
+    assert pad_share == pytest.approx(np.sqrt(0.5), rel=2e-3)
     places = np.array([0.45 + 0.1j, 0.52, 0.39j, 0.3 - 0.38j])
     assert contour.within(places).tolist() == [True, False, True, False]
 
@@ -58,22 +58,22 @@ def test_what_is_no_outline_is_refused(z_mm, scatter_m, words, tmp_path):
 def test_a_study_s_outline_counts_from_its_own_folder(tmp_path):
     write_outline(tmp_path, OVAL)
     config = check_study(parse_config(STUDY, path=tmp_path / "study.yaml"))
-    assert finger_of(config).area_m2 == pytest.approx(np.pi * 20e-6, rel=2e-5)
+    assert pad_of(config).area_m2 == pytest.approx(np.pi * 20e-6, rel=2e-5)
     elsewhere = tmp_path / "results" / "mine"
     again = parse_config(effective_text(config, folder=elsewhere), path=elsewhere / "study.yaml")
-    assert again["finger"]["outline"]["file"] == "../../patch.csv"
+    assert again["pad"]["outline"]["file"] == "../../patch.csv"
 
 
 def test_a_film_with_an_outline_off_its_plate_is_refused(tmp_path):
     path = write_outline(tmp_path, OVAL)
     film = sf.Film.of(
         actuator={"frequency": 2e4, "surface_radius": 6e-3, "profile": {"kind": "piston"}},
-        finger={"shape": "curve", "length_x": "10 mm", "length_y": "8 mm"}
+        pad={"shape": "curve", "length_x": "10 mm", "length_y": "8 mm"}
         | {"outline": {"file": str(path)}},
         gas={"inertia": "none", "heat": "none"},
     )
     force = film.force("20 um", "5 um")
     assert float(force) > 0
     assert "µm off it: what that leaves open of the force is not in its error" in str(force)
-    with pytest.raises(InputError, match="the rim of the finger lies"):
+    with pytest.raises(InputError, match="the rim of the pad lies"):
         film.force("20 um", "5 um", phi_r="1.5 mm", phi="0 deg")

@@ -1,4 +1,4 @@
-"""The film under the middle of the finger: where the surface is, and what the pressure does."""
+"""The film under the middle of the pad: where the surface is, and what the pressure does."""
 
 from dataclasses import replace
 
@@ -19,12 +19,12 @@ def scene(scene):
 def test_the_pressure_rises_while_the_surface_is_up_and_on_the_whole(scene):
     film = cross_section(scene, device=DEVICE)
     rim = film[film["x_mm"].abs() > 5 - 1e-9]
-    assert (rim["overpressure_kpa"] == 0).all()
+    assert (rim["gauge_pressure_kpa"] == 0).all()
     middle = film.loc[film["x_mm"].abs().idxmin() % 43 :: 43]
     up = middle[middle["surface_um"] > 1.9]
-    assert (up["overpressure_kpa"] > 20).all()
-    assert (middle.loc[middle["surface_um"] < -1.9, "overpressure_kpa"] < 0).all()
-    mean = film.groupby("x_mm")["overpressure_kpa"].mean()
+    assert (up["gauge_pressure_kpa"] > 20).all()
+    assert (middle.loc[middle["surface_um"] < -1.9, "gauge_pressure_kpa"] < 0).all()
+    mean = film.groupby("x_mm")["gauge_pressure_kpa"].mean()
     assert (mean.iloc[1:-1] > 0).all()
     # Even about the middle, as the profile is.
     np.testing.assert_allclose(mean, mean[::-1], atol=1e-4)

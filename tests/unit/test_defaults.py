@@ -18,14 +18,14 @@ from squeezefilm.config.loading import (
 )
 from squeezefilm.errors import InputError
 from squeezefilm.studies.plans import plan_sizes
-from squeezefilm.studies.space import finger_positions
+from squeezefilm.studies.space import pad_positions
 from squeezefilm.studies.study import check_study
 from squeezefilm.units import in_unit
 
 SHORT = """
 study: mine
 actuator: {frequency: 20 kHz, surface_radius: 30 mm, profile: {kind: piston}}
-finger: {shape: ellipse, length_x: 12 mm, length_y: 16 mm}
+pad: {shape: ellipse, length_x: 12 mm, length_y: 16 mm}
 screen:
   h0: {start: 20 µm, stop: 35 um}
   hv: {start: 2 µm, stop: 18.5 µm, levels: 5}
@@ -60,13 +60,13 @@ def test_a_short_study_is_whole(repository):
     assert short["error_map"]["hv_m"] == {"start": 2e-6, "stop": 18.5e-6, "levels": 10}
     # An ellipse has no physics limit: no model may rest on it.
     assert "limit" not in str(short["comparison"]) + str(short["refine"])
-    assert "limit_1" in study(finger={"shape": "rectangle"})["comparison"]["two_factor"]
+    assert "limit_1" in study(pad={"shape": "rectangle"})["comparison"]["two_factor"]
 
 
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_positions_use_the_room_that_the_pad_has(shape):
     """The farthest is on the surface in every direction, and nearly at its rim."""
-    pad = {"finger": {"shape": shape}}
+    pad = {"pad": {"shape": shape}}
     config = study(**pad)
     check_study(config)
     reach = hypot(0.006, 0.008) if shape == "rectangle" else 0.008
@@ -81,7 +81,7 @@ def test_positions_use_the_room_that_the_pad_has(shape):
     assert config["positions"]["points"] == 25
     assert "points" not in written["positions"]
     counted = study(positions={"points": 7})
-    assert (len(finger_positions(counted)), plan_sizes(counted)["four_factor"]) == (7, 35)
+    assert (len(pad_positions(counted)), plan_sizes(counted)["four_factor"]) == (7, 35)
 
 
 def test_what_is_written_goes_before_what_follows():
@@ -157,7 +157,7 @@ def test_a_circle_has_a_diameter():
     bare = SHORT.replace("{shape: ellipse, length_x: 12 mm, length_y: 16 mm}", "{}")
     circle, ellipse = ({"shape": "circle", "diameter": "9 mm"}, {"shape": "ellipse"})
     ellipse |= {"length_x": 0.009, "length_y": 0.009}
-    assert study(bare, finger=circle)["finger"] == study(bare, finger=ellipse)["finger"]
+    assert study(bare, pad=circle)["pad"] == study(bare, pad=ellipse)["pad"]
     for wrong in (circle | {"length_x": 1e-3}, ellipse | {"diameter": 1e-3}, {"shape": "circle"}):
-        with pytest.raises(InputError, match=r"finger\.diameter: "):
-            study(bare, finger=wrong)
+        with pytest.raises(InputError, match=r"pad\.diameter: "):
+            study(bare, pad=wrong)

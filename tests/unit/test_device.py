@@ -43,8 +43,8 @@ def test_pocl_is_not_asked_for_a_kernel_that_it_compiles_for_minutes():
 def test_kernels_are_compiled_for_a_study_of_any_gap(edited):
     """A pad tilted by 15 µm over gaps of 10–20 µm is a film; at 5 µm it would be none."""
     gaps = {"h0_m": {"start": 10e-6, "stop": 20e-6, "levels": 3}}
-    tilted = {"gap": {"tilt_x_m": 15e-6, "tilt_y_m": 0, "bulge_m": 0}}
-    config = edited(finger=tilted, screen=gaps, error_map=gaps, extrapolation={"h0_m": 10e-6})
+    tilted = {"gap": {"tilt_x_m": 15e-6, "tilt_y_m": 0, "crown_m": 0}}
+    config = edited(pad=tilted, screen=gaps, error_map=gaps, extrapolation={"h0_m": 10e-6})
     check_study(load_config(config))
     assert "device" in compile_kernels(load_config(config))
 

@@ -8,7 +8,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit, parameter_ranges
 from squeezefilm.models.force_model import get_model, make_model
-from squeezefilm.models.prediction_interval import film_folds, left_out_predictions
+from squeezefilm.models.prediction_interval import film_folds, held_out_predictions
 from squeezefilm.models.search import nelder_mead
 
 
@@ -64,7 +64,7 @@ def test_centred_points_count_in_every_fit_near_a_known_one(shape):
     for each in parameter_ranges(model, CENTRED, force, theta):
         assert each.lower < each.estimate < each.upper
     folds = film_folds(CENTRED, folds=5, seed=1)
-    predicted = left_out_predictions(model, CENTRED, force, theta=theta, folds=folds)
+    predicted = held_out_predictions(model, CENTRED, force, theta=theta, folds=folds)
     assert np.linalg.norm(predicted - force) < 0.04 * np.linalg.norm(force)
 
 
@@ -79,7 +79,7 @@ def test_a_point_left_out_does_not_know_its_own_force():
     changed[7] += 1.0
     fold = film_folds(factors, folds=5, seed=1)
     kept, moved = (
-        left_out_predictions(model, factors, y, theta=np.zeros(3), folds=fold)
+        held_out_predictions(model, factors, y, theta=np.zeros(3), folds=fold)
         for y in (force, changed)
     )
     np.testing.assert_array_equal(kept[fold == fold[7]], moved[fold == fold[7]])

@@ -44,10 +44,10 @@ def walk_through(repository):
 
 
 def test_what_the_walk_through_shows_is_valid(walk_through, repository, tmp_path):
-    """Its profiles, its finger and its formula, put into the example."""
+    """Its profiles, its pad and its formula, put into the example."""
     example = yaml.safe_load((repository / "config" / "vibrometer.yaml").read_text("utf-8"))
     blocks = re.findall(r"(?:^    .*\n|^\n(?=    ))+", walk_through, re.MULTILINE)
-    shown = [block for block in blocks if re.match(r"\s+(profile|finger|models):", block)]
+    shown = [block for block in blocks if re.match(r"\s+(profile|pad|models):", block)]
     assert len(shown) == 4
     studies = []
     for block in shown:

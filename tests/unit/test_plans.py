@@ -14,7 +14,7 @@ from squeezefilm.studies.plans import (
     scenes_of,
     sweep_pieces,
 )
-from squeezefilm.studies.space import finger_positions, space_filling
+from squeezefilm.studies.space import pad_positions, space_filling
 
 
 def test_the_screen_has_every_gap_with_every_amplitude_once(paper):
@@ -27,7 +27,7 @@ def test_the_screen_has_every_gap_with_every_amplitude_once(paper):
 
 
 def test_the_four_factor_plan_has_13_positions_with_5_points(paper):
-    positions = finger_positions(paper)
+    positions = pad_positions(paper)
     assert len(positions) == len(set(positions)) == 13
     assert positions[0] == (0.0, 0.0)
     design = pd.DataFrame({"h0_m": 5e-6, "hv_m": [1e-6, 1.2e-6, 1.4e-6, 1.6e-6, 2e-6]})

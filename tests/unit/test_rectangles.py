@@ -14,7 +14,7 @@ from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.space import box_of, finger_positions
+from squeezefilm.studies.space import box_of, pad_positions
 from squeezefilm.studies.study import scene_of, symmetry_of
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
@@ -28,7 +28,7 @@ def plate(repository: Path) -> Config:
 
 def study(config: Config, **changes: dict[str, Any]) -> Config:
     """The plate under a rectangular pad, its wave known by formula, with other keys in sections."""
-    first = {"finger": PAD, "actuator": {"profile": WAVE}}
+    first = {"pad": PAD, "actuator": {"profile": WAVE}}
     sections = dict(config.sections)
     for name, keys in (*first.items(), *changes.items()):
         sections[name] = sections[name] | keys
@@ -62,12 +62,10 @@ def test_a_scan_is_smoothed_within_its_error(tmp_path):
 
 
 @pytest.mark.parametrize(("x_m", "y_m"), [(0.0101, 0.0), (0.0, -0.0061)])
-def test_the_finger_must_lie_on_the_plate(plate, x_m, y_m):
+def test_the_pad_must_lie_on_the_plate(plate, x_m, y_m):
     config = study(plate)
     scene_of(config, 5e-6, 2e-6, x_m=0.010, y_m=-0.006)
-    with pytest.raises(
-        InputError, match=r"a corner of the finger lies at x = .*, off the actuator"
-    ):
+    with pytest.raises(InputError, match=r"a corner of the pad lies at x = .*, off the actuator"):
         scene_of(config, 5e-6, 2e-6, x_m=x_m, y_m=y_m)
 
 
@@ -76,14 +74,14 @@ def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):
     positions = {"x_m": [0.005, 0.0095], "y_m": [0, 0.005]}
     config = Config(path=config.path, sections=config.sections | {"positions": positions})
     assert symmetry_of(config) == Mirrors(x=True, y=True)
-    mirrored = finger_positions(config)
+    mirrored = pad_positions(config)
     assert mirrored[:4] == [(0.0, 0.0), (0.0, 0.005), (0.005, 0.0), (0.005, 0.005)]
     assert len(mirrored) == 3 * 2  # those on the mirrors are among them
     assert box_of(config).ranges["x_m"] == (0.0, 0.0095)
-    sliding = study(config, finger={"speed_x_m_per_s": 0.1})
+    sliding = study(config, pad={"speed_x_m_per_s": 0.1})
     assert symmetry_of(sliding) == Mirrors(x=False, y=True)
     assert box_of(sliding).ranges["x_m"] == (-0.0095, 0.0095)
-    assert len(finger_positions(sliding)) == 1 + 4 * 2
+    assert len(pad_positions(sliding)) == 1 + 4 * 2
     assert symmetry_of(plate) == Mirrors(x=False, y=False)  # a scan, with its noise
 
 

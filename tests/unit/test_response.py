@@ -12,7 +12,7 @@ def test_one_scene_is_told_in_words_and_a_table(capsys):
     assert main([*ONE, "--frequencies", "100Hz,1kHz"]) == 0
     words = [line.split() for line in capsys.readouterr().out.splitlines()]
     told = {first: rest for first, *rest in words}
-    assert (told["static_gain"], told["prompt_gain"]) == (["2.17"], ["1.32"])
+    assert (told["static_gain"], told["instantaneous_gain"]) == (["2.17"], ["1.32"])
     assert (told["100"][0], told["1000"][0]) == ("2.134", "1.644")
 
 
@@ -30,8 +30,12 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     assert pd.isna(thick["static_gain"])
     film = rows.loc["a"]
     settled = film["rising_n"].iloc[-1]
-    assert film["rising_n"].iloc[0] / settled == pytest.approx(summary["prompt_share"], rel=1e-3)
-    assert film["falling_n"].iloc[0] / settled == pytest.approx(summary["lasting_share"], rel=1e-3)
+    assert film["rising_n"].iloc[0] / settled == pytest.approx(
+        summary["instantaneous_fraction"], rel=1e-3
+    )
+    assert film["falling_n"].iloc[0] / settled == pytest.approx(
+        summary["lasting_fraction"], rel=1e-3
+    )
     late = film["time_s"] > summary["rise_s"]
     assert (abs(film["rising_n"][late] / settled - 1) < 0.05).all()
 

@@ -25,7 +25,7 @@ def test_dimensionless_numbers_of_the_paper(scene):
     assert replace(scene, h0_m=10e-6).modified_reynolds == pytest.approx(1.8, abs=0.02)
     assert scene.force_scale_n == pytest.approx(10.1325)
     assert scene.bearing_number == 0
-    stroking = replace(scene, finger=replace(scene.finger, speed_x_m_per_s=0.1))
+    stroking = replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.1))
     assert stroking.bearing_number == pytest.approx(0.043, abs=0.0005)
 
 
@@ -39,19 +39,19 @@ def test_sinc_is_one_in_the_middle_and_zero_at_its_node():
     assert (Piston().amplitude(x_m=x_m, y_m=x_m) == 1).all()
 
 
-def test_the_profile_is_seen_from_where_the_finger_is(scene):
+def test_the_profile_is_seen_from_where_the_pad_is(scene):
     moved = replace(scene, **cartesian(2.9e-3, 30.0))
     middle = moved.amplitude(np.array([0.5]), np.array([0.5]))
     assert middle == pytest.approx(np.sinc(109.8 * 2.9e-3))
-    # The middle of the actuator lies off the finger's middle by the finger's displacement.
-    x = np.array([0.5 - moved.x_m / moved.finger.length_x_m])
-    y = np.array([0.5 - moved.y_m / moved.finger.length_y_m])
+    # The middle of the actuator lies off the pad's middle by the pad's displacement.
+    x = np.array([0.5 - moved.x_m / moved.pad.length_x_m])
+    y = np.array([0.5 - moved.y_m / moved.pad.length_y_m])
     assert moved.amplitude(x, y) == pytest.approx(1)
 
 
 def test_scenes_as_columns_have_the_numbers_of_each(scene):
-    """Of two films in turn, one of them under a tilted finger."""
-    tilted = replace(scene, finger=replace(scene.finger, gap=GapShape(tilt_x_m=1e-6)))
+    """Of two films in turn, one of them under a tilted pad."""
+    tilted = replace(scene, pad=replace(scene.pad, gap=GapShape(tilt_x_m=1e-6)))
     each = [replace(film, h0_m=h0_m) for h0_m in (5e-6, 8e-6) for film in (scene, tilted)]
     scenes = Scenes.of(each)
     assert list(scenes) == each
@@ -84,7 +84,7 @@ def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"hv_m": 5e-6}, "surface and finger touch"),
+        ({"hv_m": 5e-6}, "surface and pad touch"),
         (cartesian(2.94e-3, 45.0), "off the actuator's 10.00 mm disc"),
     ],
 )

@@ -10,7 +10,7 @@ from squeezefilm.config.loading import Config
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import plan_sizes
-from squeezefilm.studies.space import Space, box_of, finger_positions
+from squeezefilm.studies.space import Space, box_of, pad_positions
 from squeezefilm.studies.study import scenes_in, symmetry_of
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
@@ -22,7 +22,7 @@ SCAN = {"kind": "measured", "file": "vibrometer.csv"}
 
 
 def tilted(x_m: float, y_m: float) -> dict[str, Any]:
-    return {"gap": {"tilt_x_m": x_m, "tilt_y_m": y_m, "bulge_m": 5e-7}}
+    return {"gap": {"tilt_x_m": x_m, "tilt_y_m": y_m, "crown_m": 5e-7}}
 
 
 def bessel(nodal_diameters: int) -> dict[str, Any]:
@@ -30,7 +30,7 @@ def bessel(nodal_diameters: int) -> dict[str, Any]:
     return {"kind": "bessel", "nodal_diameters": nodal_diameters, **mode}
 
 
-# The finger, the profile (none: the paper's sinc), and where the sector begins and ends.
+# The pad, the profile (none: the paper's sinc), and where the sector begins and ends.
 CASES: dict[str, tuple[dict[str, Any], dict[str, Any] | None, tuple[float, float]]] = {
     "square": ({}, None, (0, 45)),
     "circle": (CIRCLE, None, (0, 45)),
@@ -46,8 +46,8 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any] | None, tuple[float, float
 }  # fmt: skip
 
 
-def study(quick: Config, finger: dict[str, Any], profile: dict[str, Any] | None = None) -> Config:
-    sections = {**quick, "finger": quick["finger"] | finger}
+def study(quick: Config, pad: dict[str, Any], profile: dict[str, Any] | None = None) -> Config:
+    sections = {**quick, "pad": quick["pad"] | pad}
     if profile:
         sections["actuator"] = quick["actuator"] | {"profile": profile}
     return Config(path=quick.path, sections=sections)
@@ -55,8 +55,8 @@ def study(quick: Config, finger: dict[str, Any], profile: dict[str, Any] | None 
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_sector_of_positions_is_that_of_pad_and_vibration(case, quick):
-    finger, profile, (start, stop) = CASES[case]
-    directions = symmetry_of(study(quick, finger, profile))
+    pad, profile, (start, stop) = CASES[case]
+    directions = symmetry_of(study(quick, pad, profile))
     assert (directions.start_deg, directions.stop_deg) == pytest.approx((start, stop))
 
 
@@ -83,7 +83,7 @@ def test_the_template_s_directions_stand_for_all_that_differ(quick):
     assert Directions(0, 180, mirror=True).images([0, 45]) == [0, 45, 90, 135, 180]
     assert Directions(0, 180, mirror=False).images([0, 45]) == [0, 45, 90, 135]
     rectangle = study(quick, RECTANGLE)
-    places = finger_positions(rectangle)
+    places = pad_positions(rectangle)
     assert {angle for _, angle in places} == {0, 45, 90}
     assert plan_sizes(rectangle)["four_factor"] == len(places) * quick["design"]["points"]
     assert box_of(rectangle).ranges["phi_deg"] == (0, 90)

@@ -27,9 +27,7 @@ def at(scene, h0_um, hv_um=1e-3, *, hz=43270.0, side_m=0.01, gap=None, **gas):
         hv_m=1e-6 * hv_um,
         gas=replace(scene.gas, **gas),
         actuator=replace(scene.actuator, frequency_hz=hz, profile=Piston()),
-        finger=replace(
-            scene.finger, length_x_m=2 * side_m, length_y_m=side_m, gap=gap or GapShape()
-        ),
+        pad=replace(scene.pad, length_x_m=2 * side_m, length_y_m=side_m, gap=gap or GapShape()),
     )
 
 

@@ -13,7 +13,7 @@ THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
 
 
 def test_one_force_outside_is_printed_with_exit_status_1(edited, capsys):
-    study = edited("paper", finger={"length_x_m": 0.01, "length_y_m": 0.01})
+    study = edited("paper", pad={"length_x_m": 0.01, "length_y_m": 0.01})
     assert main(["simulate", "--h0", "1nm", "--hv", "0.1nm", "--config", str(study)]) == 1
     said = capsys.readouterr()
     told = dict(line.split(maxsplit=1) for line in said.out.splitlines())
@@ -34,7 +34,7 @@ def fit(tmp_path, paper):
         "points": 60,
         "global_error": 0.005,
         "sum_of_squares": 1e-5,
-        "film": film_of(paper, left_out=["inertia; heat"]),
+        "film": film_of(paper, simplifications=["inertia; heat"]),
     }
     write_json(values, path)
     return path, values

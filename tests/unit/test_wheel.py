@@ -73,7 +73,7 @@ def test_a_force_needs_no_checkout_and_no_workflow(installed):
     code = (
         "film = sf.Film.of(actuator={'frequency': 43270, 'surface_radius': 0.01,\n"
         "    'profile': {'kind': 'sinc', 'wave_number': 109.8}},\n"
-        "    finger={'length_x': 0.01, 'length_y': 0.01},\n"
+        "    pad={'length_x': 0.01, 'length_y': 0.01},\n"
         "    gas={'inertia': 'none', 'heat': 'none'})\n"
         "print(float(film.force('5 um', '2.2 um', tolerance=1e-4)))"
     )
@@ -85,7 +85,7 @@ def test_a_force_needs_no_checkout_and_no_workflow(installed):
 def test_what_needs_an_extra_names_it(installed):
     code = (
         "film = sf.Film.of(actuator={'frequency': 43270, 'surface_radius': 0.01,\n"
-        "    'profile': {'kind': 'piston'}}, finger={'length_x': 0.01, 'length_y': 0.01})\n"
+        "    'profile': {'kind': 'piston'}}, pad={'length_x': 0.01, 'length_y': 0.01})\n"
         "try:\n    film.pressure(5e-6, 1e-6)\n"
         "except sf.InputError as error:\n    print(error)\n"
         "from squeezefilm.tables import read_scenes\n"

@@ -123,7 +123,7 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(
     shutil.copytree(study.root, tmp_path, dirs_exist_ok=True)
     (tmp_path / "models/recommended.csv").write_text(RECOMMENDED)
     (tmp_path / "simulations/screen/budget.csv").write_text(
-        "h0_m,hv_m,left_out_least_percent,left_out_most_percent,above_range,in_force\n"
+        "h0_m,hv_m,modelling_error_lower_percent,modelling_error_upper_percent,first_order_invalid,included_effects\n"
         "5e-6,1e-6,-1.2,0.5,,\n6e-6,1e-6,-2,11,inertia,\n"
     )
     results = Results.of(tmp_path, repository / "config/plate.yaml")

@@ -152,11 +152,13 @@ def _extrapolated_values(results: Results) -> Values:
     fit = results.fit("two_factor_design")
     expected_n = _expected_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
     file = "simulations/extrapolation/budget.csv"
-    columns = ("point_id", "rim_percent", "rim_most_percent", "in_force")
+    columns = ("point_id", "edge_loss_percent", "edge_loss_upper_percent", "included_effects")
     budgets = results.table(file, *columns).set_index("point_id")
     budget = results.row(budgets, "operating_point", file)
-    present = str(budget["in_force"]).split("; ") if pd.notna(budget["in_force"]) else []
-    included = f"With {' and '.join(present)} in it, which eq. (1) has not; left out are"
+    present = (
+        str(budget["included_effects"]).split("; ") if pd.notna(budget["included_effects"]) else []
+    )
+    included = f"With {' and '.join(present)} in it, which eq. (1) neglects; still neglected are"
     return {
         "model_at_2.2": expected_n,
         "of_ours": 100 * expected_n / point["force_n"],
@@ -171,8 +173,8 @@ def _extrapolated_values(results: Results) -> Values:
             for name in ("inertia", "slip", "heat")
             if name not in present
         ),
-        "low": point["force_n"] * (1 + budget["left_out_least_percent"] / 100),
-        "high": point["force_n"] * (1 + budget["left_out_most_percent"] / 100),
+        "low": point["force_n"] * (1 + budget["modelling_error_lower_percent"] / 100),
+        "high": point["force_n"] * (1 + budget["modelling_error_upper_percent"] / 100),
         "amplitude": wanted["hv_um"],
     }
 
@@ -212,7 +214,7 @@ def _in_micrometres(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _expected_n(fit: FittedModel, *, h0_m: float, hv_m: float) -> float:
-    """The force that a fit expects with the finger centred."""
+    """The force that a fit expects with the pad centred."""
     return float(fit.force_model.evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))[0])
 
 

@@ -50,7 +50,7 @@ def table2(results: Results) -> PaperTable:
         title="Table II. Space of the experiment with four factors",
         data=data,
         shown=data.assign(**limits),
-        note=f"{len(plan)} simulations at {positions} positions of the finger's centre.",
+        note=f"{len(plan)} simulations at {positions} positions of the pad's centre.",
     )
 
 

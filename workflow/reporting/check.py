@@ -58,12 +58,12 @@ FIT_OF_DESIGN = {
     "four_factor_distinct": "four_factor",
 }
 RESULTS = {
-    "simulations/screen/budget": "h0_m|hv_m|(inertia|slip|heat|rim|left_out.*)_percent",
-    "simulations/four_factor/budget": "(inertia|slip|heat|rim|left_out.*)_percent",
-    "simulations/screen/response": "h0_m|hv_m|corner_hz|prompt_share|error",
+    "simulations/screen/budget": "h0_m|hv_m|(inertia|slip|heat|rim|simplifications.*)_percent",
+    "simulations/four_factor/budget": "(inertia|slip|heat|rim|simplifications.*)_percent",
+    "simulations/screen/response": "h0_m|hv_m|corner_hz|instantaneous_fraction|error",
     "simulations/screen/gains": "h0_m|hv_m|frequency_hz|gain|phase_deg",
     "simulations/screen/levitation": "load_n|hv_m|h0_m|stiffness_n_per_m|modified_reynolds",
-    "simulations/extrapolation/film": "phase_deg|x_mm|surface_um|finger_um|overpressure_kpa",
+    "simulations/extrapolation/film": "phase_deg|x_mm|surface_um|pad_um|gauge_pressure_kpa",
     "validation/two_factor_design_on_error_map": "h0_m|hv_m|relative_error",
     "tables/uncertainty": "assumption|force_(low|high)_n|ours_n|verdict",
 }

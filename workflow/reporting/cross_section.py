@@ -1,4 +1,4 @@
-"""Gap and pressure along the middle of a finger over a period, for pictures."""
+"""Gap and pressure along the middle of a pad over a period, for pictures."""
 
 from contextlib import suppress
 
@@ -16,18 +16,18 @@ TOLERANCE = 1e-4
 
 
 def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
-    """The film along y = middle of a finger: a row for each time and place.
+    """The film along y = middle of a pad: a row for each time and place.
 
-    x_mm counts from the finger's centre along its own axis, heights from the surface at rest. The
+    x_mm counts from the pad's centre along its own axis, heights from the surface at rest. The
     pressure is that of the periodic state, NaN where there is none to show. The scene's terms must
     be decided.
     """
     x = (1 - np.cos(np.pi * np.arange(POINTS + 2) / (POINTS + 1))) / 2
     phase = 2 * np.pi * np.arange(TIMES) / TIMES
     middle = np.full_like(x, 0.5)
-    finger = scene.h0_m + scene.finger.gap.rise_m(x, middle)
+    pad = scene.h0_m + scene.pad.gap.rise_m(x, middle)
     # The gap widens while the surface goes down.
-    surface = finger - scene.h0_m * scene.gap(x, middle, phase).T
+    surface = pad - scene.h0_m * scene.gap(x, middle, phase).T
     overpressure = np.full(surface.shape, np.nan)
     with suppress(RunError):
         overpressure = pressure(
@@ -38,9 +38,9 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
         {
             "point_id": scene.point_id,
             "phase_deg": (np.degrees(phase)[:, None] * shape).ravel(),
-            "x_mm": (1e3 * scene.finger.length_x_m * (x - 0.5) * shape).ravel(),
+            "x_mm": (1e3 * scene.pad.length_x_m * (x - 0.5) * shape).ravel(),
             "surface_um": 1e6 * surface.ravel(),
-            "finger_um": (1e6 * finger * shape).ravel(),
-            "overpressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * overpressure).ravel(),
+            "pad_um": (1e6 * pad * shape).ravel(),
+            "gauge_pressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * overpressure).ravel(),
         }
     )

@@ -30,7 +30,7 @@ from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
 
 COLUMNS = (
-    *("model", "parameters", "fit_points", "fit_error", "left_out_error", "validation_points"),
+    *("model", "parameters", "fit_points", "fit_error", "cv_error", "validation_points"),
     *("validation_failed", "validation_error", "validation_worst_relative", "validation_worst_n"),
     *("error_95_percent", "coverage", "coverage_least", "coverage_least_in", "expression"),
     *("about", "note"),
@@ -107,7 +107,7 @@ def _judged(
         "parameters": len(fit.theta),
         "fit_points": fit.points,
         "fit_error": fit.global_error,
-        "left_out_error": np.nan if cross is None else cross["global_error"],
+        "cv_error": np.nan if cross is None else cross["global_error"],
         "validation_points": len(forces),
         "validation_error": errors["global_error"],
         "validation_worst_relative": errors["largest_relative"],
@@ -187,9 +187,9 @@ def refine_page(results: Results, *, space: str) -> Page:
         folder = f"refine/{space}/{name}"
         verdict = results.summary(f"{folder}/verdict.json")
         if "refused" in verdict:
-            unknown = {"parameters": None, "verdict": "left out", "simulations": None}
+            unknown = {"parameters": None, "verdict": "not supported", "simulations": None}
             rows.append({"model": verdict["model"], **unknown})
-            reasons[verdict["model"]] = ("left out", f"{verdict['refused']}.")
+            reasons[verdict["model"]] = ("not supported", f"{verdict['refused']}.")
             continue
         fit = read_fit(results.folder / folder / "fit.json")
         profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
@@ -200,7 +200,7 @@ def refine_page(results: Results, *, space: str) -> Page:
             f"(by {verdict['errors_mapped_by']}).",
         )
     table = pd.DataFrame(rows)
-    refined = table[table["verdict"] != "left out"]
+    refined = table[table["verdict"] != "not supported"]
     values = {
         "points": len(force_n),
         "reasons": reasons,

@@ -76,9 +76,14 @@ class Results:
 
     def budget(self, plan: str) -> pd.DataFrame:
         """What the equation leaves out of a plan's forces."""
-        columns = ("left_out_least_percent", "left_out_most_percent", "above_range", "in_force")
+        columns = (
+            "modelling_error_lower_percent",
+            "modelling_error_upper_percent",
+            "first_order_invalid",
+            "included_effects",
+        )
         table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns)
-        return table.assign(above_range=table["above_range"].fillna(""))
+        return table.assign(first_order_invalid=table["first_order_invalid"].fillna(""))
 
     def table(self, file: str, *columns: str) -> pd.DataFrame:
         """Any table of the results, which has at least these columns."""

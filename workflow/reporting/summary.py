@@ -18,9 +18,9 @@ EFFECTS = {
     "inertia": "inertia",
     "slip": "slip",
     "heat": "heat",
-    "rim": "loss at the rim, C = 1",
-    "left_out_least": "in all, with higher orders: from",
-    "left_out_most": "in all, with higher orders: to",
+    "edge_loss": "inlet loss at the film edge, C = 1",
+    "modelling_error_lower": "modelling error, lower end",
+    "modelling_error_upper": "modelling error, upper end",
 }
 NOTHING = 1e-3
 """Share of a range's largest value below which its least is as good as 0."""
@@ -52,7 +52,7 @@ def summary_values(
     config = results.config
     tables = {plan: results.forces(plan) for plan in plans}
     first = next(iter(tables.values()))
-    sections = {section: config[section] for section in ("gas", "actuator", "finger", "solver")}
+    sections = {section: config[section] for section in ("gas", "actuator", "pad", "solver")}
     settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting)
     profile_uncertainty = max(results.fit(fit).profile_uncertainty for fit in fits)
     on_disc = form_of(first) == POLAR
@@ -134,7 +134,7 @@ def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
-    """The finger's positions by name and unit."""
+    """The pad's positions by name and unit."""
     shown = {FACTOR_WORDS[name]: table[name] for name in form_of(table)}
     return {f"{name} ({unit})": scale * values for (name, unit, scale, _), values in shown.items()}
 
@@ -142,13 +142,15 @@ def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
 def _neglected(results: Results) -> dict[str, Any] | None:
     """The ends of what is left out in all over the screen; None where they are not known."""
     table = results.budget("screen")
-    ends = table[["left_out_least_percent", "left_out_most_percent"]].to_numpy(dtype=float)
+    ends = table[["modelling_error_lower_percent", "modelling_error_upper_percent"]].to_numpy(
+        dtype=float
+    )
     if not np.isfinite(ends).all():
         return None
     return {
         "lower": signed(ends.min()),
         "upper": signed(ends.max()),
-        "above_range": bool(table["above_range"].ne("").any()),
+        "first_order_invalid": bool(table["first_order_invalid"].ne("").any()),
     }
 
 
@@ -158,7 +160,7 @@ def _effects(results: Results) -> pd.DataFrame:
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
     shown: dict[str, Any] = {"effect": list(EFFECTS.values())}
     for _, row in table.iloc[[0, -1]].iterrows():
-        present = str(row["in_force"]).split("; ")
+        present = str(row["included_effects"]).split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
             "in the forces" if name in present else signed(row[f"{name}_percent"])
             for name in EFFECTS
@@ -168,9 +170,11 @@ def _effects(results: Results) -> pd.DataFrame:
 
 def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     """What the study's equation has beyond the paper's: as the simulations had it, if any did."""
-    without = [row.split("; ") for each in tables.values() for row in each["left_out"].dropna()]
+    without = [
+        row.split("; ") for each in tables.values() for row in each["simplifications"].dropna()
+    ]
     for name in ("inertia", "heat"):
-        if gas[name] != "none" and not all(name in left_out for left_out in without):
+        if gas[name] != "none" and not all(name in simplifications for simplifications in without):
             yield name if gas[name] == "included" else f"{name} where it matters"
 
 

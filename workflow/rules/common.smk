@@ -66,12 +66,12 @@ STUDY = CONFIG["study"]
 PAPER = CONFIG["paper"]
 SUMMARY = "1 Summary and claims" if PAPER else "1 Summary"
 SCAN = CONFIG["actuator"]["profile"].get("file")
-OUTLINE = CONFIG["finger"].get("outline", {}).get("file")
+OUTLINE = CONFIG["pad"].get("outline", {}).get("file")
 
 # What decides a job's numbers beside its input files are parameters of its rule, so that Snakemake
 # makes anew what an edit reaches: a digest of its stage's code, and sections of the study.
 CODE = {stage: code_digest(stage) for stage in SOURCES}
-SHAPES = ["actuator", "finger"]
+SHAPES = ["actuator", "pad"]
 FILM = ["gas", *SHAPES]
 
 
@@ -80,7 +80,7 @@ def sections(*names):
     found = {name: CONFIG[name] for name in names}
     named = [
         CONFIG.path.parent / file
-        for file, section in ((SCAN, "actuator"), (OUTLINE, "finger"))
+        for file, section in ((SCAN, "actuator"), (OUTLINE, "pad"))
         if file and section in found
     ]
     found["files"] = [file_digest(file) for file in named if file.is_file()]

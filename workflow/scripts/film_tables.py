@@ -29,7 +29,7 @@ def levitation() -> pd.DataFrame:
 
 
 def film() -> pd.DataFrame:
-    """Gap and pressure along the middle of the finger over a period."""
+    """Gap and pressure along the middle of the pad over a period."""
     from reporting.cross_section import cross_section
 
     resolved = settings.resolved(scenes, device)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
-"""The two forms in which a finger's position stands in tables."""
+"""The two forms in which a pad's position stands in tables."""
 
 
 @dataclass(kw_only=True, slots=True)  # not frozen, which takes three times as long to make
@@ -31,8 +31,8 @@ class Solution:
         status: ``ok``, or what went wrong.
         validity: ``ok``, or the limits of validity that the scene exceeds (film/validity.py).
         method: name of the method.
-        left_out: what the scene did not need.
-        nx, ny, nt: collocation points across the finger, or along a radius and around for an
+        simplifications: what the scene did not need.
+        nx, ny, nt: collocation points across the pad, or along a radius and around for an
             elliptical one, and over the period.
         newton_steps, krylov_iterations: over all grids.
         residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
@@ -48,7 +48,7 @@ class Solution:
     status: str
     validity: str = ""
     method: str
-    left_out: str = ""
+    simplifications: str = ""
     nx: int = 0
     ny: int = 0
     nt: int = 0
@@ -206,7 +206,7 @@ OUTPUTS: dict[str, dict[str, str]] = {
     "centre": {"centre_x": "m", "centre_y": "m"},
     "moments": {"moment_x": "n_m", "moment_y": "n_m"},
     "thrust": {"thrust_x": "n", "thrust_y": "n", "sliding_friction": "n"},
-    "extremes": {"largest_overpressure": "pa", "least_overpressure": "pa"},
+    "extremes": {"gauge_pressure_max": "pa", "gauge_pressure_min": "pa"},
     "static_stiffness": {"static_stiffness": "n_per_m"},
 }
 

@@ -32,7 +32,7 @@ ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", 
 """What a reader of a refinement's rounds may count on; the table has more."""
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 TEXT_COLUMNS = {
-    *("point_id", "origin", "status", "validity", "method", "left_out"),
+    *("point_id", "origin", "status", "validity", "method", "simplifications"),
     *("derivatives_status", "outputs_status"),
 }
 PARQUET = ".parquet"
@@ -43,7 +43,7 @@ THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
 
-Others = Literal["refused", "left out", "kept"]
+Others = Literal["refused", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read."""
 Rows = Callable[[int], slice]
 """Which rows of a table, given how many there are; ``slice`` is all of them."""
@@ -84,7 +84,7 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    beside: Others = "kept" if whole else "left out"
+    beside: Others = "kept" if whole else "ignored"
     table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, others=beside)
     for name in map(str, table):
         if name in ("force_n", "force_error_n") or name not in {*FORCE_COLUMNS, *TEXT_COLUMNS}:

@@ -17,7 +17,7 @@ BASES = ("N", "m", "s", "deg")
 NONE: Dimension = {}
 MOST_LEVELS = 10_000
 LEAST_MILLI = 1e-4
-NOT_KNOWN = ("modelling_error", "left_out_", "slip_", "inertia_gain_p", "heat_gain_p")
+NOT_KNOWN = ("modelling_error", "slip_", "inertia_gain_p", "heat_gain_p")
 """Parts of the names of columns whose values are missed where there are none."""
 FACTORS = ("h0", "hv", "x", "y", "phi_r", "phi")
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4

@@ -34,10 +34,10 @@ ONE_FOR_ALL = (
     Grid(nx=32, ny=32, nt=20, fold_x=False, fold_y=False),
 )
 AS_NEEDED = "nothing"
-# What puts a term back, by its name: numbers of the scene's finger, gap or gas.
+# What puts a term back, by its name: numbers of the scene's pad, gap or gas.
 NEGLIGIBLE = 1e-14
 PUT_BACK: dict[str, dict[str, Any]] = {
-    "any_gap": {"bulge_m": NEGLIGIBLE * 1e-6},
+    "any_gap": {"crown_m": NEGLIGIBLE * 1e-6},
     "bearing": {"speed_x_m_per_s": NEGLIGIBLE},
     "rarefaction": {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE * 1e-6},
     "polytropic": {"polytropic_exponent": 1 + NEGLIGIBLE},
@@ -98,9 +98,9 @@ def _with(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
     def changed(whole: Any) -> Any:
         return replace(whole, **{name: changes[name] for name in changes if hasattr(whole, name)})
 
-    fingers = [replace(changed(each.finger), gap=changed(each.finger.gap)) for each in scenes]
-    pairs = zip(scenes, fingers, strict=True)
-    return [replace(scene, finger=finger, gas=changed(scene.gas)) for scene, finger in pairs]
+    pads = [replace(changed(each.pad), gap=changed(each.pad.gap)) for each in scenes]
+    pairs = zip(scenes, pads, strict=True)
+    return [replace(scene, pad=pad, gas=changed(scene.gas)) for scene, pad in pairs]
 
 
 # Forces of scenes and what is stated of their errors, in newtons.
@@ -120,7 +120,7 @@ def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device)
 
 
 def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
-    """Every scene on the same two grids over the whole finger, each solved from rest."""
+    """Every scene on the same two grids over the whole pad, each solved from rest."""
     coarse, fine = (
         solve_batch(scenes, grid, tolerance=ITERATION_SHARE * tolerance, device=device)
         for grid in ONE_FOR_ALL
@@ -130,6 +130,6 @@ def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
 
 
 def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
-    """Of the plain equation, on 24 × 24 × 16 points of the whole finger."""
+    """Of the plain equation, on 24 × 24 × 16 points of the whole pad."""
     means = np.array([periodic_state(each, tolerance=1e-4 * tolerance).force for each in scenes])
     return Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan)

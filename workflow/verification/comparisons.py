@@ -56,11 +56,11 @@ def _over_limits(scene: Scene) -> dict[str, float]:
     Re 10, and its depth-averaged term is unchecked above Re 20; pressure differs across a gap by a
     fifth at a tenth of the sound's wavelength.
     """
-    gas, finger = scene.gas, scene.finger
+    gas, pad = scene.gas, scene.pad
     sound_m_per_s = sqrt(gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3)
     wavelength_m = sound_m_per_s / scene.actuator.frequency_hz
     return {
-        "gap over pad": scene.h0_m / min(finger.length_x_m, finger.length_y_m) / 0.1,
+        "gap over pad": scene.h0_m / min(pad.length_x_m, pad.length_y_m) / 0.1,
         "Knudsen number": scene.knudsen / 0.178,
         "Reynolds number": scene.modified_reynolds / (20.0 if gas.inertia == "included" else 10.0),
         "gap over sound's wavelength": scene.h0_m / wavelength_m / 0.1,
@@ -146,7 +146,7 @@ def forces_and_errors(
 def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     """The same far within what is stated of them, as far as that can be had."""
     gas = scenes[0].gas
-    plain = gas.inertia == gas.heat == "none" and scenes[0].finger.shape == "rectangle"
+    plain = gas.inertia == gas.heat == "none" and scenes[0].pad.shape == "rectangle"
     found = forces_and_errors(scenes, study, tolerance=TIGHT if plain else LESS_TIGHT)
     if plain and not np.isfinite(found).all():
         return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
@@ -204,7 +204,7 @@ def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The viscous film without inertia and heat, against spectral elements of other equations."""
     scene = scene.viscous().with_gas(rarefaction="none")
     low, high = REFERENCE_SIGMA
-    square = scene.finger.shape == "rectangle" and scene.aspect == 1
+    square = scene.pad.shape == "rectangle" and scene.aspect == 1
     if not (square and scene.epsilon <= REFERENCE_EPSILON and low <= scene.sigma <= high):
         return
     ((stated,), (error,)) = forces_and_errors([scene], study)
@@ -227,13 +227,13 @@ def _neglected(
     slips = gas.rarefaction != "fukui-kaneko" and gas.inertia == gas.heat == "none"
     for name, effects, choices in (
         ("inertia, heat", ("inertia", "heat"), both),
-        ("rarefaction", ("slip", "kinetic") if slips else (), flow),
+        ("rarefaction", ("slip", "flow_factor") if slips else (), flow),
     ):
         lacking = {each: budget.effects[each] for each in effects}
         lacking = {each: effect for each, effect in lacking.items() if not effect.included}
         if lacking:
             # Effects of another pad are a guide; their sum is stated as not known.
-            usable = not (budget.basis or lacking.keys() & {*budget.above_range})
+            usable = not (budget.basis or lacking.keys() & {*budget.first_order_invalid})
             change = sum(effect.percent for effect in lacking.values()) / 100
             off = sum(effect.off_percent for effect in lacking.values()) / 100
             yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"

@@ -8,7 +8,7 @@ from itertools import product
 from math import pi
 from typing import Any
 
-from squeezefilm.film.pad import EVEN, Finger, GapShape
+from squeezefilm.film.pad import EVEN, GapShape, Pad
 from squeezefilm.film.profiles import Formula, Piston, Profile, Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
@@ -42,12 +42,12 @@ def film(
         name: what tables and figures call it.
         epsilon, sigma, bearing: excursion ratio, squeeze number, bearing number.
         profile: vibration shape of the actuator.
-        x, y: the finger's centre on the actuator, in units of its side along x.
-        aspect: the finger's side along y over that along x.
+        x, y: the pad's centre on the actuator, in units of its side along x.
+        aspect: the pad's side along y over that along x.
         knudsen: mean free path over mean gap, with first-order slip; 0 for no rarefaction.
         reynolds: modified Reynolds number, with inertia of the gas; 0 for none.
         gap: the gap's shape at rest, 0 at its centre.
-        shape: the finger's outline, as a scene's finger has it.
+        shape: the pad's outline, as a scene's pad has it.
     """
     angular_frequency = 2 * pi * FREQUENCY_HZ
     viscosity = sigma * PRESSURE_PA * H0_M**2 / (12 * angular_frequency * LENGTH_M**2)
@@ -62,25 +62,25 @@ def film(
         rarefaction="slip" if knudsen else "none",
     )
     actuator = Actuator(frequency_hz=FREQUENCY_HZ, surface=Disc(1.0), profile=profile)
-    finger = Finger(LENGTH_M, aspect * LENGTH_M, speed, gap=gap, shape=shape)
+    pad = Pad(LENGTH_M, aspect * LENGTH_M, speed, gap=gap, shape=shape)
     amplitude_and_place_m = epsilon * H0_M, x * LENGTH_M, y * LENGTH_M
-    return Film(gas, actuator, finger).scene(H0_M, *amplitude_and_place_m, point_id=name)
+    return Film(gas, actuator, pad).scene(H0_M, *amplitude_and_place_m, point_id=name)
 
 
 def travelling(wavelength: float = 2.0, direction_deg: float = 0.0) -> Profile:
-    """A wave of a length in units of the finger's side."""
+    """A wave of a length in units of the pad's side."""
     wave = StandingWave(wavelength * LENGTH_M, direction_deg, crest_m=0.0)
     return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
 
 
-def gap_shape(tilt_x: float = 0.0, tilt_y: float = 0.0, bulge: float = 0.0) -> GapShape:
+def gap_shape(tilt_x: float = 0.0, tilt_y: float = 0.0, crown: float = 0.0) -> GapShape:
     """A gap at rest in units of h0."""
-    return GapShape(tilt_x * H0_M, tilt_y * H0_M, bulge * H0_M)
+    return GapShape(tilt_x * H0_M, tilt_y * H0_M, crown * H0_M)
 
 
 # Where waves steepen so much that no grid or no step of Newton's method may be enough.
 STEEPEST = 2.0
-TILTED, ALONG, BULGING = gap_shape(tilt_x=0.4), gap_shape(tilt_y=0.4), gap_shape(bulge=0.3)
+TILTED, ALONG, BULGING = gap_shape(tilt_x=0.4), gap_shape(tilt_y=0.4), gap_shape(crown=0.3)
 # Of all cases, for a small study: every sixth, of every group some.
 SAMPLE = slice(None, None, 6)
 
@@ -145,13 +145,13 @@ _WAVE = travelling()
 _BUMPS = "cos(2900*x+1100*y+1)+cos(2100*x-1700*y+2)+cos(900*x+2800*y+4)+cos(1900*x-2300*y)"
 ROUGH = Formula(f"sinc(109.8*r)*(1+0.07*({_BUMPS}))/1.2", surface=Disc(0.015))
 SHAPES = (
-    film("node of the profile under the finger", 0.5, 583.0, profile=Sinc(280.0)),
+    film("node of the profile under the pad", 0.5, 583.0, profile=Sinc(280.0)),
     film("rough measured profile", 0.4, 583.0, profile=ROUGH),
     film("off centre, at the rim of the disc", 0.4, 2331.0, x=0.293),
     film("off centre, diagonal", 0.4, 2331.0, x=0.2051, y=0.2051),
     film("off centre, small amplitude", 1e-3, 583.0, x=0.2, y=0.1),
-    film("very thin finger, 1 : 100", 1e-3, 20.0, profile=PISTON, aspect=100.0),
-    film("very thin finger, 100 : 1", 1e-3, 2e5, profile=PISTON, aspect=0.01),
+    film("very thin pad, 1 : 100", 1e-3, 20.0, profile=PISTON, aspect=100.0),
+    film("very thin pad, 100 : 1", 1e-3, 2e5, profile=PISTON, aspect=0.01),
     film("1 Hz", 0.4, 0.054),
     film("1 GHz", 0.4, 5.4e7),
     film("rarefied gas, Kn = 0.0134", 0.44, 1e6, knudsen=0.0134),
@@ -176,7 +176,7 @@ SINGLE_GAPS = (
     film("tilted under a travelling wave", 0.4, 2331.0, profile=_WAVE, gap=gap_shape(0.3, 0.3)),
     film("tilted, sliding, Λ = 30", 0.4, 583.0, 30.0, gap=TILTED),
     film("bulging, rarefied gas, Kn = 0.05", 0.4, 583.0, knudsen=0.05, gap=BULGING),
-    film("thin finger 1 : 20, tilted along", 0.01, 20.0, profile=PISTON, aspect=20.0, gap=ALONG),
+    film("thin pad 1 : 20, tilted along", 0.01, 20.0, profile=PISTON, aspect=20.0, gap=ALONG),
     film("travelling wave, inertia, Re = 0.5", 0.5, 583.0, profile=_WAVE, reynolds=0.5),
     film("tilted, inertia, Re = 0.5", 0.4, 583.0, reynolds=0.5, gap=TILTED),
     film("ellipse, tilted", 0.3, 200.0, shape="ellipse", gap=TILTED),

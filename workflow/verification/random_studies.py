@@ -40,8 +40,8 @@ COVERAGE_KINDS = ("disc", "plate", "scan")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--output", required=True, metavar="TABLE.csv", help="table to write")
-    parser.add_argument("--studies", type=int, default=12, metavar="N", help="12 if left out")
-    parser.add_argument("--seed", type=int, default=1, help="of the first study; 1 if left out")
+    parser.add_argument("--studies", type=int, default=12, metavar="N", help="default 12")
+    parser.add_argument("--seed", type=int, default=1, help="of the first study; default 1")
     parser.add_argument("--points", type=int, default=2, help="simulated of each study")
     parser.add_argument("--coverage", action="store_true", help="of prediction intervals")
     parser.add_argument("--fresh", type=int, default=2000, help="points for each coverage")

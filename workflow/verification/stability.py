@@ -101,7 +101,7 @@ def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, fl
     if not solution.method.startswith("periodic"):
         # A limit's force must be that of the full equation, where that can be had.
         checks["method_difference"] = off
-    if scene.finger.shape != "rectangle" or scene.gas.inertia == "included":
+    if scene.pad.shape != "rectangle" or scene.gas.inertia == "included":
         # The equation and the pads that the state is checked by have neither: the same but finer.
         _, checks["finer_difference"] = again(FINER * TOLERANCE)
     elif math.isfinite(off):

@@ -58,14 +58,14 @@ def _study(values: dict[str, Any], folder: Path) -> Study:
 def drawn(seed: int, *, kind: str = "any") -> dict[str, Any]:
     """The configuration of a seed's study, as a file would have it; of a scan what is scanned."""
     random = np.random.default_rng(seed)
-    finger = _finger(random)
+    pad = _pad(random)
     gap_m = _between(random, UNUSUAL_GAP_M if random.uniform() < UNUSUAL else GAP_M)
     amplitude_m = random.uniform(0.1, 0.85) * gap_m
     return {
         "study": f"random-{seed}",
         "gas": _gas(random),
-        "actuator": _actuator(random, finger, KINDS[kind]),
-        "finger": finger,
+        "actuator": _actuator(random, pad, KINDS[kind]),
+        "pad": pad,
         "screen": {
             "h0": {"start": gap_m, "stop": random.uniform(1.3, 2.5) * gap_m, "levels": 5},
             "hv": {
@@ -104,7 +104,7 @@ def _gas(random: np.random.Generator) -> dict[str, Any]:
     }
 
 
-def _finger(random: np.random.Generator) -> dict[str, Any]:
+def _pad(random: np.random.Generator) -> dict[str, Any]:
     """A square, a rectangle, a disc or an ellipse, turned by any angle."""
     length_m = _between(random, SMALL_PAD_M if random.uniform() < UNUSUAL else PAD_M)
     aspect = float(random.choice([1.0, _between(random, (0.5, 2.0))]))
@@ -117,14 +117,14 @@ def _finger(random: np.random.Generator) -> dict[str, Any]:
 
 
 def _actuator(
-    random: np.random.Generator, finger: dict[str, Any], shares: tuple[float, ...]
+    random: np.random.Generator, pad: dict[str, Any], shares: tuple[float, ...]
 ) -> dict[str, Any]:
     """A disc in a bending mode, a plate with a wave, or one of both that moves as a piston.
 
     The surface has room for the pad and as much again.
     """
     wavelength_m = _between(random, WAVELENGTH_M)
-    reach_m = hypot(finger["length_x"], finger["length_y"]) / 2
+    reach_m = hypot(pad["length_x"], pad["length_y"]) / 2
     direction_deg = float(random.choice([0.0, random.uniform(0, 180)]))
     kind = str(random.choice(VIBRATIONS, p=shares))
     profile: dict[str, Any] = {"kind": kind}
@@ -140,8 +140,8 @@ def _actuator(
     room = random.uniform(1.2, 2.5)
     surface: dict[str, Any] = {"surface_radius": room * reach_m}
     if kind != "bessel":
-        angle = radians(finger["rotation"])
-        x, y = finger["length_x"] / 2, finger["length_y"] / 2
+        angle = radians(pad["rotation"])
+        x, y = pad["length_x"] / 2, pad["length_y"] / 2
         c, s = abs(cos(angle)), abs(sin(angle))
         sides = {"length_x": 2 * room * (c * x + s * y), "length_y": 2 * room * (s * x + c * y)}
         surface = {"surface": {"shape": "rectangle", **sides}}

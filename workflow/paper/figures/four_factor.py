@@ -1,4 +1,4 @@
-"""Figures 15 and 16: the positions of the finger, and the optimal design with four factors."""
+"""Figures 15 and 16: the positions of the pad, and the optimal design with four factors."""
 
 from typing import Any
 
@@ -34,7 +34,7 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
         data["phi_r_limit_mm"].iloc[0],
         color=style.VERMILLION,
         linestyle=(0, (4, 2)),
-        label="finger stays on the actuator at every angle",
+        label="pad stays on the actuator at every angle",
     )
     look = {"markersize": 5, "markeredgewidth": 0.5}
     parts.dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)

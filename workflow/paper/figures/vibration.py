@@ -10,21 +10,21 @@ from matplotlib.ticker import MaxNLocator
 from reporting.figures import parts, style
 from reporting.results import Results
 from squeezefilm.config.loading import Config
-from squeezefilm.studies.study import finger_of, profile_of
+from squeezefilm.studies.study import pad_of, profile_of
 
 DIGITS = {"radius_mm": 9, "x_mm": 9, "y_mm": 9, "amplitude_ratio": 12}
 """Of a table: the last ones differ from machine to machine."""
 
 
 def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
-    """The profile seen from above; layers surface, centre_limit (dashed) and finger."""
+    """The profile seen from above; layers surface, centre_limit (dashed) and pad."""
     config = results.config
-    finger, limit_mm = finger_of(config), centre_limit_mm(config)
-    rim = 1e3 * finger.outline()
+    pad, limit_mm = pad_of(config), centre_limit_mm(config)
+    rim = 1e3 * pad.outline()
     outline = pd.DataFrame(np.vstack([rim, rim[:1]]), columns=["x_mm", "y_mm"])
     circle = _polar_table(np.array([limit_mm]), np.linspace(0, 360, 121))
     surface = profile_table(config, radii=41, angles=61)
-    layers = {"surface": surface, "centre_limit": circle, "finger": outline}
+    layers = {"surface": surface, "centre_limit": circle, "pad": outline}
     data = pd.concat([table.assign(layer=layer) for layer, table in layers.items()])
     figure = style.new_figure(height_in=3.5)
     axes = figure.subplots()
@@ -36,8 +36,8 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
         node = axes.contour(x, y, amplitude, levels=[0], colors="white", linewidths=0.7)
         axes.clabel(node, fmt={0: "$h_a = 0$"}, fontsize=6, manual=[(0, float(y.max()))])
     dashed: dict[str, Any] = {"color": style.VERMILLION, "linestyle": (0, (4, 2)), "linewidth": 1.4}
-    axes.plot(circle["x_mm"], circle["y_mm"], label="limit of the finger's centre", **dashed)
-    axes.plot(outline["x_mm"], outline["y_mm"], color="black", label="finger, centred")
+    axes.plot(circle["x_mm"], circle["y_mm"], label="limit of the pad's centre", **dashed)
+    axes.plot(outline["x_mm"], outline["y_mm"], color="black", label="pad, centred")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     reach = 1.04 * surface["radius_mm"].max()
@@ -47,7 +47,7 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     bar = figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)
     bar.set_ticks([tick for tick in np.arange(-0.2, 1.01, 0.2) if tick >= levels[0]])
     figure.legend(loc="outside upper center", ncols=2, handlelength=1.8, columnspacing=1.0)
-    note = f"The finger's centre may be up to {limit_mm:.2f} mm off."
+    note = f"The pad's centre may be up to {limit_mm:.2f} mm off."
     style.add_note(figure, note, results.beyond)
     return figure, data.round(DIGITS)
 
@@ -90,6 +90,6 @@ def _polar_table(radius_mm: np.ndarray, angle_deg: np.ndarray) -> pd.DataFrame:
 
 
 def centre_limit_mm(config: Config) -> float:
-    """Largest distance of the finger's centre at which the pad is on the disc at every angle."""
-    free_m = config["actuator"]["surface_radius_m"] - finger_of(config).reach_m
+    """Largest distance of the pad's centre at which the pad is on the disc at every angle."""
+    free_m = config["actuator"]["surface_radius_m"] - pad_of(config).reach_m
     return round(1e3 * float(free_m), 9)

@@ -37,25 +37,25 @@ def explorer_page(
 
     Args:
         fits: names of the study's fits, each of its plan; the first is shown first.
-        candidates: names of models with the finger anywhere.
+        candidates: names of models with the pad anywhere.
         forces: simulated forces, by the name of their plan, for the drawings.
         drawing_library: plotly.js as text.
 
     Raises InputError for a fit that is missing or that the page cannot compute with.
     """
-    config, left_out = results.config, {}
+    config, simplifications = results.config, {}
     models = {name: (results.fit(name), name) for name in fits}
     for name in candidates:
         path = results.folder / f"models/four_factor/{name}.json"
         values = read_json(path)
         if "refused" in values:
-            left_out[name] = str(values["refused"])
+            simplifications[name] = str(values["refused"])
         else:
             models[f"{name} on four_factor"] = fit_of(values, place=path), "four_factor"
     start = config["extrapolation"]
     data = {
         "fits": [_fit(name, fit, plan) for name, (fit, plan) in models.items()],
-        "left_out": left_out,
+        "simplifications": simplifications,
         "plans": list(forces),
         "simulations": [
             [index, *(float(value) for value in row)]
@@ -130,7 +130,7 @@ def _film(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
     lines = gains[["gain", "phase_deg"]]
     known: dict[Any, Any] = lines.astype(object).where(lines.notna(), None).to_dict("list")
     return {
-        **{name: row[name] for name in ("corner_hz", "static_gain", "prompt_gain")},
+        **{name: row[name] for name in ("corner_hz", "static_gain", "instantaneous_gain")},
         "error": float(gains["error"].max()),
         **known,
     }

@@ -1,5 +1,5 @@
 "use strict";
-// What is known of a modulated amplitude at a point of the centred finger: the films of the study's
+// What is known of a modulated amplitude at a point of the centred pad: the films of the study's
 // plan around it (modulation.py), between whose numbers those of the point are taken to lie.
 
 // The levels that hold a value between them, or the one that it is at; none outside of all.

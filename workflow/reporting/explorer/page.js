@@ -25,7 +25,7 @@
 
   // Why a model is not validated at a point, where it has a force; an empty text where it is.
   function doubt(fit, point, value) {
-    if (point.hv_m >= point.h0_m) return "surface and finger touch, there is no film";
+    if (point.hv_m >= point.h0_m) return "surface and pad touch, there is no film";
     if (!fit.interval?.error_95) return fit.statement;
     if (!Number.isFinite(value)) return "the model is undefined here";
     return outsideOf(fit, point).map((name) => `${WORDS[name]} lies outside the declared space, `
@@ -63,7 +63,7 @@
   if (!polar) {
     for (const [id, axis] of [["phi-r", "x"], ["phi-phi", "y"]]) {
       const row = byId(id).closest(".row");
-      row.querySelector("label").innerHTML = `finger’s centre along <i>${axis}</i>`;
+      row.querySelector("label").innerHTML = `pad’s centre along <i>${axis}</i>`;
       row.querySelector(".unit").textContent = "mm";
       byId(`${id}-number`).setAttribute("aria-label", `${axis} in millimetres`);
     }
@@ -112,7 +112,7 @@
     slider.bar.setAttribute("aria-valuetext", `${plain(slider.shown)} ${slider.symbol}`);
   }
 
-  // The point that is set; a model of the centred finger is asked there alone.
+  // The point that is set; a model of the centred pad is asked there alone.
   function point() {
     const values = {};
     for (const slider of Object.values(sliders)) values[slider.name] = slider.shown * slider.unit;
@@ -192,7 +192,7 @@
   }
 
   function noGap(fit, now, [least, most]) {
-    if (now.hv_m >= most) return "none: surface and finger touch at every gap of the space";
+    if (now.hv_m >= most) return "none: surface and pad touch at every gap of the space";
     const at = (h0_m) => force(fit, { ...now, h0_m });
     const low = Math.max(least, now.hv_m * (1 + 1e-12)), narrow = at(low), wide = at(most);
     const fitted = `the space’s ${range([least, most], "h0_m")}`;
@@ -224,12 +224,12 @@
     if (!data.modulation) return [];
     const { films, why } = modulationAt(data.modulation, now);
     const about = byId("modulation");
-    const moved = now.phi_r_m > 0 ? " It is of the centred finger, not of this place." : "";
+    const moved = now.phi_r_m > 0 ? " It is of the centred pad, not of this place." : "";
     if (!films.length) {
       about.textContent = `Not known here: ${why}.`;
       return films;
     }
-    const [slow, fast, corner] = [["static_gain", 3], ["prompt_gain", 3], ["corner_hz", 2]].map(
+    const [slow, fast, corner] = [["static_gain", 3], ["instantaneous_gain", 3], ["corner_hz", 2]].map(
       ([name, digits]) => span(reach(films, (film) => film[name]), digits));
     const [, error] = reach(films, (film) => film.error);
     const source = films.length > 1 ? `between the ${films.length} films examined around this point`
@@ -277,7 +277,7 @@
   const CONFIG = { displayModeBar: false, responsive: true, scrollZoom: false };
   const inUm = (points, name) => points.map((each) => each[name] / UM);
 
-  // Points of one finger position that were simulated as a plan: what a surface can be seen beside.
+  // Points of one pad position that were simulated as a plan: what a surface can be seen beside.
   const positions = new Map();
   for (const each of simulations) {
     const key = each.phi_r_m === 0 ? "0" : `${each[first]} ${each[second]}`;
@@ -529,7 +529,7 @@
   });
 
   byId("modulated").hidden = !data.modulation;
-  for (const [name, reason] of Object.entries(data.left_out)) {
+  for (const [name, reason] of Object.entries(data.simplifications)) {
     byId("left-out").append(`Not here: ${name}, for ${reason}. `);
   }
   showFactors();

@@ -18,8 +18,8 @@ EFFECTS = {
     "inertia": (style.BLUE, "inertia"),
     "slip": (style.VERMILLION, "slip"),
     "heat": (style.ORANGE, "heat"),
-    "rim": (style.GREEN, "rim, C = 1"),
-    "left_out": (style.GREY, "left out in all"),
+    "edge_loss": (style.GREEN, "rim, C = 1"),
+    "modelling_error": (style.GREY, "modelling error"),
 }
 EDGE = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
@@ -39,7 +39,7 @@ def budget(results: Results) -> Figure:
     along = positions[largest >= largest.max() * (1 - 1e-9)]
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.3)
     *panels, last = figure.subplots(2, 3).flat
-    too_large = "; ".join(screen["above_range"]).split("; ")
+    too_large = "; ".join(screen["first_order_invalid"]).split("; ")
     for letter, axes, (name, (colour, label)) in zip("abcde", panels, EFFECTS.items(), strict=True):
         look: dict[str, Any] = {
             "colors": colour,
@@ -49,7 +49,7 @@ def budget(results: Results) -> Figure:
         title = f"({letter}) {label} (%)"
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
     _draw_effects(last, along)
-    present = screen["in_force"].iloc[0]
+    present = screen["included_effects"].iloc[0]
     note = f"(f): h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm."
     if isinstance(present, str):
         note += f" In the forces already: {present}."
@@ -60,10 +60,10 @@ def budget(results: Results) -> Figure:
 def _budgets(results: Results, plan: str) -> pd.DataFrame:
     table = results.budget(plan)
     lengths = [name for name in form_of(table) if name.endswith("_m")]
-    ends = ["left_out_least_percent", "left_out_most_percent"]
+    ends = ["modelling_error_lower_percent", "modelling_error_upper_percent"]
     return parts.in_micrometres(table).assign(
         **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
-        left_out_percent=table[ends].mean(axis="columns", skipna=False),
+        modelling_error_percent=table[ends].mean(axis="columns", skipna=False),
     )
 
 
@@ -112,8 +112,10 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
 def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
     table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
-    table = pd.DataFrame({"corner_hz": np.nan, "prompt_share": np.nan} | dict(table.items()))
-    maps = parts.in_micrometres(table).assign(prompt_percent=100 * table["prompt_share"])
+    table = pd.DataFrame(
+        {"corner_hz": np.nan, "instantaneous_fraction": np.nan} | dict(table.items())
+    )
+    maps = parts.in_micrometres(table).assign(prompt_percent=100 * table["instantaneous_fraction"])
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
     lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]

@@ -98,7 +98,7 @@ def _draw_positions(axes: Axes, table: pd.DataFrame) -> None:
     axes.margins(0.15)
     if len(table) == 1:  # nothing else says how large a millimetre is
         axes.set(xlim=(-ALONE_MM, ALONE_MM), ylim=(-ALONE_MM, ALONE_MM))
-    axes.set(xlabel="finger's centre, $x$ (mm)", ylabel="$y$ (mm)")
+    axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="$y$ (mm)")
     axes.set_title("(b) amplitude wanted (µm)")
     axes.grid(True)
 

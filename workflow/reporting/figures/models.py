@@ -22,7 +22,7 @@ LARGEST_DOT = 140
 """Area in points² of a design point with all the weight."""
 PLANES = {
     "gap": (("h0_um", "hv_um"), parts.PLANE),
-    "position": (("x_mm", "y_mm"), {"xlabel": "finger x (mm)", "ylabel": "finger y (mm)"}),
+    "position": (("x_mm", "y_mm"), {"xlabel": "pad x (mm)", "ylabel": "pad y (mm)"}),
 }
 """Layers of a design's sensitivity; their columns and labels."""
 LINEAR = 0.02
@@ -70,7 +70,7 @@ def model_errors(results: Results, space: str) -> Figure:
 
 
 def sensitivity(results: Results, space: str) -> Figure:
-    """d(x)/p over gap and amplitude, and over the finger's position where it moves."""
+    """d(x)/p over gap and amplitude, and over the pad's position where it moves."""
     data = results.table(f"designs/optimal_{space}_sensitivity.csv", "layer", "sensitivity")
     moved = bool((data["layer"] == "position").any())
     width = style.DOUBLE_COLUMN_IN if moved else style.SINGLE_COLUMN_IN
@@ -101,7 +101,7 @@ def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[s
 def refined(results: Results, space: str) -> Figure:
     """A row for each refined model: errors against simulations, maps of gap and of position."""
     table = results.table(f"refine/{space}.csv", "model", "verdict", "simulations")
-    table = table[table["verdict"] != "left out"]
+    table = table[table["verdict"] != "not supported"]
     if table.empty:
         return _without_anything("no model of this space was refined")
     simulated = {

@@ -12,7 +12,7 @@ from reporting.figures import parts, style
 from reporting.notes import percent, rounded_up
 from reporting.results import Results
 
-FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "finger_um", "overpressure_kpa")
+FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "pad_um", "gauge_pressure_kpa")
 # Left edge and width of each step's axes, as shares of the figure's width.
 PLACES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
 TOP = 0.82
@@ -93,28 +93,28 @@ def _label(axes: Axes, x: str, y: str) -> None:
 def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
     """Above, the pressure at times of the period and its mean, if it is known; below, the gap."""
     left, bottom, width, height = rectangle
-    if film["overpressure_kpa"].notna().all():
+    if film["gauge_pressure_kpa"].notna().all():
         height = (height - 0.04) / 2
         above = figure.add_axes((left, bottom + height + 0.04, width, height))
-        _curves(above, film, "overpressure_kpa")
-        mean = film.groupby("x_mm", as_index=False)["overpressure_kpa"].mean()
-        above.plot(mean["x_mm"], mean["overpressure_kpa"], color="black", linewidth=1.6)
+        _curves(above, film, "gauge_pressure_kpa")
+        mean = film.groupby("x_mm", as_index=False)["gauge_pressure_kpa"].mean()
+        above.plot(mean["x_mm"], mean["gauge_pressure_kpa"], color="black", linewidth=1.6)
         above.axhline(0, color="0.5", linewidth=0.4)
         above.tick_params(labelbottom=False)
         _label(above, "", "p − p₀ (kPa)")
     below = figure.add_axes((left, bottom, width, height))
     _curves(below, film, "surface_um")
-    finger = film.groupby("x_mm")["finger_um"].mean()
+    pad = film.groupby("x_mm")["pad_um"].mean()
     lowest = film.groupby("x_mm")["surface_um"].min()
-    top = 1.35 * finger.max()
-    below.fill_between(finger.index, lowest, finger, color="#e3eff7", linewidth=0)
-    below.fill_between(finger.index, finger, top, color="#e8c4ac", linewidth=0)
-    below.plot(finger.index, finger, color="#9c5b36")
+    top = 1.35 * pad.max()
+    below.fill_between(pad.index, lowest, pad, color="#e3eff7", linewidth=0)
+    below.fill_between(pad.index, pad, top, color="#e8c4ac", linewidth=0)
+    below.plot(pad.index, pad, color="#9c5b36")
     look: dict[str, Any] = {"ha": "center", "va": "center", "size": TICK_SIZE}
-    below.text(0, (finger.max() + top) / 2, "finger", **look)
-    below.text(0, finger.min() * 0.73, "film of air", **look)
+    below.text(0, (pad.max() + top) / 2, "pad", **look)
+    below.text(0, pad.min() * 0.73, "film of air", **look)
     below.set_ylim(-1.3 * film["surface_um"].abs().max(), top)
-    _label(below, "place under the finger (mm)", "height (µm)")
+    _label(below, "place under the pad (mm)", "height (µm)")
 
 
 def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, place: Rectangle) -> None:

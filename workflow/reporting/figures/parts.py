@@ -44,7 +44,7 @@ def micrometres(metres: pd.Series) -> np.ndarray:
 
 
 def model_mesh(fit: FittedModel, screen: pd.DataFrame) -> pd.DataFrame:
-    """The fitted force of a centred finger on a mesh over the experimental space."""
+    """The fitted force of a centred pad on a mesh over the experimental space."""
     ends = ((screen[name].min(), screen[name].max()) for name in ("h0_m", "hv_m"))
     lines = (np.linspace(*each, MESH_LINES) for each in ends)
     h0_m, hv_m = (values.ravel() for values in np.meshgrid(*lines, indexing="ij"))

@@ -1,4 +1,4 @@
-"""A film of gas between a vibrating surface and a finger: forces, curves, pressure fields."""
+"""A film of gas between a vibrating surface and a pad: forces, curves, pressure fields."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ MOST_POINTS = 1_000_000
 
 
 class Position(TypedDict, total=False):
-    """The finger's centre from the actuator's: Cartesian, or polar with phi in degrees."""
+    """The pad's centre from the actuator's: Cartesian, or polar with phi in degrees."""
 
     x: Values | None
     y: Values | None
@@ -107,10 +107,10 @@ LEAST_PLACES, MOST_PLACES = 3, 1001
 LEAST_INSTANTS, MOST_INSTANTS = 4, 1024
 DESCRIBED = {
     "overpressure": ("Pa", "pressure above ambient"),
-    "gap": ("m", "gap between surface and finger"),
+    "gap": ("m", "gap between surface and pad"),
     "phase": ("degree", "phase"),
-    "y": ("m", "from the finger's centre along its own y axis"),
-    "x": ("m", "from the finger's centre along its own x axis"),
+    "y": ("m", "from the pad's centre along its own y axis"),
+    "x": ("m", "from the pad's centre along its own x axis"),
     "time": ("s", "time"),
 }
 TOLERANCE = 1e-4
@@ -119,14 +119,14 @@ TOLERANCE = 1e-4
 
 @dataclass(frozen=True, repr=False)
 class Film:
-    """A gas, an actuator and a finger; gap, amplitude and the finger's place are asked for.
+    """A gas, an actuator and a pad; gap, amplitude and the pad's place are asked for.
 
     A quantity is a number in SI units or a text with its unit, ``"5 um"``; the place is that of
-    the finger's centre from the actuator's, Cartesian (``x``, ``y``) or polar (``phi_r``,
+    the pad's centre from the actuator's, Cartesian (``x``, ``y``) or polar (``phi_r``,
     ``phi`` in degrees), the centre if left out.
 
     Attributes:
-        config: the sections ``gas``, ``actuator``, ``finger`` and ``solver`` of a study.
+        config: the sections ``gas``, ``actuator``, ``pad`` and ``solver`` of a study.
     """
 
     config: Config
@@ -135,18 +135,18 @@ class Film:
     def of(
         *,
         actuator: Mapping[str, Any],
-        finger: Mapping[str, Any],
+        pad: Mapping[str, Any],
         gas: Mapping[str, Any] | None = None,
         solver: Mapping[str, Any] | None = None,
     ) -> Film:
         """A film without a file, from the keys of a study's sections (config/README.md).
 
-        The gas is air at 20 °C whose inertia counts where it matters, the finger a flat rectangle
+        The gas is air at 20 °C whose inertia counts where it matters, the pad a flat rectangle
         at rest, the wanted relative error 1e-6, as far as the keys say nothing else. A measured
         profile's file counts from the working directory.
         Raises InputError naming the key, what is wrong with it and what is allowed.
         """
-        given = {"gas": gas, "actuator": actuator, "finger": finger, "solver": solver}
+        given = {"gas": gas, "actuator": actuator, "pad": pad, "solver": solver}
         sections = {name: dict(keys or {}) for name, keys in given.items()}
         return Film(config_of(sections, path=Path("film"), model=FilmSections))
 
@@ -166,7 +166,7 @@ class Film:
     def scene(self, h0: str | float, hv: str | float, **position: Unpack[Position]) -> Scene:
         """One operating point, with the dimensionless numbers that govern it.
 
-        Raises InputError for a value without meaning or unit, and for a finger off the actuator.
+        Raises InputError for a value without meaning or unit, and for a pad off the actuator.
         """
         scenes = self.scenes(columns_of(h0=h0, hv=hv, **position))
         if len(scenes) != 1:
@@ -218,12 +218,11 @@ class Film:
         """The forces at every combination of some gaps, amplitudes and places, a row for each.
 
         Several values are a sequence, or a text such as ``"0.5, 1, 2 um"`` or ``"0.5:2.5:9 um"``
-        (first:last:count). ``force_error_n`` is all that is known of the numbers' error;
-        ``status`` is ``ok``, or why there is no force. With ``budget``, ``left_out_least_percent``
-        and ``left_out_most_percent`` are what the equation leaves out, first orders and what higher
-        ones may add.
-        ``outputs`` are as for a force, each a column with its unit and one with its error.
-        Raises InputError as ``scene`` does.
+        (first:last:count). ``force_error_n`` is all that is known of the numbers' error; ``status``
+        is ``ok``, or why there is no force. With ``budget``, ``modelling_error_lower_percent`` and
+        ``modelling_error_upper_percent`` bound the effects that the equation neglects, with their
+        higher orders. ``outputs`` are as for a force, each a column with its unit and one with its
+        error. Raises InputError as ``scene`` does.
         """
         points = points_of(h0=h0, hv=hv, **position)
         return self.forces(
@@ -261,9 +260,9 @@ class Film:
         tolerance: float = TOLERANCE,
         **position: Unpack[Position],
     ) -> xarray.Dataset:
-        """Overpressure (Pa) and gap (m) under the finger over one period, with coordinates.
+        """Overpressure (Pa) and gap (m) under the pad over one period, with coordinates.
 
-        ``phase`` and ``time`` of the vibration, ``y`` and ``x`` from the finger's centre along its
+        ``phase`` and ``time`` of the vibration, ``y`` and ``x`` from the pad's centre along its
         own axes; NaN outside an elliptical pad.
 
         Args:
@@ -298,7 +297,7 @@ class Film:
         )
         phase = 2 * np.pi * np.arange(instants) / instants
         gap_m = scene.h0_m * np.moveaxis(scene.gap(*np.meshgrid(across, across), phase), -1, 0)
-        ambient, finger, axes = scene.gas.ambient_pressure_pa, scene.finger, ("phase", "y", "x")
+        ambient, pad, axes = scene.gas.ambient_pressure_pa, scene.pad, ("phase", "y", "x")
         field = xarray.Dataset(
             {
                 "overpressure": (axes, ambient * found.values),
@@ -306,16 +305,16 @@ class Film:
             },
             coords={
                 "phase": np.degrees(phase),
-                "y": finger.length_y_m * (across - 0.5),
-                "x": finger.length_x_m * (across - 0.5),
+                "y": pad.length_y_m * (across - 0.5),
+                "x": pad.length_x_m * (across - 0.5),
                 "time": ("phase", phase / scene.actuator.angular_frequency_rad_per_s),
             },
             attrs={
                 "title": "pressure of a squeeze film over one period",
                 "h0_m": scene.h0_m,
                 "hv_m": scene.hv_m,
-                "finger_x_m": scene.x_m,
-                "finger_y_m": scene.y_m,
+                "pad_x_m": scene.x_m,
+                "pad_y_m": scene.y_m,
                 "frequency_hz": scene.actuator.frequency_hz,
                 "ambient_pressure_pa": ambient,
                 "inertia": scene.gas.inertia,
@@ -328,10 +327,10 @@ class Film:
         return field
 
     def __repr__(self) -> str:
-        actuator, finger = self.config["actuator"], self.config["finger"]
+        actuator, pad = self.config["actuator"], self.config["pad"]
         return (
             f"{type(self).__name__}: {actuator['profile']['kind']} at "
             f"{actuator['frequency_hz'] / 1e3:g} kHz under a pad of "
-            f"{1e3 * finger['length_x_m']:g} mm × {1e3 * finger['length_y_m']:g} mm "
-            f"({finger['shape']})"
+            f"{1e3 * pad['length_x_m']:g} mm × {1e3 * pad['length_y_m']:g} mm "
+            f"({pad['shape']})"
         )

@@ -52,7 +52,7 @@ from squeezefilm.units import in_lines
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
 NOT_ASKED = "not asked for"
-ALIKE = ["method", "domain", "terms", "left_out"]
+ALIKE = ["method", "domain", "terms", "simplifications"]
 
 
 @dataclass(frozen=True)
@@ -91,12 +91,12 @@ class Force:
     def error_n(self) -> float:
         """The solver's error estimate and what a scan leaves open, in newtons.
 
-        What the film equation itself leaves out is not in it: see ``left_out_percent``.
+        What the film equation itself leaves out is not in it: see ``modelling_error_percent``.
         """
         return self.solution.force_error_n + (self.scan["scan_error_n"] if self.scan else 0.0)
 
     @property
-    def left_out_percent(self) -> tuple[float, float]:
+    def modelling_error_percent(self) -> tuple[float, float]:
         """What the equation leaves out of the force, least and most, in per cent.
 
         First orders, and what higher ones may add. NaN where an effect is not known or the budget
@@ -133,7 +133,7 @@ class Force:
             "sigma": scene.sigma,
             "method": f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
             f"{found.krylov_iterations} Krylov iterations, on {self.device}",
-            "simplifications": found.left_out,
+            "simplifications": found.simplifications,
             "validity": self.validity,
             **found.asked_columns,
         }
@@ -233,8 +233,8 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     ``force_error_n`` is all that is known of the numbers' error, a scan's part too;
     ``status`` is ``ok``, or why there is no force; ``validity`` is ``ok``, or the limits of
     validity that the scene exceeds. What was asked for stands behind: derivatives, outputs and,
-    with a budget, ``left_out_least_percent`` and ``…_most_percent``, what the film equation leaves
-    out, first orders and what higher ones may add.
+    with a budget, ``modelling_error_lower_percent`` and ``…_upper_percent``, the bounds of the
+    effects that the film equation neglects, with their higher orders.
     """
     rows = []
     for force in forces:
@@ -242,8 +242,8 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
         row = {name: getattr(force.solution, name) for name in shared}
         row |= {"force_error_n": force.error_n, **force.solution.asked_columns}
         if force.budget.status != NOT_ASKED:
-            least, most = force.left_out_percent
-            row |= {"left_out_least_percent": least, "left_out_most_percent": most}
+            least, most = force.modelling_error_percent
+            row |= {"modelling_error_lower_percent": least, "modelling_error_upper_percent": most}
         rows.append(row)
     columns = pd.DataFrame(rows, index=points.index)
     return points.assign(**{name: columns[name] for name in map(str, columns)})
@@ -286,8 +286,8 @@ def _preview_row(scene: Scene, preview: Preview, *, settings: SolverSettings) ->
         "domain": preview.domain,
         "terms": "; ".join(preview.terms),
         **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
-        "left_out": "; ".join(part.what for part in preview.left_out),
-        "why": "; ".join(f"{part.what}: {part.why}" for part in preview.left_out),
+        "simplifications": "; ".join(part.what for part in preview.simplifications),
+        "why": "; ".join(f"{part.what}: {part.why}" for part in preview.simplifications),
         "expected_error": preview.expected_error,
         "expected_mflop": preview.expected_mflop,
         "notes": "; ".join(notes_of(scene)),
@@ -302,7 +302,7 @@ def _preview_row(scene: Scene, preview: Preview, *, settings: SolverSettings) ->
 def preview_text(table: pd.DataFrame, *, tolerance: float) -> str:
     """A table of previews in words: one scene by itself, several by how they are treated."""
     if len(table) == 1:
-        return in_lines(table.drop(columns=["point_id", "left_out"]).to_dict("records")[0])
+        return in_lines(table.drop(columns=["point_id", "simplifications"]).to_dict("records")[0])
     largest = {name: (name, "max") for name in ("nx", "ny", "nt", "expected_error")}
     summary = table.groupby(ALIKE, sort=False, as_index=False).agg(
         scenes=("point_id", "size"), **largest, expected_mflop=("expected_mflop", "sum")

@@ -200,7 +200,7 @@ class Study(Film):
     def plan(self, *, centred: bool) -> pd.DataFrame:
         """The points that models are fitted to: the study's screen, and all its positions.
 
-        Every gap of the screen with every amplitude, the finger at the centre or at each of the
+        Every gap of the screen with every amplitude, the pad at the centre or at each of the
         study's positions too: h0_m, hv_m, and the position in the surface's form, phi_r_m and
         phi_deg or x_m and y_m.
         """
@@ -210,7 +210,7 @@ class Study(Film):
     def fit(self, model: str, *, seeds: int = 1, processes: int = 1) -> Fit:
         """Simulate the study's plan, fit a model to the forces and validate it.
 
-        A model of gap and amplitude alone is fitted to the screen, the finger centred; any other to
+        A model of gap and amplitude alone is fitted to the screen, the pad centred; any other to
         the screen at every position of the study. Its prediction interval comes from the study's
         validation sample, which is simulated too.
 
@@ -263,7 +263,7 @@ class Study(Film):
         settings, device = solver_settings(self.config, outputs=()), self.device
         scenes = settings.resolved(scenes_in(points, self.config), device)
         found = solve(scenes, **settings.how(device)).to_frame(points.index)
-        return points.assign(**found[["force_n", "force_error_n", "status", "left_out"]])
+        return points.assign(**found[["force_n", "force_error_n", "status", "simplifications"]])
 
 
 def load(path: Path | str) -> Study:

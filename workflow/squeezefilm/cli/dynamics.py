@@ -47,7 +47,7 @@ def levitate(options: argparse.Namespace) -> None:
       squeezefilm levitate --mass 10g --hv 1.5um
       squeezefilm levitate --load 0.1N:1N:10 --hv 1um,2um --output LEVITATION.csv
 
-    Each gap is sought with simulations, at the finger's place. Its modelling error is that of the
+    Each gap is sought with simulations, at the pad's place. Its modelling error is that of the
     force, by what the film equation neglects, over the stiffness; the numerical error and a
     measured profile's noise are in `h0_error_m` alone. No gap is given where the modelling error is
     more than a tenth of the gap, or outside the film equation's limits of validity: a row of a
@@ -57,10 +57,11 @@ def levitate(options: argparse.Namespace) -> None:
     vertical motion alone. `others_m` are smaller gaps, roughly, that carry the same load. With a
     mass, which is its own load where none is given, `resonance_hz` and `damping_ratio` (1 is
     critical) are those of its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is
-    the root of its equation of motion with the film's stiffness at s. `left_out_least_percent` and
-    `…_most_percent` of the force say what neglected effects are worth, with what higher orders may
-    add, and `above_range` names what is too large for a first order. `note` says which terms `auto`
-    does not include and why, what stretches an included term, and why there is no resonance.
+    the root of its equation of motion with the film's stiffness at s.
+    `modelling_error_lower_percent` and `…_upper_percent` bound what neglected effects change the
+    force by, and `first_order_invalid` names effects outside the range of a first-order estimate.
+    `note` says which terms `auto` does not include and why, what stretches an included term, and
+    why there is no resonance.
     """
     film = film_at(options.config)
     settings = solver_settings(film.config, tolerance=options.tolerance, method=options.method)
@@ -72,7 +73,7 @@ def levitate(options: argparse.Namespace) -> None:
     least, most = AMPLITUDES_M
     for wrong in points.loc[~points["hv_m"].between(least, most), "hv_m"]:
         raise InputError(f"--hv: {wrong:g} m must lie within {least:g} … {most:g} m")
-    # Of the gap, which is sought, the largest: there surface and finger do not touch.
+    # Of the gap, which is sought, the largest: there surface and pad do not touch.
     scenes = film.scenes(points.assign(h0_m=GAPS_M[1]))
     with one_build_at_a_time():
         device = device_of(film.config, option=options.device)
@@ -128,11 +129,11 @@ def response(options: argparse.Namespace) -> None:
 
     The gain is the relative change of the force per relative change of the amplitude: twice a
     little for slow modulation (`static_gain`, whose relative error is `error`). Part of the force
-    follows at once (`prompt_share`; `lasting_share` is left when the surface stops), the rest with
-    the gas that comes and goes through the rim: `prompt_gain` is what is left of the gain above the
-    corner, `corner_hz`; the film passes modulation at any frequency, with another size. `rise_s` is
-    until the force stays within 5 % after the surface starts, `release_s` until 5 % is left after
-    it stops, each to about two periods.
+    follows at once (`instantaneous_fraction`; `lasting_fraction` remains when the surface stops),
+    the rest with the gas that passes the film edge: `instantaneous_gain` is what remains of the
+    gain above the corner, `corner_hz`; the film passes modulation at any frequency, with another
+    size. `rise_s` is until the force stays within 5 % after the surface starts, `release_s` until 5
+    % is left after it stops, each to about two periods.
 
     By the film equation averaged over a period of the vibration, without inertia and heat of the
     gas; films whose averaged settled force is more than 3 % off are not supported. What the

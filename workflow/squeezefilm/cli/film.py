@@ -71,18 +71,18 @@ def simulate(options: argparse.Namespace) -> None:
     The first takes a table of scenes. The others take quantities: a number with its unit, several
     with commas, or evenly spaced ones as first:last:count; every combination is a point. One point
     is shown with all that is known of its force; several make a table, in which `force_error_n` has
-    the part of a scan too and, with `--budget`, `left_out_…_percent` is what the film equation
-    leaves out, least and most.
+    the part of a scan too and, with `--budget`, `modelling_error_lower_percent` and
+    `…_upper_percent` bound the effects that the film equation neglects.
 
     `validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with
     what that means. One point outside them is shown too, with exit status 1; rows of a table end
     with 0.
 
     Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
-    largest overpressure times the finger's area. The exit status is 1 when a scene has no force;
+    largest overpressure times the pad's area. The exit status is 1 when a scene has no force;
     all rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is
     the solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
-    `--derivatives` adds those of the force to h0, hv, the finger's place (x, y) and each number of
+    `--derivatives` adds those of the force to h0, hv, the pad's place (x, y) and each number of
     the gas, the others kept, with their errors, by one adjoint problem per scene;
     `derivatives_status` says why there are none. `--outputs thrust,power` adds answers beside the
     force instead of the study's `outputs`: each with its error, by the periodic state;
@@ -180,16 +180,16 @@ def budget(options: argparse.Namespace) -> None:
 
       squeezefilm budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
 
-    A row for each scene. `inertia_percent`, `heat_percent`, `slip_percent`, `rim_percent` (for the
-    entrance coefficient C = 1; `rim_most_percent` for 1.54), `bearing_percent` and
-    `passing_percent` (the profile that moves past a sliding finger) are changes of the mean force
-    at first order, `…_missed_percent` the size of what higher orders add. `sum_…` adds all of them
-    up, `left_out_…` those that the force does not have (`in_force` names the others): from
-    `…_least` to `…_most`, with C from 1 to 1.54 and all that higher orders and coarse grids may
-    make. `above_range` names effects too large for a first order, `basis` what pad the numbers are
-    of, `status` why there are none. `depth_averaged_percent` is the estimated error of inertia and
-    heat that a force has, as averages over the gap; `validity` is `ok`, or the limits of validity
-    that a scene exceeds.
+    A row for each scene. `inertia_percent`, `heat_percent`, `slip_percent`, `edge_loss_percent`
+    (for the entrance coefficient C = 1; `edge_loss_upper_percent` for 1.54), `bearing_percent` and
+    `convected_percent` (the profile that moves past a sliding pad) are changes of the mean force at
+    first order, `…_remainder_percent` the size of what higher orders add. `sum_…` adds all of them,
+    `modelling_error_…` those that the force neglects (`included_effects` names the others): from
+    `…_lower` to `…_upper`, with C from 1 to 1.54 and the errors of higher orders and coarse grids.
+    `first_order_invalid` names effects outside the range of a first-order estimate, `geometry` the
+    pad that was evaluated, `status` why there are none. `depth_averaged_percent` is the estimated
+    error of inertia and heat that a force has, as averages over the gap; `validity` is `ok`, or the
+    limits of validity that a scene exceeds.
     """
     config = load_config(options.config)
     table = budget_table(read_scenes(options.scenes), config, device_name=options.device)
@@ -204,13 +204,13 @@ def budget(options: argparse.Namespace) -> None:
     points(many=False),
 )
 def pressure(options: argparse.Namespace) -> None:
-    """The pressure under a finger over one period, as a file.
+    """The pressure under a pad over one period, as a file.
 
       squeezefilm pressure --h0 5um --hv 2.2um --output field.csv
       squeezefilm pressure --h0 5um --hv 2.2um --x 1mm --output field.nc --config CONFIG.yaml
 
-    A CSV table has a row for each instant and place: phase_deg, time_s, x_m, y_m (from the finger's
-    centre, along its own axes), overpressure_pa, gap_m. A name that ends in .nc makes a NetCDF
+    A CSV table has a row for each instant and place: phase_deg, time_s, x_m, y_m (from the pad's
+    centre, along its own axes), gauge_pressure_pa, gap_m. A name that ends in .nc makes a NetCDF
     file, with units and what was solved among its attributes. Both need xarray: the extra `fields`.
     """
     if not options.output.endswith((".csv", ".nc")):
@@ -225,6 +225,6 @@ def pressure(options: argparse.Namespace) -> None:
             field.to_netcdf(path, engine="scipy")
         return
     names = {"phase": "phase_deg", "time": "time_s", "x": "x_m", "y": "y_m"}
-    names |= {"overpressure": "overpressure_pa", "gap": "gap_m"}
+    names |= {"overpressure": "gauge_pressure_pa", "gap": "gap_m"}
     table = field.to_dataframe().reset_index().dropna()
     write_table(table.rename(columns=names)[list(names.values())], options.output)

@@ -25,7 +25,7 @@ def predict(options: argparse.Namespace) -> None:
 
     A quantity is a number with its unit, several with commas, or evenly spaced ones as
     first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
-    finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
+    pad off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
     was fitted in, any direction may be asked. `error_95_n` is the error that 95 % of new points
     drawn uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %,
     measured on a validation sample of simulations that no fit used. Outside the declared space, and

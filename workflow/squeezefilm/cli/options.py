@@ -26,7 +26,7 @@ PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 POINTS = {
     "h0": "mean gap, e.g. 5um",
     "hv": "amplitude at the profile's maximum, e.g. 2um",
-    "x": "finger's centre, e.g. -2mm; 0 m if left out",
+    "x": "pad's centre, e.g. -2mm; default: 0 m",
     "y": "the same along y",
     "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
     "phi": "and direction, e.g. 45deg",
@@ -70,7 +70,7 @@ def points(*without: str, many: bool = True) -> OptionAdder:
     return add
 
 
-CONFIG = option("--config", "CONFIG.yaml", "the study; a checkout's paper.yaml if left out")
+CONFIG = option("--config", "CONFIG.yaml", "the study; default: a checkout's paper.yaml")
 STUDY = option("--config", "CONFIG.yaml", "the study", required=True)
 DEVICE = option("--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device")
 TOLERANCE = option("--tolerance", help="instead of the config's solver.tolerance", type=float)

@@ -30,7 +30,7 @@ EXAMPLE = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
 
 @command(
     option("name", "NAME", "of the study: a-z, 0-9, - and _"),
-    option("--folder", help="where to write; config if left out", default="config"),
+    option("--folder", help="where to write; default config", default="config"),
 )
 def new(options: argparse.Namespace) -> None:
     """Begin a study of your own actuator.

@@ -72,7 +72,7 @@ def fit(options: argparse.Namespace) -> None:
     any point.
 
     A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows
-    the finger's position with its `four_factor` seeds. Each of the study's bounds and seeds gives
+    the pad's position with its `four_factor` seeds. Each of the study's bounds and seeds gives
     one run of the paper's method, a genetic algorithm followed by Nelder-Mead; one run per bound of
     SciPy's differential evolution checks them. A model that is linear in its parameters is solved
     at once. RUNS.csv has every run, FIT.json the run with the least sum of squares and all that is

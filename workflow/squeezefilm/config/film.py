@@ -136,7 +136,7 @@ class Gas:
 
     Attributes:
         viscosity_pa_s: dynamic viscosity μ; default: that of `name` at 20 °C, 1.81e-5 of air
-        ambient_pressure_pa: pressure p0 around the finger
+        ambient_pressure_pa: pressure p0 around the pad
         density_kg_per_m3: density at ambient pressure, by which the gas has inertia; default: that
             of `name` at 20 °C under the pressure, 1.204 of air at 101325 Pa
         mean_free_path_m: mean free path at ambient density, for `rarefaction` and the budget; in
@@ -224,7 +224,7 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
 
 
 class Rectangle(Section):
-    """Of a rectangle, instead of `surface_radius`; the finger must lie on it.
+    """Of a rectangle, instead of `surface_radius`; the pad must lie on it.
 
     Attributes:
         shape: its outline
@@ -345,7 +345,7 @@ class Actuator(Section):
 
     Attributes:
         frequency_hz: frequency of the vibration
-        surface_radius_m: of a disc: its radius; the finger must lie on it with all its corners
+        surface_radius_m: of a disc: its radius; the pad must lie on it with all its corners
         profile: shape of the vibration, with maximum 1 on the surface. Its `kind` decides the other
             keys: `sinc`, sin(πkr)/(πkr) (paper eq. 2); `piston`, it moves as a whole;
             `standing-wave`, ~ cos(2πu/λ); `travelling-wave`, cos(ωt − 2πu/λ); `bessel`, a bending
@@ -383,13 +383,13 @@ class OutlineFile(Section):
 
 @dataclass(frozen=True)
 class GapShape:
-    """How the gap at rest differs from h0, the gap at the finger's centre; all zero if pad and
+    """How the gap at rest differs from h0, the gap at the pad's centre; all zero if pad and
     surface are parallel.
 
     Attributes:
         tilt_x_m: gap at the middle of the side at +x less that at −x
         tilt_y_m: gap at the middle of the side at +y less that at −y
-        bulge_m: gap at the middle of a side less that at the centre, growing with the square of the
+        crown_m: gap at the middle of a side less that at the centre, growing with the square of the
             distance; positive for a pad that bulges towards the surface
     """
 
@@ -397,21 +397,21 @@ class GapShape:
 
     tilt_x_m: Rise = 0.0
     tilt_y_m: Rise = 0.0
-    bulge_m: Rise = 0.0
+    crown_m: Rise = 0.0
 
     @property
     def flat(self) -> bool:
-        return not (self.tilt_x_m or self.tilt_y_m or self.bulge_m)
+        return not (self.tilt_x_m or self.tilt_y_m or self.crown_m)
 
     def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Gap at rest less h0 at positions in [0, 1] across the finger."""
+        """Gap at rest less h0 at positions in [0, 1] across the pad."""
         x, y = x - 0.5, y - 0.5
         tilt: np.ndarray = self.tilt_x_m * x + self.tilt_y_m * y
-        return tilt + 4 * self.bulge_m * (x**2 + y**2)
+        return tilt + 4 * self.crown_m * (x**2 + y**2)
 
 
-class Finger(Section):
-    """The finger pad.
+class Pad(Section):
+    """The pad pad.
 
     Attributes:
         shape: its outline
@@ -444,13 +444,13 @@ class Finger(Section):
         return {key: keys[key] for key in keys if key != "diameter"} | sides | {"shape": "ellipse"}
 
     @model_validator(mode="after")
-    def _outline_of_a_curve(self) -> "Finger":
+    def _outline_of_a_curve(self) -> "Pad":
         if self.diameter_m is not None:
-            raise mistake(f"it is there, and finger.shape is {self.shape}", "diameter")
+            raise mistake(f"it is there, and pad.shape is {self.shape}", "diameter")
         curve = self.shape == "curve"
         if curve != (self.outline is not None):
             raise mistake(
-                f"{'it is missing' if curve else 'it is there'}, and finger.shape is {self.shape}: "
+                f"{'it is missing' if curve else 'it is there'}, and pad.shape is {self.shape}: "
                 "a curve has its points in a file, other shapes have none",
                 "outline",
             )
@@ -487,7 +487,7 @@ class FilmSections(Section):
 
     gas: Annotated[Gas, WrapValidator(_whole_gas)] = Field(default={}, validate_default=True)
     actuator: Actuator
-    finger: Finger
+    pad: Pad
     solver: Solver = Field(default_factory=Solver)
     outputs: Annotated[list[Output], Different] = Field(
         default=[],

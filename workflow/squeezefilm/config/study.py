@@ -16,10 +16,10 @@ from squeezefilm.config.film import (
     Different,
     FilmLength,
     FilmSections,
-    Finger,
     Name,
     Names,
     Number,
+    Pad,
     Section,
     Seed,
     Separation,
@@ -82,7 +82,7 @@ class Levels(Section):
 
 
 class Screen(Section):
-    """The first plan: every gap with every amplitude, finger centred.
+    """The first plan: every gap with every amplitude, pad centred.
 
     Attributes:
         h0_m: mean gaps: `levels` values, evenly spaced from `start` to `stop`. This range and that
@@ -101,7 +101,7 @@ class Seeds(Section):
 
     Attributes:
         two_factor: for models of gap and amplitude alone
-        four_factor: for models that know the finger's position
+        four_factor: for models that know the pad's position
     """
 
     two_factor: Count = 4
@@ -147,7 +147,7 @@ Distances = Annotated[list[Annotated[float, Number("m", 0, 10)]], UpTo100, Diffe
 
 
 class Positions(Section):
-    """Finger positions of the four-factor plan, besides the centre: those written, on a disc in
+    """Pad positions of the four-factor plan, besides the centre: those written, on a disc in
     polar form, on a rectangle every x with every y; or so many `points` that fill the space up to
     the farthest of those written. The paper's Table II is not legible, so ours are assumed.
 
@@ -156,12 +156,12 @@ class Positions(Section):
             scrambled Sobol' sequence, edges too), so that no wave of the profile can alias with
             them; default: 25 where no position is written and the study is not the paper's; else
             none
-        phi_r_m: on a disc: distances of the finger's centre from the disc's; default: half of the
+        phi_r_m: on a disc: distances of the pad's centre from the disc's; default: half of the
             way that the pad may go and stay on the disc, and all of it
         phi_deg: on a disc: directions. Those of 0 … 45 are enough: their mirror images are added as
             far as the scene lacks a square's symmetry (see below); default: 0, 22.5 and 45 on a
             disc
-        x_m: on a rectangle: distances of the finger's centre from the y axis. Both sides of it are
+        x_m: on a rectangle: distances of the pad's centre from the y axis. Both sides of it are
             meant: images at −x are added unless pad and vibration make them the same; default: on a
             rectangle, 0, half of the way that the pad may go along x, and all of it
         y_m: the same along y; default: the same along y
@@ -256,7 +256,7 @@ class Comparison(Section):
     (workflow/squeezefilm/models/models.yaml).
 
     Attributes:
-        two_factor: those fitted to the screen, the finger centred, and ranked on half of the
+        two_factor: those fitted to the screen, the pad centred, and ranked on half of the
             validation sample; default: the usual ones; those of the physics limit where it is known
             for the pad and its gas
         four_factor: those fitted to the four-factor plan, likewise; default: likewise
@@ -271,10 +271,10 @@ class Refine(Section):
     docs/how-to/few-simulations.md).
 
     Attributes:
-        two_factor: models to refine with the finger centred: the library's or the study's own;
+        two_factor: models to refine with the pad centred: the library's or the study's own;
             default: `limit_1`, or `polynomial_3` where the physics limit is not known for the pad
             or its gas
-        four_factor: models to refine with the finger anywhere; default: `limit_2`, or
+        four_factor: models to refine with the pad anywhere; default: `limit_2`, or
             `polynomial_5`
         global_error: wanted |model − simulation|/|simulation| over the space; its upper 95 % limit
             must be below
@@ -321,7 +321,7 @@ class Optimal(Section):
 
 class Validation(Section):
     """How fitted models are judged: by samples of independent points, uniform over the declared
-    space, one with the finger centred and one over all factors.
+    space, one with the pad centred and one over all factors.
 
     Attributes:
         points: of each sample; one half ranks models, the other calibrates their prediction
@@ -374,7 +374,7 @@ class Header(Section):
 
 
 class Study(FilmSections, Header):
-    """A study – gas, actuator, finger, and what is simulated, fitted and designed.
+    """A study – gas, actuator, pad, and what is simulated, fitted and designed.
 
     Attributes:
         study: name of the study: lower-case letters, digits, `_`, `-`. Its results lie in
@@ -425,12 +425,12 @@ class Study(FilmSections, Header):
 
     def _derive_models(self) -> None:
         """The models that are compared and refined: physics' where its limit was derived."""
-        finger, gas, profile = self.finger, self.gas, self.actuator.profile
+        pad, gas, profile = self.pad, self.gas, self.actuator.profile
         one_phase = profile.kind != "travelling-wave" and getattr(profile, "quadrature", "0") == "0"
         known = (
-            finger.shape == "rectangle"
-            and finger.speed_x_m_per_s == 0
-            and finger.gap.flat
+            pad.shape == "rectangle"
+            and pad.speed_x_m_per_s == 0
+            and pad.gap.flat
             and (one_phase or gas.inertia == "none")
             and gas.rarefaction == "none"
             and gas.polytropic_exponent == 1
@@ -452,11 +452,11 @@ class Study(FilmSections, Header):
         if surface is None:
             _fill(positions, phi_deg=list(DIRECTIONS_DEG))
             if positions.phi_r_m is None:
-                half_m, reach_m = self.actuator.surface_radius_m, _reach_m(self.finger)
+                half_m, reach_m = self.actuator.surface_radius_m, _reach_m(self.pad)
                 way_m = _way_m("actuator.surface_radius", half_m, reach_m, "phi_r")
                 positions.phi_r_m = [_cut(way_m / 2), _cut(way_m)]
             return
-        for axis, reach_m in zip("xy", _reaches_m(self.finger), strict=True):
+        for axis, reach_m in zip("xy", _reaches_m(self.pad), strict=True):
             if getattr(positions, f"{axis}_m") is None:
                 half_m = getattr(surface, f"length_{axis}_m") / 2
                 way_m = _way_m(f"actuator.surface.length_{axis}", half_m, reach_m, axis)
@@ -519,7 +519,7 @@ class Study(FilmSections, Header):
         for factor in () if disc else factors:
             if max(getattr(positions, factor)) <= 0:
                 raise mistake(
-                    "a value must be above 0: the finger moves in x and y",
+                    "a value must be above 0: the pad moves in x and y",
                     *("positions", key_of(factor)),
                 )
         if not disc and self.paper:
@@ -533,18 +533,18 @@ def _fill(section: Section, **values: Any) -> None:
             setattr(section, name, value)
 
 
-def _reach_m(finger: Finger) -> float:
+def _reach_m(pad: Pad) -> float:
     """How far a pad reaches from its centre."""
-    half_x, half_y = finger.length_x_m / 2, finger.length_y_m / 2
-    return max(half_x, half_y) if finger.shape == "ellipse" else hypot(half_x, half_y)
+    half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
+    return max(half_x, half_y) if pad.shape == "ellipse" else hypot(half_x, half_y)
 
 
-def _reaches_m(finger: Finger) -> tuple[float, float]:
+def _reaches_m(pad: Pad) -> tuple[float, float]:
     """How far a pad reaches from its centre along the surface's axes."""
-    half_x, half_y = finger.length_x_m / 2, finger.length_y_m / 2
-    angle = radians(finger.rotation_deg)
+    half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
+    angle = radians(pad.rotation_deg)
     c, s = abs(cos(angle)), abs(sin(angle))
-    if finger.shape == "ellipse":
+    if pad.shape == "ellipse":
         return hypot(c * half_x, s * half_y), hypot(s * half_x, c * half_y)
     return c * half_x + s * half_y, s * half_x + c * half_y
 

@@ -1,6 +1,6 @@
 """The slow film: the mean force while the amplitude changes over many periods.
 
-At σ → ∞ the gas under the finger keeps its mass over a period, HP = ψ(X, Y, T), and gives it away
+At σ → ∞ the gas under the pad keeps its mass over a period, HP = ψ(X, Y, T), and gives it away
 through the rim over many. Averaged over a period the film equation is a diffusion equation,
 
     σ ∂ψ/∂T = ∇²w,   w = ψ²/2 + 6 Kn ψ,
@@ -91,7 +91,7 @@ class AveragedFilm:
         return np.sqrt(self.slip**2 + 2 * w) - self.slip
 
     def mean(self, psi: np.ndarray, epsilon: float) -> float:
-        """Mean overpressure over finger and period at an amplitude, in units of p0."""
+        """Mean overpressure over pad and period at an amplitude, in units of p0."""
         films = self.films
         within = films.mean((psi / self._root(epsilon) - 1)[None])
         return float(within[0]) + self._layer(epsilon)
@@ -123,7 +123,7 @@ class AveragedFilm:
     def stiffness(self, modulation: np.ndarray) -> np.ndarray:
         """Fall of the mean force per small rise of ln h0, hv kept, in units of p0 and the area.
 
-        At motions exp(iΩT) of the finger, Ω in units of ω, (n,): the imaginary part of the result
+        At motions exp(iΩT) of the pad, Ω in units of ω, (n,): the imaginary part of the result
         damps. Ω may be complex, as of a motion that dies away. A film (1 + δ) h0 thick is one of
         ε/(1 + δ), σ/(1 + δ)² and Kn/(1 + δ), in whose units ψ is less by 1 + δ and w by its square.
         """
@@ -245,9 +245,9 @@ class AveragedFilm:
 
 def refused(scene: Scene) -> str:
     """Why a scene's response is not known; empty where it is."""
-    if scene.finger.shape != "rectangle":
-        return "the response was derived for rectangular fingers"
-    if not scene.finger.gap.flat:
+    if scene.pad.shape != "rectangle":
+        return "the response was derived for rectangular pads"
+    if not scene.pad.gap.flat:
         return "the response was derived for a gap that is even at rest, not tilted or bulging"
     if scene.epsilon == 0:
         return "the surface is at rest"

@@ -97,7 +97,7 @@ class Levitation:
         reasons = list(exceeded(self.scene))
         error_m = max(map(abs, replace(self, budget=self.budget.known).modelling_error_m))
         if not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
-            names = ", ".join(self.budget.above_range)
+            names = ", ".join(self.budget.first_order_invalid)
             above = f" (above the range of first orders: {names})" if names else ""
             reasons.append(
                 f"the gap's modelling error, up to {1e6 * error_m:.2g} µm{above}, is more than a "
@@ -247,12 +247,12 @@ def _at(scene: Scene, *gaps_m: float) -> list[Scene]:
 
 
 def _looked_at(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarray]:
-    """Gaps, rising, from where the surface comes near to the finger somewhere, and their forces.
+    """Gaps, rising, from where the surface comes near to the pad somewhere, and their forces.
 
     Rough forces, without the terms that such a look can do without; NaN where there is none.
     """
     least, most = max(scene.hv_m / CLOSEST, GAPS_M[0]), min(scene.hv_m / FARTHEST, GAPS_M[1])
-    gap = scene.finger.gap
+    gap = scene.pad.gap
     if not gap.flat:
         x, y = scene.inside()
         excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
@@ -347,9 +347,9 @@ COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "epsilon": lambda found: found.scene.epsilon,
     "modified_reynolds": lambda found: found.scene.modified_reynolds,
     "inertia": lambda found: found.scene.gas.inertia,
-    "left_out_least_percent": lambda found: found.budget.modelling_error_percent[0],
-    "left_out_most_percent": lambda found: found.budget.modelling_error_percent[1],
-    "above_range": lambda found: "; ".join(found.budget.above_range),
+    "modelling_error_lower_percent": lambda found: found.budget.modelling_error_percent[0],
+    "modelling_error_upper_percent": lambda found: found.budget.modelling_error_percent[1],
+    "first_order_invalid": lambda found: "; ".join(found.budget.first_order_invalid),
 }
 
 
@@ -394,7 +394,7 @@ def levitations(
                     found = replace(found, h0_error_m=found.h0_error_m + more_m)
                     notes = [*found.notes]
                     if basis := found.budget.basis:
-                        notes.append(f"left out: of {basis}")
+                        notes.append(f"neglected effects: of {basis}")
                     row |= {name: of(found) for name, of in COLUMNS.items()}
                     if mass_kg is not None:
                         moving = resonance(found, mass_kg=mass_kg)

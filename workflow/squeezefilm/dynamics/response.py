@@ -49,24 +49,24 @@ class Response(NamedTuple):
 
     Attributes:
         static_gain: for a modulation of no frequency.
-        prompt_gain: for one too fast for the gas to leave.
+        instantaneous_gain: for one too fast for the gas to leave.
         corner_hz: where what lies between them has fallen by 3 dB.
-        prompt_share: of the settled force, that is there when the surface starts.
+        instantaneous_fraction: of the settled force, that is there when the surface starts.
         rise_s: until the force stays within 5 % of the settled one; its error and that of
             ``release_s`` are the phase in which the vibration starts or stops, two periods.
-        lasting_share: of the settled force, that is left when the surface stops.
+        lasting_fraction: of the settled force, that is left when the surface stops.
         release_s: until 5 % of the settled force is left.
         error: relative, of the static gain, which is that of the settled force. Corner, shares and
             prompt gain are those of the slow equation; times are known to two periods at best.
     """
 
     static_gain: float
-    prompt_gain: float
+    instantaneous_gain: float
     corner_hz: float
-    prompt_share: float
+    instantaneous_fraction: float
     rise_s: float
     rise_error_s: float
-    lasting_share: float
+    lasting_fraction: float
     release_s: float
     release_error_s: float
     error: float
@@ -147,12 +147,12 @@ def _response(scene: Scene, film: AveragedFilm, error: float) -> Response:
     two_periods_s = 2 / scene.actuator.frequency_hz
     return Response(
         static_gain=float(static),
-        prompt_gain=float(prompt),
+        instantaneous_gain=float(prompt),
         corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
-        prompt_share=float(rising[0] / settled),
+        instantaneous_fraction=float(rising[0] / settled),
         rise_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
         rise_error_s=two_periods_s,
-        lasting_share=float(falling[0] / settled),
+        lasting_fraction=float(falling[0] / settled),
         release_s=_crossing(time, np.abs(falling / settled)) / rate,
         release_error_s=two_periods_s,
         error=error,

@@ -292,7 +292,7 @@ def _fitted(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]
         return fit, off
     raise InputError(
         f"points of the outline lie up to {off * 1e6:.3g} µm off the smooth curve of {most} waves "
-        f"through them, and {allowed * 1e6:.3g} µm are allowed: write finger.outline.scatter if "
+        f"through them, and {allowed * 1e6:.3g} µm are allowed: write pad.outline.scatter if "
         "they are known no better, give more points, or round corners off"
     )
 
@@ -312,7 +312,7 @@ def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np
         x, y, study_x, study_y = (f"{1e3 * side:.6g} mm" for side in (*extents, *sides_m))
         raise InputError(
             f"the outline is {x} × {y}, and the study says {study_x} × {study_y}: write "
-            f"finger.length_x: {x}, finger.length_y: {y}"
+            f"pad.length_x: {x}, pad.length_y: {y}"
         )
     waves = waves.copy()
     waves[len(waves) // 2] -= complex(*(f.max() + f.min() for f in (rim.real, rim.imag))) / 2

@@ -1,4 +1,4 @@
-"""The finger over the surface: its pad's outline and how its gap at rest is shaped."""
+"""The pad over the surface: its pad's outline and how its gap at rest is shaped."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -17,12 +17,12 @@ Number = TypeVar("Number", float, np.ndarray)
 
 
 @dataclass(frozen=True)
-class Finger:
+class Pad:
     """A pad, sliding along its own x axis at constant speed.
 
     ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, the axes of the ellipse, or
     the extents of a ``curve``, the closed ``contour``, whose middle is the pad's centre; the
-    finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
+    pad's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
     """
 
     length_x_m: float
@@ -41,7 +41,7 @@ class Finger:
 
     @property
     def reach_m(self) -> float:
-        """Distance of the outline's farthest point from the finger's centre."""
+        """Distance of the outline's farthest point from the pad's centre."""
         return float(np.hypot(*self.outline().T).max())
 
     @property
@@ -60,7 +60,7 @@ class Finger:
         return self.contour
 
     def outline(self) -> np.ndarray:
-        """Points on the rim from the finger's centre, along the actuator's axes: (points, 2) in m.
+        """Points on the rim from the pad's centre, along the actuator's axes: (points, 2) in m.
 
         A rectangle's four corners, or points all around another pad.
         """
@@ -82,21 +82,21 @@ class Finger:
         return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
 
     def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
-        """Finger's coordinates in those of the actuator's axes."""
+        """Pad's coordinates in those of the actuator's axes."""
         if self.rotation_deg == 0:
             return x, y
         c, s = cos(radians(self.rotation_deg)), sin(radians(self.rotation_deg))
         return c * x - s * y, s * x + c * y
 
     def turned_back(self, x: Number, y: Number) -> tuple[Number, Number]:
-        """Coordinates along the actuator's axes in the finger's own."""
+        """Coordinates along the actuator's axes in the pad's own."""
         return replace(self, rotation_deg=-self.rotation_deg).turned(x, y)
 
 
 @lru_cache(maxsize=256)
-def net(finger: Finger) -> tuple[np.ndarray, np.ndarray]:
+def net(pad: Pad) -> tuple[np.ndarray, np.ndarray]:
     """A net of points x, y over the pad, rim included, in [0, 1]."""
-    if outline := finger.smooth_outline:
+    if outline := pad.smooth_outline:
         across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
         return outline.positions(across, nu)
     x, y = np.meshgrid(*2 * [np.linspace(0, 1, 25)], indexing="ij")

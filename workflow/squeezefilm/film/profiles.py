@@ -60,7 +60,7 @@ class StandingWave(Profile):
     """s ~ cos(2π u/λ), u the distance along ``direction_deg`` from a crest at ``crest_m``.
 
     Over its largest magnitude on the surface, which is below the crest's where no crest or trough
-    lies on it; on one without bounds, if it is left out.
+    lies on it; on one without bounds, if it is not given.
     """
 
     wavelength_m: float

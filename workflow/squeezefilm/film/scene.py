@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 
 from squeezefilm.config.film import Gas as Gas
-from squeezefilm.film.pad import Finger, net
+from squeezefilm.film.pad import Pad, net
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Surface
 
@@ -37,7 +37,7 @@ class OperatingPoints:
     hv_m: Any
     gas: Gas
     actuator: Actuator
-    finger: Finger
+    pad: Pad
 
     @cached_property
     def epsilon(self) -> Any:
@@ -46,14 +46,14 @@ class OperatingPoints:
 
     @cached_property
     def sigma(self) -> Any:
-        """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the finger's length along x (paper eq. 1)."""
-        speed = self.actuator.angular_frequency_rad_per_s * self.finger.length_x_m**2
+        """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the pad's length along x (paper eq. 1)."""
+        speed = self.actuator.angular_frequency_rad_per_s * self.pad.length_x_m**2
         return 12 * self.gas.viscosity_pa_s * speed / self._pressure_height
 
     @cached_property
     def bearing_number(self) -> Any:
         """Bearing number Λ = 6 μ U l0 / (p0 h0²) (paper eq. 1)."""
-        speed = self.finger.speed_x_m_per_s * self.finger.length_x_m
+        speed = self.pad.speed_x_m_per_s * self.pad.length_x_m
         return 6 * self.gas.viscosity_pa_s * speed / self._pressure_height
 
     @property
@@ -83,15 +83,15 @@ class OperatingPoints:
 
     @property
     def aspect(self) -> Any:
-        """Length of the finger along y over its length along x."""
-        return self.finger.length_y_m / self.finger.length_x_m
+        """Length of the pad along y over its length along x."""
+        return self.pad.length_y_m / self.pad.length_x_m
 
 
 @dataclass(frozen=True)
 class Scene(OperatingPoints):
-    """One operating point: gap, amplitude and finger position on a given actuator.
+    """One operating point: gap, amplitude and pad position on a given actuator.
 
-    ``h0_m`` is the mean gap, ``hv_m`` the amplitude at the profile's maximum; the finger's centre
+    ``h0_m`` is the mean gap, ``hv_m`` the amplitude at the profile's maximum; the pad's centre
     lies at (``x_m``, ``y_m``) from the surface's and the pad keeps its orientation.
     """
 
@@ -102,17 +102,17 @@ class Scene(OperatingPoints):
     y_m: float
     gas: Gas
     actuator: Actuator
-    finger: Finger
+    pad: Pad
 
     @property
     def force_scale_n(self) -> float:
-        """p0 times the finger's area: the force of a mean overpressure of one atmosphere."""
-        return self.gas.ambient_pressure_pa * self.finger.area_m2
+        """p0 times the pad's area: the force of a mean overpressure of one atmosphere."""
+        return self.gas.ambient_pressure_pa * self.pad.area_m2
 
     @property
     def film(self) -> Film:
         """What stays the same between operating points."""
-        return Film(self.gas, self.actuator, self.finger)
+        return Film(self.gas, self.actuator, self.pad)
 
     def with_gas(self, **numbers: Any) -> Scene:
         """The scene with other numbers or terms of its gas."""
@@ -123,12 +123,12 @@ class Scene(OperatingPoints):
         return self.with_gas(inertia="none", heat="none")
 
     def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The profile's s at positions x, y in [0, 1] across the finger, any common shape."""
+        """The profile's s at positions x, y in [0, 1] across the pad, any common shape."""
         return self.film.pad_profile.amplitude(x, y, x_m=self.x_m, y_m=self.y_m)
 
     def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Gap over h0 without vibration at positions in [0, 1] across the finger."""
-        return 1 + self.finger.gap.rise_m(x, y) / self.h0_m
+        """Gap over h0 without vibration at positions in [0, 1] across the pad."""
+        return 1 + self.pad.gap.rise_m(x, y) / self.h0_m
 
     def gap(self, x: np.ndarray, y: np.ndarray, phase: np.ndarray) -> np.ndarray:
         """Gap over h0 at positions in [0, 1], any common shape, at phases ωt, one more dimension.
@@ -144,12 +144,12 @@ class Scene(OperatingPoints):
         return float(self._alone.narrowest[0])
 
     def closure(self) -> float:
-        """Largest excursion over gap at rest, 1 where surface and finger touch (``Scenes``)."""
+        """Largest excursion over gap at rest, 1 where surface and pad touch (``Scenes``)."""
         return float(self._alone.closure[0])
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
-        """A net of points x, y over the finger, rim included, in [0, 1]."""
-        return net(self.finger)
+        """A net of points x, y over the pad, rim included, in [0, 1]."""
+        return net(self.pad)
 
     @cached_property
     def _alone(self) -> Scenes:
@@ -161,21 +161,21 @@ class PadProfile:
     """A vibration profile and the pad over it: with the pad's position, the profile under it."""
 
     profile: Profile
-    finger: Finger
+    pad: Pad
 
     def __hash__(self) -> int:
         return self._hash
 
     @cached_property
     def _hash(self) -> int:  # once: it takes as long as many a step of preparing a scene
-        return hash((self.profile, self.finger))
+        return hash((self.profile, self.pad))
 
     def amplitude(
         self, x: np.ndarray, y: np.ndarray, *, x_m: float | np.ndarray, y_m: float | np.ndarray
     ) -> np.ndarray:
         """The profile's s at points x, y in [0, 1] across the pad, whose centre is at x_m, y_m."""
-        along_x, along_y = self.finger.turned(
-            (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
+        along_x, along_y = self.pad.turned(
+            (x - 0.5) * self.pad.length_x_m, (y - 0.5) * self.pad.length_y_m
         )
         return self.profile.amplitude(x_m=x_m + along_x, y_m=y_m + along_y)
 
@@ -186,24 +186,24 @@ class Film:
 
     gas: Gas
     actuator: Actuator
-    finger: Finger
+    pad: Pad
 
     def __hash__(self) -> int:
         return self._hash
 
     @cached_property
     def _hash(self) -> int:
-        return hash((self.gas, self.actuator, self.finger))
+        return hash((self.gas, self.actuator, self.pad))
 
     @cached_property
     def pad_profile(self) -> PadProfile:
-        return PadProfile(self.actuator.profile, self.finger)
+        return PadProfile(self.actuator.profile, self.pad)
 
     def scene(
         self, h0_m: float, hv_m: float, x_m: float = 0.0, y_m: float = 0.0, *, point_id: str = "1"
     ) -> Scene:
         """An operating point of the film, which may not exist (film/validity.py)."""
-        return Scene(point_id, h0_m, hv_m, x_m, y_m, self.gas, self.actuator, self.finger)
+        return Scene(point_id, h0_m, hv_m, x_m, y_m, self.gas, self.actuator, self.pad)
 
     def scenes(
         self, h0_m: np.ndarray, hv_m: np.ndarray, x_m: np.ndarray, y_m: np.ndarray
@@ -287,7 +287,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         known: dict[tuple[int, ...], int] = {}  # by parts that are the same: hashing takes longer
         index, scenes = [], list(scenes)
         for scene in scenes:
-            parts = id(scene.gas), id(scene.actuator), id(scene.finger)
+            parts = id(scene.gas), id(scene.actuator), id(scene.pad)
             if parts not in known:
                 known[parts] = films.setdefault(scene.film, len(films))
             index.append(known[parts])
@@ -328,7 +328,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @cached_property
     def flat(self) -> bool:
         """Whether no gap is shaped at rest."""
-        return all([film.finger.gap.flat for film in self.films])
+        return all([film.pad.gap.flat for film in self.films])
 
     @cached_property
     def gas(self) -> Gas:  # type: ignore[override]
@@ -341,9 +341,9 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         return self._part("actuator", "frequency_hz")
 
     @cached_property
-    def finger(self) -> Finger:  # type: ignore[override]
-        """The finger, of several films with columns of its sides and speed."""
-        return self._part("finger", "length_x_m", "length_y_m", "speed_x_m_per_s")
+    def pad(self) -> Pad:  # type: ignore[override]
+        """The pad, of several films with columns of its sides and speed."""
+        return self._part("pad", "length_x_m", "length_y_m", "speed_x_m_per_s")
 
     def _part(self, part: str, *names: str) -> Any:
         first = getattr(self.films[0], part)
@@ -353,8 +353,8 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def force_scale_n(self) -> Any:
-        """p0 times the finger's area: the force of a mean overpressure of one atmosphere."""
-        return self.gas.ambient_pressure_pa * self.column(lambda film: film.finger.area_m2)
+        """p0 times the pad's area: the force of a mean overpressure of one atmosphere."""
+        return self.gas.ambient_pressure_pa * self.column(lambda film: film.pad.area_m2)
 
     @cached_property
     def places(self) -> tuple[Places, np.ndarray]:
@@ -370,9 +370,9 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def closure(self) -> np.ndarray:
-        """Largest excursion over gap at rest, 1 where surface and finger touch.
+        """Largest excursion over gap at rest, 1 where surface and pad touch.
 
-        For a flat gap as if the profile's maximum lay under the finger: ε, or a little more where
+        For a flat gap as if the profile's maximum lay under the pad: ε, or a little more where
         noise has put something on the maximum of a measured profile.
         """
         return self._on_net[1]
@@ -397,21 +397,21 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def _rises(self) -> np.ndarray:
-        return np.array(self.column(lambda film: _rises(film.finger))).T
+        return np.array(self.column(lambda film: _rises(film.pad))).T
 
     @cached_property
     def _on_net(self) -> tuple[np.ndarray, np.ndarray]:
         largest = self.column(lambda film: getattr(film.actuator.profile, "largest", 1.0))
         narrowest, closure = 1 - self.epsilon, largest * self.epsilon
         for film, rows, some in () if self.flat else self.of_each_film():
-            if not film.finger.gap.flat:
+            if not film.pad.gap.flat:
                 narrowest[rows], closure[rows] = some._shaped()
         return narrowest, closure
 
     def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         places, which = self.places
-        moves, rises_m = _moves(*places.key), _rises_m(places.pad.finger)
+        moves, rises_m = _moves(*places.key), _rises_m(places.pad.pad)
         parts = []
         for some in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
             rest = 1 + rises_m / self.h0_m[some, None]
@@ -427,22 +427,22 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 ON_NET_TOGETHER = 128
 
 
-def _rises_m(finger: Finger) -> np.ndarray:
-    """Gap at rest less h0 on a net of points over the finger."""
-    x, y = net(finger)
-    return finger.gap.rise_m(x.ravel(), y.ravel())
+def _rises_m(pad: Pad) -> np.ndarray:
+    """Gap at rest less h0 on a net of points over the pad."""
+    x, y = net(pad)
+    return pad.gap.rise_m(x.ravel(), y.ravel())
 
 
 @lru_cache(maxsize=256)
-def _rises(finger: Finger) -> tuple[float, float, float, float]:
+def _rises(pad: Pad) -> tuple[float, float, float, float]:
     """Least, largest, mean and variance of what the gap at rest is more than h0, on a net."""
-    rises_m = _rises_m(finger)
+    rises_m = _rises_m(pad)
     return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]
 
 
 @lru_cache(maxsize=64)
 def _moves(pad: PadProfile, x_m: bytes, y_m: bytes) -> np.ndarray:
     """How far the surface moves on a net over the pad, in units of hv: (positions, points)."""
-    x, y = (each.ravel() for each in net(pad.finger))
+    x, y = (each.ravel() for each in net(pad.pad))
     at_x_m, at_y_m = (np.frombuffer(each)[:, None] for each in (x_m, y_m))
     return np.abs(pad.amplitude(x, y, x_m=at_x_m, y_m=at_y_m))

@@ -23,7 +23,7 @@ Orders = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True)
 class Disc:
-    """A disc; fingers lie on it by their polar position, modes are Zernike's."""
+    """A disc; pads lie on it by their polar position, modes are Zernike's."""
 
     radius_m: float
     position = POLAR
@@ -91,7 +91,7 @@ class Disc:
 
 @dataclass(frozen=True)
 class Rectangle:
-    """A rectangle along x and y; fingers lie on it by x and y, modes are Legendre's products."""
+    """A rectangle along x and y; pads lie on it by x and y, modes are Legendre's products."""
 
     length_x_m: float
     length_y_m: float

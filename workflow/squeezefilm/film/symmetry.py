@@ -1,6 +1,6 @@
-"""The finger's positions that stand for all others, by a scene's symmetry.
+"""The pad's positions that stand for all others, by a scene's symmetry.
 
-The mean force over the finger's position has the symmetry that pad and vibration share. On a disc
+The mean force over the pad's position has the symmetry that pad and vibration share. On a disc
 these are mirror axes through the centre, or turns about it, and positions in one sector represent
 all; on a rectangle mirrors of its axes, and positions on one side of them do.
 """
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.pad import Finger
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Rectangle, Surface
 from squeezefilm.solution import CARTESIAN, POLAR
@@ -165,26 +165,26 @@ def no_symmetry(surface: Surface) -> Symmetry:
 
 
 @lru_cache(maxsize=16)
-def symmetry(finger: Finger, profile: Profile, *, surface: Surface) -> Symmetry:
-    """What the force over the finger's position has in common with pad, profile and surface."""
+def symmetry(pad: Pad, profile: Profile, *, surface: Surface) -> Symmetry:
+    """What the force over the pad's position has in common with pad, profile and surface."""
     if not isinstance(surface, Rectangle):
-        return _directions(finger, profile, surface)
-    x, y = (_keeps(turn, finger, profile, surface, mirror=True) for turn in (180.0, 0.0))
+        return _directions(pad, profile, surface)
+    x, y = (_keeps(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0))
     return Mirrors(x, y)
 
 
-def _directions(finger: Finger, profile: Profile, surface: Surface) -> Directions:
+def _directions(pad: Pad, profile: Profile, surface: Surface) -> Directions:
     """The smallest sector found among subgroups of a square's symmetries.
 
-    A mirror or a turn of the finger's centre about the disc's leaves the force as it is where it
+    A mirror or a turn of the pad's centre about the disc's leaves the force as it is where it
     leaves pad, gap at rest and sliding velocity as they are, and the profile too but for its sign:
     s and −s are the same vibration half a period apart. One in two phases may begin at any other
     instant. Symmetries that are not looked for, such as
     those of a circular pad on a profile with three nodal diameters, make the sector larger than it
     need be, never too small.
     """
-    sectors, film = [], (finger, profile, surface)
-    for base_deg in _axes(finger, profile):
+    sectors, film = [], (pad, profile, surface)
+    for base_deg in _axes(pad, profile):
         axes = [base_deg + step for step in (0, 45, 90, 135)]
         mirrors = [each for each in axes if _keeps(2 * each, *film, mirror=True)]
         if mirrors:
@@ -196,37 +196,37 @@ def _directions(finger: Finger, profile: Profile, surface: Surface) -> Direction
     return min(sectors, key=lambda sector: sector.width_deg)
 
 
-def _axes(finger: Finger, profile: Profile) -> Iterator[float]:
+def _axes(pad: Pad, profile: Profile) -> Iterator[float]:
     """Directions at which an axis of the scene may lie: the pad's; a circle's follow the rest."""
-    yield finger.rotation_deg
-    if finger.shape == "ellipse" and finger.length_x_m == finger.length_y_m:
-        gap = finger.gap
+    yield pad.rotation_deg
+    if pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m:
+        gap = pad.gap
         if gap.tilt_x_m or gap.tilt_y_m:
-            yield finger.rotation_deg + degrees(atan2(gap.tilt_y_m, gap.tilt_x_m))
+            yield pad.rotation_deg + degrees(atan2(gap.tilt_y_m, gap.tilt_x_m))
         yield float(getattr(profile, "direction_deg", 0.0))
 
 
 def _keeps(
-    turn_deg: float, finger: Finger, profile: Profile, surface: Surface, *, mirror: bool = False
+    turn_deg: float, pad: Pad, profile: Profile, surface: Surface, *, mirror: bool = False
 ) -> bool:
     """Whether a turn leaves outline, gap at rest, velocity and vibration as they are.
 
     With ``mirror`` they are mirrored at the x axis before, so that the axis lies at half the turn.
-    A bulge has the outline's symmetry: it grows as the same squares.
+    A crown has the outline's symmetry: it grows as the same squares.
     """
-    if finger.contour:
+    if pad.contour:
         return False  # a measured one is its own image under no mirror, nor turn
 
     def image(z: Any, angle_deg: float) -> Any:
         return np.exp(1j * radians(angle_deg)) * (np.conj(z) if mirror else z)
 
-    own_deg = turn_deg - 2 * finger.rotation_deg * mirror  # in the pad's own axes
-    length_x_m, length_y_m = finger.length_x_m, finger.length_y_m
+    own_deg = turn_deg - 2 * pad.rotation_deg * mirror  # in the pad's own axes
+    length_x_m, length_y_m = pad.length_x_m, pad.length_y_m
     longer = 1 - (length_x_m / length_y_m) ** 2
     if abs(np.exp(2j * radians(own_deg)) - 1) * abs(longer) > EQUAL:
         return False
-    tilt = complex(finger.gap.tilt_x_m / length_x_m, finger.gap.tilt_y_m / length_y_m)
-    for vector in (tilt, complex(finger.speed_x_m_per_s)):
+    tilt = complex(pad.gap.tilt_x_m / length_x_m, pad.gap.tilt_y_m / length_y_m)
+    for vector in (tilt, complex(pad.speed_x_m_per_s)):
         if abs(image(vector, own_deg) - vector) > EQUAL * abs(vector):
             return False
     half_x_m, half_y_m = surface.half_m

@@ -41,7 +41,7 @@ def _over(value: Any, gap: np.ndarray) -> np.ndarray:
 
 # The list's quantities by their symbols: Kn where the gap at rest is narrowest, Re where widest.
 QUANTITIES: dict[str, Callable[[Scenes], Any]] = {
-    "h0/l": lambda s: s.h0_m / np.minimum(s.finger.length_x_m, s.finger.length_y_m),
+    "h0/l": lambda s: s.h0_m / np.minimum(s.pad.length_x_m, s.pad.length_y_m),
     "Kn": lambda s: _over(s.knudsen, s.rest_range[0]),
     "Re": lambda s: s.modified_reynolds * s.rest_range[1] ** 2,
     "h0/λ": lambda s: s.h0_m * s.actuator.frequency_hz / _sound_speed(s),
@@ -147,7 +147,7 @@ def exist(scenes: Scenes) -> np.ndarray:
     h0_m, hv_m = scenes.h0_m, scenes.hv_m
     sound = (GAPS_M[0] <= h0_m) & (h0_m <= GAPS_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
     for film, rows, some in scenes.of_each_film():
-        outline = film.finger.outline()
+        outline = film.pad.outline()
         x_m, y_m = (np.add.outer(at, outline[:, k]) for k, at in enumerate((some.x_m, some.y_m)))
         sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + SLACK).all(axis=1)
     sound[sound] = (scenes if sound.all() else scenes[sound]).closure < 1
@@ -166,17 +166,17 @@ def check_scene(scene: Scene) -> None:
             f"h0_m = {h0_m:g} must lie between {GAPS_M[0]:g} and {GAPS_M[1]:g} m: the model of a "
             "gas film is not valid outside this range": not GAPS_M[0] <= h0_m <= GAPS_M[1],
             f"hv_m = {hv_m:g} must not be negative": not hv_m >= 0,
-            f"hv_m = {hv_m:g} reaches h0_m = {h0_m:g}: surface and finger touch; the amplitude "
+            f"hv_m = {hv_m:g} reaches h0_m = {h0_m:g}: surface and pad touch; the amplitude "
             "must stay below the mean gap": hv_m >= h0_m,
         },
     )
-    surface, rim_m = scene.actuator.surface, np.add(scene.finger.outline(), (scene.x_m, scene.y_m))
+    surface, rim_m = scene.actuator.surface, np.add(scene.pad.outline(), (scene.x_m, scene.y_m))
     reach = surface.reach(*rim_m.T)
-    part = "a corner" if scene.finger.shape == "rectangle" else "the rim"
+    part = "a corner" if scene.pad.shape == "rectangle" else "the rim"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
     off = f"{surface.where(*rim_m[np.argmax(reach)])}, off the actuator's {surface.text}"
-    refuse(place, {f"{centre} {part} of the finger lies {off}": not reach.max() <= 1 + SLACK})
+    refuse(place, {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + SLACK})
     contact = "they touch within the noise of the measured profile"
-    if not scene.finger.gap.flat:
-        contact = "the tilted or bulging finger touches the surface; finger.gap leaves too little"
+    if not scene.pad.gap.flat:
+        contact = "the tilted or bulging pad touches the surface; pad.gap leaves too little"
     refuse(place, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})

@@ -36,7 +36,7 @@ class Factors:
     """The factors of n experiments, each an array of shape (n,).
 
     h0_m: mean gap; hv_m: vibration amplitude at the centre; phi_r_m, phi_deg: polar position
-    of the finger's centre (both zero where the finger is centred), x_m, y_m the same in Cartesian
+    of the pad's centre (both zero where the pad is centred), x_m, y_m the same in Cartesian
     form; columns: results of physics at these points, by the names of their columns; position: the
     form in which positions were given.
     """
@@ -54,7 +54,7 @@ class Factors:
     def of(cls, *, h0_m: ArrayLike, hv_m: ArrayLike, **others: ArrayLike) -> Factors:
         """Factors from numbers or sequences, brought to one length, and results of physics.
 
-        The position is given in polar or in Cartesian form, or left out for a centred finger.
+        The position is given in polar or in Cartesian form, or left out for a centred pad.
         Raises InputError where a value is not finite, a gap is not positive, the lengths differ or
         both forms are given.
         """
@@ -88,7 +88,7 @@ class Factors:
 
     @property
     def phi_rad(self) -> Array:
-        """Direction of the finger's centre in radians, shape (n,)."""
+        """Direction of the pad's centre in radians, shape (n,)."""
         return np.radians(self.phi_deg)
 
     def column(self, name: str) -> Array:

@@ -37,10 +37,10 @@ OTHER_FORM = {
 MEANING = {
     "h0_m": "mean gap, m",
     "hv_m": "amplitude at the profile's maximum, m",
-    "x_m": "finger's centre along x, m",
-    "y_m": "finger's centre along y, m",
-    "phi_r_m": "distance of the finger's centre from the actuator's, m",
-    "phi_deg": "direction of the finger's centre, degrees",
+    "x_m": "pad's centre along x, m",
+    "y_m": "pad's centre along y, m",
+    "phi_r_m": "distance of the pad's centre from the actuator's, m",
+    "phi_deg": "direction of the pad's centre, degrees",
 }
 
 

@@ -26,7 +26,7 @@ from pydantic import (
 )
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.pad import Finger, GapShape
+from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.surfaces import Disc
@@ -41,7 +41,7 @@ from squeezefilm.models.prediction_interval import (
     error_scale,
     error_sizes,
     film_folds,
-    left_out_predictions,
+    held_out_predictions,
     measured_interval,
 )
 from squeezefilm.solution import POLAR
@@ -59,7 +59,7 @@ FOLDS, FOLD_SEED = 5, 1
 """Of the cross-validation that gives a fit's error at points it was not fitted to."""
 
 
-class Pad(BaseModel):
+class PadOfFit(BaseModel):
     """The pad of a fit's film, as far as limits of validity go."""
 
     length_x_m: float
@@ -72,7 +72,7 @@ class FilmOfFit(BaseModel):
 
     gas: Annotated[Gas, PlainSerializer(asdict)]
     frequency_hz: float
-    finger: Pad
+    pad: PadOfFit
 
     @field_validator("gas", mode="before")
     @classmethod
@@ -140,7 +140,7 @@ class FittedModel(BaseModel):
 
     @cached_property
     def symmetry(self) -> Symmetry | None:
-        """The finger's positions that represent all in the model's study, if the file has them."""
+        """The pad's positions that represent all in the model's study, if the file has them."""
         if self.directions is None:
             return None
         return symmetry_from_dict(self.directions, place=f"{self.place}: directions")
@@ -151,7 +151,7 @@ class FittedModel(BaseModel):
         return POLAR if self.symmetry is None else self.symmetry.position
 
     def represented(self, factors: Factors) -> Factors:
-        """The factors of the same forces with the finger in positions that the model knows.
+        """The factors of the same forces with the pad in positions that the model knows.
 
         By the symmetry of the study's scenes; a file without one leaves them as they are.
         """
@@ -198,7 +198,7 @@ class FittedModel(BaseModel):
         film = Film(
             self.film.gas,
             Actuator(self.film.frequency_hz, Disc(1.0), Piston()),
-            Finger(**dict(self.film.finger), speed_x_m_per_s=0.0),
+            Pad(**dict(self.film.pad), speed_x_m_per_s=0.0),
         )
         centre = np.zeros(len(factors))
         return list(validities(film.scenes(factors.h0_m, factors.hv_m, centre, centre)))
@@ -327,7 +327,7 @@ def describe(
     # A model that knows no position was fitted at some all the same.
     position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
     folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
-    held_out = left_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
+    held_out = held_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
     known = bool(np.isfinite(held_out).all())
     sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
     missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)

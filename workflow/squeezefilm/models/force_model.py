@@ -29,7 +29,7 @@ from squeezefilm.solution import CARTESIAN, POLAR
 LIBRARY = Path(__file__).with_name("models.yaml")
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
 SPACES = ("two_factor", "four_factor")
-"""Where models are compared: the finger centred, or anywhere."""
+"""Where models are compared: the pad centred, or anywhere."""
 NAMING = ("comparison", "refine")
 """The sections of a study that name models for each space."""
 MOST_PARAMETERS = 30
@@ -76,7 +76,7 @@ class ExpressionModel:
 
     @property
     def is_centred(self) -> bool:
-        """Whether gap and amplitude are its only factors: a model of the centred finger."""
+        """Whether gap and amplitude are its only factors: a model of the centred pad."""
         return self.factor_names == ("h0_m", "hv_m")
 
     @property

@@ -1,6 +1,6 @@
 """Errors of a fitted model: at points it was not fitted to, and its prediction interval.
 
-In cross-validation points of one gap and amplitude are held out together, wherever the finger is:
+In cross-validation points of one gap and amplitude are held out together, wherever the pad is:
 where a force hardly depends on its position they are copies, and no point is unseen whose copy was
 fitted.
 
@@ -44,10 +44,10 @@ THIRDS = ("low", "middle", "high")
 FACTOR_WORDS = {
     "h0_m": ("h0", "µm", 1e6, "gap h0"),
     "hv_m": ("hv", "µm", 1e6, "amplitude hv"),
-    "phi_r_m": ("φr", "mm", 1e3, "distance of the finger from the centre"),
-    "phi_deg": ("φφ", "°", 1.0, "direction of the finger"),
-    "x_m": ("x", "mm", 1e3, "position of the finger along x"),
-    "y_m": ("y", "mm", 1e3, "position of the finger along y"),
+    "phi_r_m": ("φr", "mm", 1e3, "distance of the pad from the centre"),
+    "phi_deg": ("φφ", "°", 1.0, "direction of the pad"),
+    "x_m": ("x", "mm", 1e3, "position of the pad along x"),
+    "y_m": ("y", "mm", 1e3, "position of the pad along y"),
 }
 """Symbol, unit with its size, and meaning."""
 QUANTITIES = {name: meaning for name, (*_, meaning) in FACTOR_WORDS.items()}
@@ -140,7 +140,7 @@ def film_folds(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
     return np.random.default_rng(seed).permutation(np.arange(film.max() + 1) % folds)[film]
 
 
-def left_out_predictions(
+def held_out_predictions(
     model: ExpressionModel,
     factors: Factors,
     force_n: ArrayLike,
@@ -305,7 +305,7 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
         region
         | {
             "share_of_points": (inside & known).sum() / known.sum(),
-            "share_of_squares": squares[inside].sum() / squares.sum(),
+            "fraction_of_squares": squares[inside].sum() / squares.sum(),
             "bias_n": error[inside & known].mean(),
         }
         for region, inside in regions(factors)
@@ -316,9 +316,9 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
 
 def in_words(table: pd.DataFrame) -> str:
     """The two quantities whose thirds hold the largest shares of the squared error."""
-    ordered = table.sort_values("share_of_squares", ascending=False, kind="stable")
+    ordered = table.sort_values("fraction_of_squares", ascending=False, kind="stable")
     return "; ".join(
-        f"{worst['share_of_squares']:.0%} of the squared error lies in the {worst['third']} "
+        f"{worst['fraction_of_squares']:.0%} of the squared error lies in the {worst['third']} "
         f"third of the {QUANTITIES[worst['quantity']]}"
         for worst in ordered.drop_duplicates("quantity").head(2).to_dict("records")
     )

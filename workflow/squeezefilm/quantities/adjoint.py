@@ -59,7 +59,7 @@ with_rim = lru_cache(maxsize=64)(AxisWithRim)
 class Fields:
     """Films of like terms on one grid, each with its gap H, pressure P and density ρ.
 
-    Lengths in units of the finger's x side, time of 1/ω, pressure and density of ambient ones.
+    Lengths in units of the pad's x side, time of 1/ω, pressure and density of ambient ones.
     Every field has the shape (scenes, x, y, t), rim nodes included, a vector field (2, scenes, x,
     y, t). Numbers of scenes come as columns, to go with fields: ``number``.
     """

@@ -86,7 +86,7 @@ def _refused(scene: Scene, solution: Solution) -> str:
     """Why a scene has no derivatives, as far as that is known before its state is; else ``ok``."""
     if not isfinite(solution.force_n):
         return "no force"
-    if scene.finger.shape != "rectangle":
+    if scene.pad.shape != "rectangle":
         return "derivatives are known of rectangular pads alone"
     if unknown := [term.label for term in terms_of(scene) if not isinstance(term, KNOWN)]:
         return f"derivatives are not known with {unknown[0]}: its adjoint is not"
@@ -161,12 +161,12 @@ def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
     """A scene's derivatives, those to its place turned into the actuator's axes."""
     if not np.isfinite(error).all():
         return Derivatives(status=NOT_FOUND)
-    units, finger = [_unit(scene, number) for number in DERIVATIVES], scene.finger
+    units, pad = [_unit(scene, number) for number in DERIVATIVES], scene.pad
     values, errors = (
         dict(zip(DERIVATIVES, (each / units).tolist(), strict=True)) for each in (growth, error)
     )
-    values["x_m"], values["y_m"] = finger.turned(values["x_m"], values["y_m"])
-    from_x, from_y = finger.turned(errors["x_m"], 0.0), finger.turned(0.0, errors["y_m"])
+    values["x_m"], values["y_m"] = pad.turned(values["x_m"], values["y_m"])
+    from_x, from_y = pad.turned(errors["x_m"], 0.0), pad.turned(0.0, errors["y_m"])
     errors["x_m"], errors["y_m"] = (abs(a) + abs(b) for a, b in zip(from_x, from_y, strict=True))
     return Derivatives(value=values, error=errors, status="ok")
 
@@ -183,9 +183,9 @@ def residual(films: Fields) -> np.ndarray:
 
 
 def moved(scene: Scene, number: str, by: float) -> Scene:
-    """The scene with another number; ``x_m`` and ``y_m`` are along the finger's own axes."""
+    """The scene with another number; ``x_m`` and ``y_m`` are along the pad's own axes."""
     if number in ("x_m", "y_m"):
-        x_m, y_m = scene.finger.turned(*((by, 0.0) if number == "x_m" else (0.0, by)))
+        x_m, y_m = scene.pad.turned(*((by, 0.0) if number == "x_m" else (0.0, by)))
         return replace(scene, x_m=scene.x_m + x_m, y_m=scene.y_m + y_m)
     if number in ("h0_m", "hv_m"):
         return replace(scene, **{number: getattr(scene, number) + by})
@@ -197,5 +197,5 @@ def _unit(scene: Scene, number: str) -> float:
     if number in ("h0_m", "hv_m"):
         return scene.h0_m
     if number in ("x_m", "y_m"):
-        return scene.finger.length_x_m
+        return scene.pad.length_x_m
     return float(getattr(scene.gas, number))

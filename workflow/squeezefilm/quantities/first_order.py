@@ -21,7 +21,7 @@ from squeezefilm.reynolds.terms.rarefaction import fukui_kaneko
 # Of the entrance coefficient C: kinetic energy of a plug and of a parabola, over that of the mean
 # velocity.
 ENTRANCE_LEAST, ENTRANCE_MOST = 1.0, 1.54
-# Of the finger's length along x, from one state to the next whose differences are derivatives; the
+# Of the pad's length along x, from one state to the next whose differences are derivatives; the
 # states' tolerance, and the residual, over its size at the start, of what is differentiated again.
 STEP = 5e-3
 STATE_TOLERANCE, TOLERANCE = 1e-8, 1e-7
@@ -146,9 +146,9 @@ def _reynolds(scenes: list[Scene]) -> np.ndarray:
 
 
 def by_sliding(scenes: list[Scene], grid: Grid, *, device: Device) -> tuple[np.ndarray, np.ndarray]:
-    """Change by the bearing term, at every order, and by the profile that moves past the finger.
+    """Change by the bearing term, at every order, and by the profile that moves past the pad.
 
-    Both relative to the force, from states beside the scene's own: the finger at rest, and at the
+    Both relative to the force, from states beside the scene's own: the pad at rest, and at the
     five places of ``line``.
     """
 
@@ -166,13 +166,13 @@ def by_sliding(scenes: list[Scene], grid: Grid, *, device: Device) -> tuple[np.n
 
 
 def at_rest(scene: Scene) -> Scene:
-    """The same finger, not sliding."""
-    return replace(scene, finger=replace(scene.finger, speed_x_m_per_s=0.0))
+    """The same pad, not sliding."""
+    return replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.0))
 
 
 def line(scene: Scene) -> list[Scene]:
-    """The finger at five places a STEP apart along its own x axis, its own the middle one."""
-    turn, length_m = radians(scene.finger.rotation_deg), STEP * scene.finger.length_x_m
+    """The pad at five places a STEP apart along its own x axis, its own the middle one."""
+    turn, length_m = radians(scene.pad.rotation_deg), STEP * scene.pad.length_x_m
     x_m, y_m = length_m * cos(turn), length_m * sin(turn)
     return [replace(scene, x_m=scene.x_m + k * x_m, y_m=scene.y_m + k * y_m) for k in range(-2, 3)]
 
@@ -180,8 +180,8 @@ def line(scene: Scene) -> list[Scene]:
 def by_passing(films: list[Fields], bearing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """First and second order of the mean pressure's change by the profile that passes.
 
-    The bearing number Λ has the speed of the surface past the finger, whose place c on the surface
-    therefore falls, by 2Λ/σ per T. ∂/∂T of the film seen from the finger is then ∂/∂T − (2Λ/σ)
+    The bearing number Λ has the speed of the surface past the pad, whose place c on the surface
+    therefore falls, by 2Λ/σ per T. ∂/∂T of the film seen from the pad is then ∂/∂T − (2Λ/σ)
     ∂/∂c, the second part of which is left out for a profile that stands. To second order, since at
     the middle of a symmetric profile the first vanishes:
 

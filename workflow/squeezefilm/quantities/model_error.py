@@ -55,10 +55,10 @@ CALLED = {
     "heat": "heat",
     "depth_averaged": "the error of depth-averaged terms",
     "slip": "slip",
-    "kinetic": "what first-order slip lacks",
-    "rim": "inlet loss at the film edge",
+    "flow_factor": "what first-order slip lacks",
+    "edge_loss": "inlet loss at the film edge",
     "bearing": "sliding",
-    "passing": "the profile that passes a sliding finger",
+    "convected": "the profile that passes a sliding pad",
 }
 NAMES = tuple(CALLED)
 
@@ -69,30 +69,30 @@ class Effect(NamedTuple):
     Attributes:
         percent: of the force, at first order, that of a passing profile at second; NaN where it is
             not known.
-        missed_percent: size of what higher orders add; NaN where that is not known.
+        remainder_percent: size of what higher orders add; NaN where that is not known.
         included: the force has it already.
         estimate: it is no first order, and may be smaller than what it misses.
     """
 
     percent: float
-    missed_percent: float = nan
+    remainder_percent: float = nan
     included: bool = False
     estimate: bool = False
 
     @property
     def usable(self) -> bool:
         """Whether the first order is more than what it misses."""
-        return self.estimate or not abs(self.missed_percent) > abs(self.percent) / 2
+        return self.estimate or not abs(self.remainder_percent) > abs(self.percent) / 2
 
     @property
-    def most_percent(self) -> float:
+    def upper_percent(self) -> float:
         """The most that it may change; NaN where that is not known."""
-        return abs(self.percent) + self.missed_percent
+        return abs(self.percent) + self.remainder_percent
 
     @property
     def off_percent(self) -> float:
         """By how much it may be off: what higher orders add, and the coarse grids."""
-        return self.missed_percent + OFF_ON_GRIDS * abs(self.percent)
+        return self.remainder_percent + OFF_ON_GRIDS * abs(self.percent)
 
 
 UNKNOWN, NONE = Effect(nan), Effect(0.0, 0.0)
@@ -107,7 +107,7 @@ class ErrorBudget:
             walls at ambient temperature; ``depth_averaged``, error of both as the scene has them;
             ``slip``, by Fukui and Kaneko's flow factor, or as the scene has it; ``kinetic``, what
             slip of first order lacks of that factor; ``rim``, entrance loss for the coefficient
-            C = 1, what its first order misses the share at the largest C; ``bearing`` of a finger
+            C = 1, what its first order misses the share at the largest C; ``bearing`` of a pad
             that slides, for a profile that stands under it; ``passing``, of the profile moving past
             it.
         basis: what the numbers are of, if not of the scene itself.
@@ -125,7 +125,7 @@ class ErrorBudget:
         return replace(self, basis="", effects=effects)
 
     @property
-    def above_range(self) -> list[str]:
+    def first_order_invalid(self) -> list[str]:
         """The names of what is neglected and too large for a first order."""
         effects = self.effects.items()
         return [name for name, each in effects if not (each.usable or each.included)]
@@ -139,7 +139,7 @@ class ErrorBudget:
         if self.basis:
             return nan, nan
         some = [each for each in self.effects.values() if not (neglected_only and each.included)]
-        for_one, edge = sum(each.percent for each in some), self.effects["rim"]
+        for_one, edge = sum(each.percent for each in some), self.effects["edge_loss"]
         ends = [for_one + (share - 1) * edge.percent for share in (ENTRANCE_LEAST, ENTRANCE_MOST)]
         off = sum(each.off_percent for each in some) + (ENTRANCE_MOST - 1) * edge.off_percent
         return min(ends) - off, max(ends) + off
@@ -186,17 +186,17 @@ def _budgets(scenes: list[Scene], device: Device | None) -> list[ErrorBudget]:
 
 def _plain(scene: Scene) -> Scene:
     """The scene without inertia and heat, or one like it with the flat rectangle in its pad."""
-    finger = scene.finger
-    if finger.shape != "rectangle":
-        finger = replace(
-            finger,
+    pad = scene.pad
+    if pad.shape != "rectangle":
+        pad = replace(
+            pad,
             shape="rectangle",
             contour=None,
-            length_x_m=finger.rectangle_within * finger.length_x_m,
-            length_y_m=finger.rectangle_within * finger.length_y_m,
+            length_x_m=pad.rectangle_within * pad.length_x_m,
+            length_y_m=pad.rectangle_within * pad.length_y_m,
             gap=GapShape(),
         )
-    return replace(scene.viscous(), finger=finger)
+    return replace(scene.viscous(), pad=pad)
 
 
 def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
@@ -207,7 +207,7 @@ def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
     }
     if budget.status == "ok":
         own["depth_averaged"] = Effect(*depth_averaging_percent(scene), estimate=True)
-    basis = "" if scene.finger.shape == "rectangle" else BASIS
+    basis = "" if scene.pad.shape == "rectangle" else BASIS
     return replace(budget, effects={**budget.effects, **own}, basis=basis)
 
 
@@ -222,13 +222,13 @@ def _shares(group: Solved, device: Device | None) -> dict[str, np.ndarray]:
             "inertia": first_order.by_inertia(scenes, films, answers),
             "heat": first_order.by_heat(scenes, films, answers),
             "slip": slip,
-            "kinetic": kinetic,
-            "rim": first_order.by_entrance(scenes, films, answers),
+            "flow_factor": kinetic,
+            "edge_loss": first_order.by_entrance(scenes, films, answers),
         }
         force = films.mean(films.overpressure)
         shares = {name: change / force for name, change in changes.items()}
         if any(scene.bearing_number for scene in scenes):
-            shares["bearing"], shares["passing"] = first_order.by_sliding(
+            shares["bearing"], shares["convected"] = first_order.by_sliding(
                 scenes, films.grid, device=device or choose_device()
             )
     return shares
@@ -243,10 +243,10 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
         "inertia": (INERTIA_MISSED[0] + INERTIA_MISSED[1] * scene.epsilon**2) * reynolds,
         "heat": (HEAT_MISSED[0] + HEAT_MISSED[1] * scene.epsilon**2) * reynolds,
         "slip": SLIP_MISSED * 6 * scene.knudsen,
-        "kinetic": SLIP_MISSED * 6 * scene.knudsen,
-        "rim": rim_missed(ENTRANCE_MOST * reynolds, scene.epsilon),
+        "flow_factor": SLIP_MISSED * 6 * scene.knudsen,
+        "edge_loss": rim_missed(ENTRANCE_MOST * reynolds, scene.epsilon),
         "bearing": 0.0,
-        "passing": PASSING_MISSED * scene.bearing_number**2,
+        "convected": PASSING_MISSED * scene.bearing_number**2,
     }
     included = {"slip": scene.gas.rarefaction != "none", "bearing": True}
     effects = dict.fromkeys(NAMES, NONE) | {
@@ -254,7 +254,7 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
         for name, each in percent.items()
     }
     if not isothermal:  # an exponent stands for heat; a passing profile's is that of such a gas
-        effects |= {name: UNKNOWN for name in ("heat", "passing") if name in percent}
+        effects |= {name: UNKNOWN for name in ("heat", "convected") if name in percent}
     return ErrorBudget(effects)
 
 
@@ -356,7 +356,7 @@ def resolve_auto_terms(
     budgets = dict(zip(places, solved, strict=True))
     for k, name in asked:
         effect = budgets[k].effects[name]  # unknown without a budget
-        if not (effect.usable and effect.most_percent < 100 * NEARLY * model_tolerance):
+        if not (effect.usable and effect.upper_percent < 100 * NEARLY * model_tolerance):
             found[k] = found[k].with_gas(**{name: "included"})
     return found
 
@@ -364,7 +364,7 @@ def resolve_auto_terms(
 def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
     """What of a scene is ``auto`` and excluded whatever its size, with the reason, in words."""
     return [
-        f"gas.{name} is auto and left out: {reason}"
+        f"gas.{name} is auto and not included: {reason}"
         for name in _auto(scene)
         if (reason := _refused(scene, name, method))
     ]
@@ -399,15 +399,15 @@ def budget_text(budget: ErrorBudget) -> str:
         return f"not known: {budget.status}"
     lower, upper = budget.modelling_error_percent
     total = "not known" if isnan(lower) else f"{_band(lower, upper)} of the force"
-    if budget.above_range:
-        total += f" (outside the range of first orders: {', '.join(budget.above_range)})"
+    if budget.first_order_invalid:
+        total += f" (outside the range of first orders: {', '.join(budget.first_order_invalid)})"
     parts = [total + (f" (of {budget.basis})" if budget.basis else "")]
     for what, included in (("neglected", False), ("included", True)):
         effects = [
             _shown(name, effect)
             for name, effect in budget.effects.items()
             if effect.included == included
-            and not (effect.most_percent < LEAST_SHOWN if effect.estimate else effect.percent == 0)
+            and not (effect.upper_percent < LEAST_SHOWN if effect.estimate else effect.percent == 0)
         ]
         parts += [f"{what}: {', '.join(effects)}"] if effects else []
     return "; ".join(parts)
@@ -416,25 +416,25 @@ def budget_text(budget: ErrorBudget) -> str:
 def budget_row(budget: ErrorBudget) -> dict[str, object]:
     """A budget as columns of a table, in per cent of the force.
 
-    ``…_missed_percent`` is the size of what higher orders add, where it is known; the rim is for
-    C = 1, and for the largest C in ``rim_most_percent``. The sums' ends are for both, and with all
-    that the effects may be off by. ``in_force`` names what the force has already, ``above_range``
-    what is too large for a first order.
+    ``…_remainder_percent`` is the size of what higher orders add, where it is known. The edge loss
+    is for C = 1, and for the largest C in ``edge_loss_upper_percent``; the sums' ends hold both,
+    and the errors of all effects. ``included_effects`` names the effects that the force includes,
+    ``first_order_invalid`` those outside the range of a first-order estimate.
     """
     row: dict[str, object] = {}
     effects = budget.effects.items()
     for name, effect in effects:
         row[f"{name}_percent"] = effect.percent
         if name != "bearing":
-            row[f"{name}_missed_percent"] = effect.missed_percent
-    row["rim_most_percent"] = ENTRANCE_MOST * budget.effects["rim"].percent
-    for what, only in (("sum", False), ("left_out", True)):
+            row[f"{name}_remainder_percent"] = effect.remainder_percent
+    row["edge_loss_upper_percent"] = ENTRANCE_MOST * budget.effects["edge_loss"].percent
+    for what, only in (("sum", False), ("modelling_error", True)):
         ends = budget.sums(neglected_only=only)
-        row[f"{what}_least_percent"], row[f"{what}_most_percent"] = ends
+        row[f"{what}_lower_percent"], row[f"{what}_upper_percent"] = ends
     return row | {
-        "in_force": "; ".join(name for name, each in effects if each.included),
-        "above_range": "; ".join(name for name, each in effects if not each.usable),
-        "basis": budget.basis or THIS_SCENE,
+        "included_effects": "; ".join(name for name, each in effects if each.included),
+        "first_order_invalid": "; ".join(name for name, each in effects if not each.usable),
+        "geometry": budget.basis or THIS_SCENE,
         "status": budget.status,
     }
 
@@ -444,9 +444,9 @@ def _shown(name: str, effect: Effect) -> str:
     if isnan(effect.percent):
         return f"{label} not known"
     if effect.estimate:
-        return f"{label} about {effect.percent:+.2g} % ± {effect.missed_percent:.1g} %"
+        return f"{label} about {effect.percent:+.2g} % ± {effect.remainder_percent:.1g} %"
     above = "" if effect.usable else ABOVE
-    if name == "rim":
+    if name == "edge_loss":
         ends = sorted((each * effect.percent for each in (ENTRANCE_LEAST, ENTRANCE_MOST)), key=abs)
         return f"{label} {_band(*ends)}{above}"
     return f"{label} {effect.percent:+.2g} %{above}"

@@ -2,8 +2,8 @@
 
 All that are means over film and period ask of the pressure no more than p₀ + p₁ sin T + p₂ cos T at
 every point, for the gap that weighs them has no other harmonics: each is ⟨w (P − 1)⟩ of a weight
-w₀ + w₁ sin T + w₂ cos T, shape (3, Q). Forces are those of the gas on the finger; x and y are the
-actuator's axes, z points from the surface to the finger.
+w₀ + w₁ sin T + w₂ cos T, shape (3, Q). Forces are those of the gas on the pad; x and y are the
+actuator's axes, z points from the surface to the pad.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ SHARE_OF_OTHERS = 0.3
 # An extreme is one value of a polynomial, which nothing averages: the worst of 600 random films at
 # 1e-2 needed 2.8 times what its change and the iteration left.
 EXTREMES = 4.0
-# Distance of the points whose gaps' difference is a slope, of the finger's length: waves as long as
+# Distance of the points whose gaps' difference is a slope, of the pad's length: waves as long as
 # a tenth of it are missed by 4e-9, and as little is rounded where the surface hardly moves.
 SLOPE_STEP = 3e-4
 # Of a field, what rounding leaves of an odd one that is made even.
@@ -189,14 +189,14 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
     change_of_drag = max(abs(drag - _couette(before)), least * 2 * scene.slip_knudsen * abs(drag))
     found["sliding_friction"] = drag, factor * change_of_drag + ROUND_OFF * abs(drag)
     parts = [found["sliding_friction"], (0.0, 0.0)]
-    if scene.gas.inertia == "included":  # half of what leaves is taken from the finger
+    if scene.gas.inertia == "included":  # half of what leaves is taken from the pad
         # Share of it that warm gas would change: twice its warming where it streams.
         heats = scene.gas.heat == "included"
         warm = 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20 if heats else 0
         for k, (one, other) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
             off = factor * abs(other - one) + warm * abs(other)
             parts[k] = parts[k][0] - other / 2, parts[k][1] + off / 2
-    x, y = scene.finger.turned(1.0, 0.0)
+    x, y = scene.pad.turned(1.0, 0.0)
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
         for (drawn, off), share in zip(parts, turned, strict=True):
             found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
@@ -218,23 +218,23 @@ def _couette(film: Sample) -> float:
     if scene.gas.rarefaction == "slip":
         density = (1 + film.overpressure) ** (1 / scene.gas.polytropic_exponent)
         gap = gap + 2 * scene.slip_knudsen / density
-    shear = scene.gas.viscosity_pa_s * scene.finger.speed_x_m_per_s / scene.h0_m
-    return float(shear * scene.finger.area_m2 * (film.weights @ (1 / gap)).mean())
+    shear = scene.gas.viscosity_pa_s * scene.pad.speed_x_m_per_s / scene.h0_m
+    return float(shear * scene.pad.area_m2 * (film.weights @ (1 / gap)).mean())
 
 
 def weights_of(film: Sample) -> dict[str, np.ndarray]:
     """By the names in OUTPUTS (io/solution.py); ``force`` and the guards beside them."""
-    scene, finger = film.scene, film.scene.finger
+    scene, pad = film.scene, film.scene.pad
     force = scene.force_scale_n
     one, nothing = np.ones_like(film.x), np.zeros_like(film.x)
-    x, y = finger.turned((film.x - 0.5) * finger.length_x_m, (film.y - 0.5) * finger.length_y_m)
+    x, y = pad.turned((film.x - 0.5) * pad.length_x_m, (film.y - 0.5) * pad.length_y_m)
     _, sine, cosine = gap_motion(scene, film.x, film.y)
     speed = scene.h0_m * scene.actuator.angular_frequency_rad_per_s
-    # Shear at the finger's wall by the flow that pressure drives, −(h/2) ∇p, in the mean over the
+    # Shear at the pad's wall by the flow that pressure drives, −(h/2) ∇p, in the mean over the
     # pad ½ ⟨p ∇h⟩ as p vanishes on the rim; and pressure on the wall's own slope, −⟨p ∇g⟩, g being
     # the gap at rest.
-    lengths = finger.length_x_m, finger.length_y_m
-    thrust_x, thrust_y = finger.turned(
+    lengths = pad.length_x_m, pad.length_y_m
+    thrust_x, thrust_y = pad.turned(
         *(
             slope / length * np.array([-0.5, 0.5, 0.5])[:, None]
             for slope, length in zip(film.slopes, lengths, strict=True)
@@ -269,7 +269,7 @@ class Sample:
         overpressure: P − 1 at the points and equidistant instants from phase 0, (Q, instants).
         largest, least: of P − 1 over pad and period.
         images: the places of each point's mirror images among the points, itself included.
-        momentum_n: what leaves over the rim along the finger's x and y, of a gas with inertia.
+        momentum_n: what leaves over the rim along the pad's x and y, of a gas with inertia.
     """
 
     def __init__(self, scene: Scene, state: State) -> None:
@@ -317,7 +317,7 @@ class Sample:
 
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
-        """The gap's derivatives along the finger's x and y, over its lengths: each (3, Q)."""
+        """The gap's derivatives along the pad's x and y, over its lengths: each (3, Q)."""
         return self._slope(SLOPE_STEP, 0.0), self._slope(0.0, SLOPE_STEP)
 
     def _slope(self, in_x: float, in_y: float) -> np.ndarray:
@@ -390,8 +390,8 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
         unknowns: overpressure and the velocity's deficits along x and y (terms/inertia.py), shape
             (3, nx, ny, nt).
     """
-    speed = scene.actuator.angular_frequency_rad_per_s * scene.finger.length_x_m
-    sides_m = scene.finger.length_y_m, scene.finger.length_x_m
+    speed = scene.actuator.angular_frequency_rad_per_s * scene.pad.length_x_m
+    sides_m = scene.pad.length_y_m, scene.pad.length_x_m
     found = []
     for which, (along, side_m) in enumerate(zip((grid.y, grid.x), sides_m, strict=True)):
         if (grid.x, grid.y)[which].folded:

@@ -1,11 +1,11 @@
-"""The pressure under a finger over a period, at wanted places: what a force is the mean of."""
+"""The pressure under a pad over a period, at wanted places: what a force is the mean of."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from squeezefilm.errors import RunError
-from squeezefilm.film.pad import Finger
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.periodic.launch import State
@@ -40,7 +40,7 @@ def pressure(
     tolerance: float,
     device: Device,
 ) -> Pressure:
-    """The periodic film's overpressure at places x (nx,) and y (ny,) in [0, 1] across the finger.
+    """The periodic film's overpressure at places x (nx,) and y (ny,) in [0, 1] across the pad.
 
     ``instants`` are equidistant from phase 0 on. No value changes by more than ``tolerance`` of the
     largest from the last grid but one to the last. Inertia must be decided (model_error.py).
@@ -57,8 +57,7 @@ def pressure(
         if not solution.states:
             raise RunError(f"{NO_STATE}: {solution.status}" if repeated else solution.status)
         before, values = (
-            _at(state, finger=scene.finger, x=x, y=y, instants=instants)
-            for state in solution.states
+            _at(state, pad=scene.pad, x=x, y=y, instants=instants) for state in solution.states
         )
         change = float(np.nanmax(np.abs(values - before)))
         if change <= tolerance * np.nanmax(np.abs(values)):
@@ -66,7 +65,7 @@ def pressure(
     raise RunError(NO_STATE)
 
 
-def _at(state: State, *, finger: Finger, x: np.ndarray, y: np.ndarray, instants: int) -> np.ndarray:
+def _at(state: State, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int) -> np.ndarray:
     """A state at other places and instants: (instants, y, x)."""
     grid, field = state.grid, state.unknowns[0]
     in_time = period(grid.nt).at(period(instants).nodes)
@@ -74,7 +73,7 @@ def _at(state: State, *, finger: Finger, x: np.ndarray, y: np.ndarray, instants:
         along_x, along_y = grid.x.at(x), grid.y.at(y)
         return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, field, optimize=True)
     across, along = np.meshgrid(x, y)
-    inside = finger.within(across, along)
+    inside = pad.within(across, along)
     u, v = grid.outline.coordinates(across[inside], along[inside])
     found = np.einsum("xa,abi->xbi", grid.x.at(u), field)
     found = np.einsum("xb,xbi->xi", grid.y.at(v), found)

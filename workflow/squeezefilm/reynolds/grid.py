@@ -12,7 +12,7 @@ from squeezefilm.film.outline import Outline
 from squeezefilm.reynolds.spectral import Around, Axis, Period, around, axis, period
 from squeezefilm.reynolds.terms import Terms, parts_of
 
-# Nodes across the finger beyond which none is tried: there rounding begins to show at 1e-6, and a
+# Nodes across the pad beyond which none is tried: there rounding begins to show at 1e-6, and a
 # scene takes minutes.
 MOST_SPACE = 320
 # The force can agree between two grids by chance. The lowest moments of the mean pressure hardly
@@ -72,21 +72,21 @@ class Grid:
 
     @cached_property
     def positions(self) -> tuple[np.ndarray, np.ndarray]:
-        """All nodes x, y across the finger, ends and mirror images included, row by row."""
+        """All nodes x, y across the pad, ends and mirror images included, row by row."""
         along_x, along_y = np.meshgrid(self.x.all_nodes, self.y.all_nodes, indexing="ij")
         flat = along_x.ravel(), along_y.ravel()
         return self.outline.positions(*flat) if self.outline else flat
 
     @cached_property
     def density(self) -> np.ndarray | float:
-        """Area of the finger that the unknowns stand for, over the mean, shape (nx, ny) or 1."""
+        """Area of the pad that the unknowns stand for, over the mean, shape (nx, ny) or 1."""
         if self.outline is None:
             return 1.0
         mu = self.outline.rim * (2 * self.x.nodes - 1)
         return self.outline.stretch(mu[:, None], self.y.nodes) / self.outline.mean_stretch
 
     def lengths(self, aspect: float) -> tuple[float, float]:
-        """Of the axes' units, for a finger whose y side is ``aspect`` of its x side, which is 1.
+        """Of the axes' units, for a pad whose y side is ``aspect`` of its x side, which is 1.
 
         Under an outline they are such that the film equation has the area behind a point, over the
         typical, with its rates (terms/outline.py).
@@ -102,12 +102,12 @@ class Grid:
 
     @cached_property
     def across(self) -> tuple[int, int]:
-        """Nodes across the finger along x and y."""
+        """Nodes across the pad along x and y."""
         return self.x.full_points, self.y.full_points
 
     @cached_property
     def in_space(self) -> Grid:
-        """What it has in common with grids of the same nodes across the finger."""
+        """What it has in common with grids of the same nodes across the pad."""
         return replace(self, nt=4)
 
     @cached_property
@@ -122,7 +122,7 @@ class Grid:
         return self.nx // (1 + halved[0]), self.ny // (1 + halved[1])
 
     def sees(self, nodes_x: float, nodes_y: float) -> bool:
-        """Whether it has so many nodes across the finger along x and y."""
+        """Whether it has so many nodes across the pad along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
 
 

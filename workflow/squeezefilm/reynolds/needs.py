@@ -29,10 +29,10 @@ from squeezefilm.film.scene import (
 )
 from squeezefilm.reynolds.grid import MOST_SPACE
 from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
-from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of_each
+from squeezefilm.reynolds.terms import Simplification, Terms, absent_terms, terms_of_each
 
 HALVES = tuple(
-    LeftOut(what, "the profile is even about the finger's middle, and nothing else breaks that")
+    Simplification(what, "the profile is even about the pad's middle, and nothing else breaks that")
     for what in ("mirror half in x", "mirror half in y")
 )
 # Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
@@ -55,9 +55,9 @@ class Needs:
 
     Attributes:
         kinds: the terms that scenes have beside squeezing; ``kind`` is each scene's.
-        fold_x, fold_y: the film is even about the finger's middle along x, y: half is enough.
-        uniform: the whole finger sees the full amplitude.
-        profiles: of each film: which scenes have it, the profile under the finger at its
+        fold_x, fold_y: the film is even about the pad's middle along x, y: half is enough.
+        uniform: the whole pad sees the full amplitude.
+        profiles: of each film: which scenes have it, the profile under the pad at its
             positions, and each scene's position.
     """
 
@@ -122,23 +122,23 @@ class Needs:
         return joined_samples(found)[np.argsort(rows)]
 
     def position(self, row: int) -> tuple[SampledProfiles, int]:
-        """The profile under one scene's finger: the positions sampled, and which of them it is."""
+        """The profile under one scene's pad: the positions sampled, and which of them it is."""
         for rows, sampled, at in self.profiles:
             of_film = np.arange(len(self))[rows]
             if (found := np.flatnonzero(of_film == row)).size:
                 return sampled, int(at[found[0]])
         raise IndexError(row)
 
-    def simplifications(self, row: int) -> tuple[LeftOut, ...]:
+    def simplifications(self, row: int) -> tuple[Simplification, ...]:
         """What one scene does not need: mirror images of what is solved, terms that are zero."""
         folds = zip(HALVES, (self.fold_x[row], self.fold_y[row]), strict=True)
-        return *(half for half, fold in folds if fold), *left_out_of(self.kinds[self.kind[row]])
+        return *(half for half, fold in folds if fold), *absent_terms(self.kinds[self.kind[row]])
 
-    def left_out(self) -> list[str]:
+    def simplification_texts(self) -> list[str]:
         """The same of each scene, for a table."""
-        return self.once("left out", self._left_out)
+        return self.once("simplifications", self._joined_simplifications)
 
-    def _left_out(self) -> list[str]:
+    def _joined_simplifications(self) -> list[str]:
         code = 4 * self.kind + 2 * self.fold_x + self.fold_y
         first, which = distinct(code)
         texts = ["; ".join(part.what for part in self.simplifications(row)) for row in first]
@@ -171,7 +171,7 @@ def _needs_of(scenes: Scenes) -> Needs:
     for film, rows, some in scenes.of_each_film():
         places, at = some.places
         sampled = sampled_profiles(places)
-        gap, outline = film.finger.gap, film.finger.smooth_outline
+        gap, outline = film.pad.gap, film.pad.smooth_outline
         fold_x[rows] = sampled.even_x[at] & (gap.tilt_x_m == 0 and (not outline or outline.even_x))
         fold_y[rows] = sampled.even_y[at] & (gap.tilt_y_m == 0 and (not outline or outline.even_y))
         uniform[rows] = sampled.uniform[at]
@@ -254,13 +254,13 @@ class SampledProfiles:
         """Width of what the coarsest samples miss most at a position, at half of its height."""
         first = self._samples[0]
         assert first is not None
-        place, finger = self.places.some(slice(position, position + 1)), self.places.pad.finger
+        place, pad = self.places.some(slice(position, position + 1)), self.places.pad.pad
         x, y = first.worst[position]
         angle = np.pi / 4 * np.arange(8)
-        way_m = finger.length_x_m * np.geomspace(1e-6, 1, 300)
+        way_m = pad.length_x_m * np.geomspace(1e-6, 1, 300)
         values = place.parts(
-            (x + np.outer(way_m, np.cos(angle)) / finger.length_x_m).ravel(),
-            (y + np.outer(way_m, np.sin(angle)) / finger.length_y_m).ravel(),
+            (x + np.outer(way_m, np.cos(angle)) / pad.length_x_m).ravel(),
+            (y + np.outer(way_m, np.sin(angle)) / pad.length_y_m).ravel(),
         )
         here = place.parts(np.array([x]), np.array([y]))
         changed = np.abs(values - here).max(axis=(0, 1)).reshape(300, 8)
@@ -271,7 +271,7 @@ class SampledProfiles:
         """Sample a level at some positions, together as many as fit the caches."""
         if not rows.size:
             return
-        sampler = _sampler(LEVELS[level], self.places.pad.finger.smooth_outline)
+        sampler = _sampler(LEVELS[level], self.places.pad.pad.smooth_outline)
         step = max(1, TOGETHER // (sampler.grid_x.size + sampler.x.size))
         alone = np.isin(rows, list(self._landmarks))
         plain = rows[~alone]
@@ -292,7 +292,7 @@ class SampledProfiles:
         """Find symmetries from the values of the first level, at the nodes and between them."""
         self._largest[rows] = _largest(s, between)
         same = SYMMETRIC * self._largest[rows]
-        outline = self.places.pad.finger.smooth_outline
+        outline = self.places.pad.pad.smooth_outline
         # Else what the nodes show holds between them.
         look_closer = (first.missed > SYMMETRIC) | (outline is not None)
         for even, axis_ in ((self.even_x, 2), (self.even_y, 3)):
@@ -339,7 +339,7 @@ def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:
 
 def _mirrored(places: Places, *, along_x: bool) -> np.ndarray:
     """Largest difference to the mirror image, between the nodes, (positions,)."""
-    sampler = _sampler(LEVELS[1], places.pad.finger.smooth_outline)
+    sampler = _sampler(LEVELS[1], places.pad.pad.smooth_outline)
     x, y = sampler.x, sampler.y
     mirrored = (1 - x, y) if along_x else (x, 1 - y)
     return np.abs(places.parts(*mirrored) - places.parts(x, y)).max(axis=(0, 2))
@@ -358,7 +358,7 @@ def _sampled(
     x, y, to_x, to_y = sampler.x, sampler.y, sampler.to_x, sampler.to_y
     if landmarks:
         u, v = landmarks
-        if outline := places.pad.finger.smooth_outline:
+        if outline := places.pad.pad.smooth_outline:
             u, v = outline.coordinates(u, v)
             landmarks = outline.positions(u, v)
         x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
@@ -469,11 +469,11 @@ def _landmarks_under(places: Places) -> dict[int, tuple[np.ndarray, np.ndarray]]
     x_m, y_m = landmarks_of(places.pad.profile)
     if not len(x_m):
         return {}
-    finger = places.pad.finger
-    along_x, along_y = finger.turned_back(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
-    x, y = 0.5 + along_x / finger.length_x_m, 0.5 + along_y / finger.length_y_m
+    pad = places.pad.pad
+    along_x, along_y = pad.turned_back(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
+    x, y = 0.5 + along_x / pad.length_x_m, 0.5 + along_y / pad.length_y_m
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
-    if finger.smooth_outline:
-        inside &= finger.within(x, y)
+    if pad.smooth_outline:
+        inside &= pad.within(x, y)
     some = np.flatnonzero(inside.any(axis=1)).tolist()
     return {row: (x[row, inside[row]], y[row, inside[row]]) for row in some}

@@ -29,7 +29,7 @@ class Problems:
         numbers: excursion ratio ``epsilon``, squeeze number ``sigma``, coefficients ``flow`` of the
             flux's terms c_k H^(3−k) ρ^(1−k) ∇P, and the terms' own numbers; one row per scene.
         terms: those that all of the scenes have.
-        aspect: finger's length along y over that along x, one for all.
+        aspect: pad's length along y over that along x, one for all.
         parts: of the gap 1 + ε s sin T the profile s, or of any gap (terms/gap.py) s₁, s₂ and by
             how many metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends
             and mirror images included, shape (places, parts, nodes along x, nodes along y).
@@ -46,7 +46,7 @@ class Problems:
 
 
 def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
-    """Scenes of one finger shape and like terms on one grid.
+    """Scenes of one pad shape and like terms on one grid.
 
     Raises:
         ValueError: for scenes of unlike terms.
@@ -90,8 +90,8 @@ def terms_of_all(scenes: Scenes) -> Terms:
 
 def aspect_of(scenes: Scenes) -> float:
     """That of scenes which all have the same."""
-    finger = scenes.films[scenes.film_index[0]].finger
-    return finger.length_y_m / finger.length_x_m
+    pad = scenes.films[scenes.film_index[0]].pad
+    return pad.length_y_m / pad.length_x_m
 
 
 def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
@@ -117,7 +117,7 @@ def _kind_of_numbers(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
 def _gap_parts(places: Places, grid: Grid) -> np.ndarray:
     """The gap's parts at each place on all nodes of a grid, as of ``Problems``."""
     x, y = grid.positions
-    values, gap = places.parts(x, y), places.pad.finger.gap
+    values, gap = places.parts(x, y), places.pad.pad.gap
     if not gap.flat or len(values) == 2:
         second = values[1] if len(values) == 2 else np.zeros_like(values[0])
         values = np.stack([values[0], second, np.broadcast_to(gap.rise_m(x, y), second.shape)])
@@ -152,7 +152,7 @@ def _profiles(
 ) -> tuple[Packed, np.ndarray]:
     places = Places(pad, np.frombuffer(x_m), np.frombuffer(y_m))
     parts = [_gap_parts(places, grid) for grid in grids]
-    aspect = pad.finger.length_y_m / pad.finger.length_x_m
+    aspect = pad.pad.length_y_m / pad.pad.length_x_m
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
     return packed(fields), mean_parts(parts[-1], grids[-1])
@@ -167,7 +167,7 @@ def profile_fields(
     """The gap's parts, their gradients and Laplacians, and what terms need, where unknowns lie.
 
     Each of shape (places, parts, nx, ny). Derivatives are those of the interpolating polynomial,
-    lengths in units of the finger's x side.
+    lengths in units of the pad's x side.
     """
     length_x, length_y = grid.lengths(aspect)
     along_x = grid.x.derivative @ parts / length_x
@@ -187,7 +187,7 @@ def profile_fields(
 
 
 def mean_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
-    """The gap's parts averaged over the finger, shape (places, parts).
+    """The gap's parts averaged over the pad, shape (places, parts).
 
     The rule leaves out the ends; what it gives them is small, and the mean is no result.
     """
@@ -197,7 +197,7 @@ def mean_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
 
 
 def mean_motion(numbers: np.ndarray, means: np.ndarray) -> np.ndarray:
-    """How scenes' gaps averaged over the finger move, over what they are at rest, (2, n).
+    """How scenes' gaps averaged over the pad move, over what they are at rest, (2, n).
 
     The factors of sin T and of cos T.
 

@@ -12,7 +12,7 @@ import pandas as pd
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
-from squeezefilm.film.pad import Finger, GapShape
+from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc
@@ -60,11 +60,11 @@ def _of_any_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     """Tilted and bulging, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
     modes = Quadrature(SINC, crests, shares=(0.8, 0.6))
-    gap = GapShape(tilt_x_m=tilt_x_m, bulge_m=5e-7)
+    gap = GapShape(tilt_x_m=tilt_x_m, crown_m=5e-7)
     return replace(
         scene,
         actuator=replace(scene.actuator, profile=modes),
-        finger=replace(scene.finger, gap=gap),
+        pad=replace(scene.pad, gap=gap),
     )
 
 
@@ -84,7 +84,7 @@ def _film(
         y_m=y_m,
         gas=replace(GAS, **gas),  # type: ignore[arg-type]
         actuator=Actuator(4e4, Disc(1e-2), SINC),
-        finger=Finger(1e-2, 1e-2, speed_x_m_per_s),
+        pad=Pad(1e-2, 1e-2, speed_x_m_per_s),
     )
 
 

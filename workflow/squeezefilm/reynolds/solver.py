@@ -14,11 +14,11 @@ from squeezefilm.film.validity import validities
 from squeezefilm.reynolds.asymptotics.composite import Expanded, composite, not_derived_for
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid, iteration_flops
-from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
+from squeezefilm.reynolds.needs import Needs, Simplification, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import first_grids, unseen_profiles
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.terms import Terms, left_out_of, refused_on_grid
+from squeezefilm.reynolds.terms import Terms, absent_terms, refused_on_grid
 from squeezefilm.solution import Solution, Solutions
 
 METHODS = ("auto", "composite", "periodic")
@@ -114,9 +114,9 @@ def _solve(
         if isinstance(plan, str):
             solutions.status[row], solutions.method[row] = plan, _named(method)
             continue
-        neglected = plan.left_out, *left_out_of(needs.kinds[needs.kind[row]])
+        neglected = plan.simplifications, *absent_terms(needs.kinds[needs.kind[row]])
         solutions.status[row], solutions.method[row] = plan.status(tolerance), "composite"
-        solutions.left_out[row] = "; ".join(part.what for part in neglected)
+        solutions.simplifications[row] = "; ".join(part.what for part in neglected)
         solutions.nx[row], solutions.ny[row] = plan.nx, plan.ny
         solutions.work[row] = plan.flops
         if isfinite(plan.error):
@@ -172,7 +172,7 @@ class Preview:
         domain: ``whole``, ``half`` or ``quarter`` of the pad; empty where nothing is solved.
         terms: the terms of the equation that are solved.
         nx, ny, nt: points across the pad and over the period, on the finest grid expected.
-        left_out: what the scene does not need, with the reasons.
+        simplifications: what the scene does not need, with the reasons.
         expected_error: relative; the expansion's own estimate, else the tolerance; NaN without a
             force.
         expected_mflop: millions of floating-point operations, to within a factor of about two.
@@ -185,7 +185,7 @@ class Preview:
     nx: int = 0
     ny: int = 0
     nt: int = 0
-    left_out: tuple[LeftOut, ...] = ()
+    simplifications: tuple[Simplification, ...] = ()
     expected_error: float = nan
     expected_mflop: float = 0.0
 
@@ -222,7 +222,7 @@ def _preview(
             terms=terms,
             nx=plan.nx,
             ny=plan.ny,
-            left_out=(plan.left_out, *left_out_of(need.terms)),
+            simplifications=(plan.simplifications, *absent_terms(need.terms)),
             expected_error=plan.relative_error,
             expected_mflop=plan.flops / 1e6,
         )
@@ -235,7 +235,7 @@ def _preview(
         nx=grids[-1].x.full_points,
         ny=grids[-1].y.full_points,
         nt=grids[-1].nt,
-        left_out=need.simplifications(0),
+        simplifications=need.simplifications(0),
         expected_error=tolerance,
         expected_mflop=flops * _times_under_outline(scene) / 1e6,
     )
@@ -264,5 +264,5 @@ def _times_under_outline(scene: Scene) -> float:
     Its preconditioner takes the area behind each point for equal: fitted to 80 ellipses (ε
     0.02–0.9, σ 1–1e5, axes up to 1:3), mostly right within a factor of two.
     """
-    outline = scene.finger.smooth_outline
+    outline = scene.pad.smooth_outline
     return 1 + 0.4 * outline.rim * log10(1 + scene.sigma) ** 2 if outline else 1.0

@@ -20,14 +20,14 @@ from squeezefilm.errors import InputError, naming
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.solver import previews
 from squeezefilm.solution import POLAR, as_in, form_of
-from squeezefilm.studies.space import CENTRED, Space, box_of, finger_positions, plan, sobol, twelve
+from squeezefilm.studies.space import CENTRED, Space, box_of, pad_positions, plan, sobol, twelve
 from squeezefilm.studies.study import planned_profile_of, scenes_in, surface_of
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
 
 VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
-"""The plans of independent points, uniform over the declared space: finger centred, anywhere."""
+"""The plans of independent points, uniform over the declared space: pad centred, anywhere."""
 GRIDS = ("screen", "error_map")
-"""The plans of every gap with every amplitude, finger centred: of Fig. 7, and of control points."""
+"""The plans of every gap with every amplitude, pad centred: of Fig. 7, and of control points."""
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
 PIECE = 2**17
 
@@ -57,7 +57,7 @@ def four_factor_plan(
     positions: Sequence[tuple[float, float]] = ((0.0, 0.0),),
     position: tuple[str, ...] = POLAR,
 ) -> pd.DataFrame:
-    """Every finger position with every (h0, hv) point of a two-factor design (section V)."""
+    """Every pad position with every (h0, hv) point of a two-factor design (section V)."""
     return plan(pd.DataFrame(positions, columns=position).merge(design[[*CENTRED]], how="cross"))
 
 
@@ -131,7 +131,7 @@ def scenes_of(name: str, config: Config, *, design: pd.DataFrame | None = None) 
         return space.table(space.independent_sample(points, seed=seed))
     assert design is not None, f"the plan {name} is made from a design"
     if name == "four_factor":
-        return four_factor_plan(design, positions=finger_positions(config), position=position)
+        return four_factor_plan(design, positions=pad_positions(config), position=position)
     return design[as_in(SCENE_COLUMNS, design)]
 
 
@@ -153,7 +153,7 @@ def _extrapolation(config: Config, fits: Mapping[str, FittedModel]) -> pd.DataFr
 
 def plan_sizes(config: Config) -> dict[str, int]:
     """The number of points of each plan that is simulated in chunks."""
-    positions = config["positions"].get("points") or len(finger_positions(config))
+    positions = config["positions"].get("points") or len(pad_positions(config))
     return {
         **{name: len(level_grid(config[name])) for name in GRIDS},
         "four_factor": config["design"]["points"] * positions,

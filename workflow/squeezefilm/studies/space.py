@@ -1,7 +1,7 @@
 """The space of a study's experiments: its limits, and the points in it that can be simulated.
 
-A point is a row (h0_m, hv_m), and where the finger moves its position in the surface's form. A
-point can be simulated where surface and finger do not touch and the finger lies on the surface.
+A point is a row (h0_m, hv_m), and where the pad moves its position in the surface's form. A
+point can be simulated where surface and pad do not touch and the pad lies on the surface.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 CENTRED = FACTOR_COLUMNS[:2]
-"""The factors of a finger that stays at the centre."""
+"""The factors of a pad that stays at the centre."""
 POSITIONS_SEED, EXPONENT = 1, 10
 """Of the sequence of positions, and of two, the most points that it may have."""
 
@@ -51,7 +51,7 @@ def plan(factors: pd.DataFrame, *, position: tuple[str, ...] = POLAR) -> pd.Data
     return table
 
 
-def finger_positions(config: Config) -> list[tuple[float, float]]:
+def pad_positions(config: Config) -> list[tuple[float, float]]:
     """The centre, then those of the section ``positions``, in the surface's form.
 
     With ``points`` they fill the reachable space. Without, they are those written (Fig. 15), with
@@ -88,10 +88,10 @@ def sobol(factors: int, *, seed: int) -> qmc.Sobol:
 
 
 def box_of(config: Config, *, centred: bool = False) -> Box:
-    """The box of a study's factors: the screen's gaps and amplitudes, the finger's positions.
+    """The box of a study's factors: the screen's gaps and amplitudes, the pad's positions.
 
-    From the section ``screen``; unless the finger is centred also from ``positions``, ``actuator``
-    and ``finger``. Positions are those that represent all by the scene's symmetry.
+    From the section ``screen``; unless the pad is centred also from ``positions``, ``actuator``
+    and ``pad``. Positions are those that represent all by the scene's symmetry.
     """
     levels = {name: config["screen"][name] for name in CENTRED}
     limits = {name: (each["start"], each["stop"]) for name, each in levels.items()}
@@ -101,7 +101,7 @@ def box_of(config: Config, *, centred: bool = False) -> Box:
 
 
 def declared_ranges(config: Config, *, centred: bool) -> dict[str, tuple[float, float]]:
-    """The limits of the declared space by factor; those of a centred finger's position are zero."""
+    """The limits of the declared space by factor; those of a centred pad's position are zero."""
     centre = dict.fromkeys(surface_of(config).position, (0.0, 0.0))
     ranges = box_of(config, centred=centred).ranges
     return ranges | {name: zero for name, zero in centre.items() if name not in ranges}
@@ -111,7 +111,7 @@ def declared_ranges(config: Config, *, centred: bool) -> dict[str, tuple[float, 
 class Space:
     """The limits of a study's factors, and its film.
 
-    box names h0_m and hv_m for a finger that stays at the centre, or all four factors.
+    box names h0_m and hv_m for a pad that stays at the centre, or all four factors.
     """
 
     box: Box
@@ -120,7 +120,7 @@ class Space:
 
     @classmethod
     def of(cls, config: Config, *, centred: bool) -> Space:
-        """The space of a study: the screen's ranges and the finger positions'."""
+        """The space of a study: the screen's ranges and the pad positions'."""
         box = box_of(config, centred=centred)
         return cls(box, film_in(config), surface_of(config).position)
 
@@ -139,7 +139,7 @@ class Space:
     def grid(self, most: int, *, distinct: bool) -> Array:
         """A grid of at most so many points, limits included, without those not allowed.
 
-        With distinct=True the directions of a finger at the centre, which are one and the same
+        With distinct=True the directions of a pad at the centre, which are one and the same
         scene, come once.
         """
         factors = len(self.box.names)
@@ -174,7 +174,7 @@ class Space:
             found = np.concatenate([found, drawn[self.allowed(drawn)]])
             if len(found) >= points:
                 return found[:points]
-        raise InputError("positions: hardly any finger position of the study lies on the surface")
+        raise InputError("positions: hardly any pad position of the study lies on the surface")
 
     def coordinates(self, points: Array) -> Array:
         """Where distances between points are taken: equal for points that are the same scene."""
@@ -187,9 +187,9 @@ class Space:
     def points(self, table: pd.DataFrame) -> Array:
         """The rows of a table of scenes as points.
 
-        Raises InputError where the finger is off the centre of a space in which it stays there.
+        Raises InputError where the pad is off the centre of a space in which it stays there.
         """
         moved = form_of(table)[: 1 if form_of(table) == POLAR else 2]
         if self.centred and np.any(table[list(moved)].to_numpy() != 0):
-            raise InputError(f"{moved[0]}: the finger is moved, in a space in which it is centred")
+            raise InputError(f"{moved[0]}: the pad is moved, in a space in which it is centred")
         return table[list(self.box.names)].to_numpy(dtype=float)

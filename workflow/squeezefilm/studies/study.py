@@ -15,7 +15,7 @@ import pandas as pd
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, naming
 from squeezefilm.film.outline import read_contour
-from squeezefilm.film.pad import Finger, GapShape
+from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene, Scenes
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
@@ -57,8 +57,8 @@ def scan_path(config: Config) -> Path | None:
 
 
 def outline_path(config: Config) -> Path | None:
-    """The file of the finger's outline; None if it is not given by one."""
-    outline = config["finger"].get("outline")
+    """The file of the pad's outline; None if it is not given by one."""
+    outline = config["pad"].get("outline")
     return config.path.parent / outline["file"] if outline else None
 
 
@@ -107,24 +107,24 @@ def planned_profile_of(config: Config) -> Profile:
     )
 
 
-def finger_of(config: Config) -> Finger:
-    """The finger pad."""
-    keys = dict(config["finger"])
+def pad_of(config: Config) -> Pad:
+    """The pad pad."""
+    keys = dict(config["pad"])
     contour = None
     if path := outline_path(config):
         sides_m = keys["length_x_m"], keys["length_y_m"]
         contour = read_contour(path, sides_m=sides_m, scatter_m=keys.pop("outline")["scatter_m"])
-    return Finger(gap=GapShape(**keys.pop("gap")), contour=contour, **keys)
+    return Pad(gap=GapShape(**keys.pop("gap")), contour=contour, **keys)
 
 
-def film_of(config: Config, *, left_out: Iterable[str]) -> dict[str, Any]:
+def film_of(config: Config, *, simplifications: Iterable[str]) -> dict[str, Any]:
     """The study's film as far as limits of validity go, for a fit's file.
 
     Args:
-        left_out: of the simulations, a text each; a term that is ``auto`` is included where one of
-            them has it.
+        simplifications: of the simulations, a text each; a term that is ``auto`` is included where
+            one of them has it.
     """
-    gas, solved = dict(config["gas"]), list(left_out)
+    gas, solved = dict(config["gas"]), list(simplifications)
     for term in ("inertia", "heat"):
         if gas[term] == "auto":
             gas[term] = "none" if all(term in each for each in solved) else "included"
@@ -132,29 +132,29 @@ def film_of(config: Config, *, left_out: Iterable[str]) -> dict[str, Any]:
     return {
         "gas": gas,
         "frequency_hz": config["actuator"]["frequency_hz"],
-        "finger": {key: config["finger"][key] for key in keys},
+        "pad": {key: config["pad"][key] for key in keys},
     }
 
 
 def symmetry_of(config: Config) -> Symmetry:
-    """The finger positions that represent all; from ``actuator`` and ``finger``.
+    """The pad positions that represent all; from ``actuator`` and ``pad``.
 
     Of a scan the settings say it: noise leaves a shape that is free no symmetry.
     """
     settings, surface = config["actuator"]["profile"], surface_of(config)
     if settings["kind"] == "measured" and not settings["axisymmetric"]:
         return no_symmetry(surface)
-    return symmetry(finger_of(config), planned_profile_of(config), surface=surface)
+    return symmetry(pad_of(config), planned_profile_of(config), surface=surface)
 
 
 def film_in(config: Config, *, profile: Profile | None = None) -> Film:
-    """The study's gas, actuator and finger; ``profile`` stands in for its own."""
+    """The study's gas, actuator and pad; ``profile`` stands in for its own."""
     actuator = Actuator(
         frequency_hz=config["actuator"]["frequency_hz"],
         surface=surface_of(config),
         profile=profile_of(config) if profile is None else profile,
     )
-    return Film(Gas(**config["gas"]), actuator, finger_of(config))
+    return Film(Gas(**config["gas"]), actuator, pad_of(config))
 
 
 def scenes_in(
@@ -201,14 +201,14 @@ def scene_of(
 
 
 def check_study(config: Config) -> Config:
-    """Check every finger position and film of a study before anything is simulated.
+    """Check every pad position and film of a study before anything is simulated.
 
     Of a scan the points: what a smooth profile through them is refused for, the rule `smooth` says.
 
     Raises InputError naming the section and the point that has no physical meaning.
     """
     with naming(config.path):
-        finger_of(config)
+        pad_of(config)
         _check_scan(config)
         profile = planned_profile_of(config)
     for section, points in _extreme_points(config):
@@ -240,7 +240,7 @@ def _extreme_points(config: Config) -> Iterator[tuple[str, pd.DataFrame]]:
     if isinstance(found, Directions):
         # Designs and control points may lie between the directions given: also where the pad's
         # farthest point is farthest out.
-        x_m, y_m = max(finger_of(config).outline().tolist(), key=lambda place: hypot(*place))
+        x_m, y_m = max(pad_of(config).outline().tolist(), key=lambda place: hypot(*place))
         farthest = float(found.fold(degrees(atan2(y_m, x_m))))
         places += [(radius, farthest) for radius in positions["phi_r_m"]]
     first, second = found.position

@@ -12,7 +12,7 @@ An error has two parts: what the expansion leaves out, estimated from the profil
 values on the rim and at the corners, ε and σ; and what the grid leaves out, the change against
 every other of its nodes. Where an expansion does not apply the error is infinite. The constants of
 the first part were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ 0.1–1e6, pistons and
-sincs with up to three nodes under the finger, aspects 0.2–5; each is about twice what the worst
+sincs with up to three nodes under the pad, aspects 0.2–5; each is about twice what the worst
 film needed. Those of inertia were fitted to its second order in ε on such films and to strips at
 any ε. Layers with inertia are known up to Re = 10 and excursions that depend on it (edge_layer.py).
 """
@@ -37,7 +37,7 @@ from squeezefilm.reynolds.asymptotics.films import (
     grid_error,
     wide,
 )
-from squeezefilm.reynolds.needs import LeftOut, Needs
+from squeezefilm.reynolds.needs import Needs, Simplification
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
 from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.gap import AnyGap
@@ -240,8 +240,9 @@ class Expanded:
         return self.error / abs(self.mean) if self.mean else inf
 
     @property
-    def left_out(self) -> LeftOut:
-        return LeftOut("time", f"the composite expansion is good to {self.relative_error:.1e}")
+    def simplifications(self) -> Simplification:
+        error = f"{self.relative_error:.1e}"
+        return Simplification("time", f"the composite expansion is accurate to {error}")
 
     def holds(self, tolerance: float) -> bool:
         """Whether the estimate meets a relative tolerance; ``nan`` does not."""
@@ -270,13 +271,13 @@ def not_derived_for(needs: Needs) -> dict[int, str]:
 def _not_derived(scene: Scene, terms: Terms) -> str:
     """Why there is no expansion for scenes of a film and its terms; empty where there is."""
     what = "the composite expansion is derived for"
-    if scene.finger.shape != "rectangle":
+    if scene.pad.shape != "rectangle":
         return f"{what} rectangular pads"
     unknown = [term.label for term in terms if not term.in_expansions]
     if unknown:
         return f"the composite expansion is not derived with {' and '.join(unknown)}"
     others = [term.label for term in terms if not isinstance(term, AnyGap)]
-    if not scene.finger.gap.flat and others:
+    if not scene.pad.gap.flat and others:
         return f"{what} a gap that is even at rest with {' and '.join(others)}"
     if scene.actuator.profile.is_complex and scene.gas.inertia == "included":
         return f"{what} a vibration in one phase with inertia"
@@ -300,7 +301,7 @@ def composite(needs: Needs, *, tolerance: float, worth: bool) -> dict[int, Expan
     known[list(not_derived_for(needs))] = False
     tried = np.flatnonzero(known & by_layer)
     found = expanded(edge_layer_expansion, needs, tried, tolerance=tolerance)
-    flat = needs.scenes.column(lambda film: film.finger.gap.flat)
+    flat = needs.scenes.column(lambda film: film.pad.gap.flat)
     more = [
         row
         for row in np.flatnonzero(known & by_second & flat).tolist()
@@ -349,7 +350,7 @@ def _pay(needs: Needs, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     # By the pad's corners, which no expansion has, where the profile is large; by inertia and slip.
     corners = square / sigma
     terms = np.maximum(15 * _reynolds(scenes) / sigma, 0.3 * 6 * scenes.slip_knudsen * sigma**-0.5)
-    even = needs.uniform & scenes.column(lambda film: film.finger.gap.flat)
+    even = needs.uniform & scenes.column(lambda film: film.pad.gap.flat)
     layer_orders = [np.where(even, 0.3, 100) * sigma**-1.5, corners, terms]
     second_orders = [
         np.where(needs.uniform, 3, 15) * square * sigma**-1.5,
@@ -387,7 +388,7 @@ def expanded(
     ]
     # Of one kind of films: fields real or complex, gaps even at rest or not, with inertia or not.
     fields = 4 * (scenes.gas.inertia == "included") + scenes.column(
-        lambda film: 2 * film.actuator.profile.is_complex + film.finger.gap.flat
+        lambda film: 2 * film.actuator.profile.is_complex + film.pad.gap.flat
     )
     code = np.stack([*points, np.broadcast_to(fields, len(rows))], axis=1)
     results = {}
@@ -411,14 +412,14 @@ def _reynolds(scenes: Scenes) -> np.ndarray:
 def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
     complex_ = scenes.films[scenes.film_index[0]].actuator.profile.is_complex
-    flat = scenes.films[scenes.film_index[0]].finger.gap.flat
+    flat = scenes.films[scenes.film_index[0]].pad.gap.flat
     amplitude = np.empty((len(scenes), *x.shape), dtype=complex if complex_ else float)
     rest = np.empty((len(scenes), *x.shape))
     for film, rows, some in scenes.of_each_film():
         places, at = some.places
         parts = places.parts(x.ravel(), y.ravel()).reshape(-1, len(places.x_m), *x.shape)
         amplitude[rows] = (parts[0] + 1j * parts[1] if complex_ else parts[0])[at]
-        rest[rows] = 1 + film.finger.gap.rise_m(x, y) / some.h0_m[:, None, None]
+        rest[rows] = 1 + film.pad.gap.rise_m(x, y) / some.h0_m[:, None, None]
     return films_of(
         scenes.epsilon,
         scenes.sigma,

@@ -30,7 +30,7 @@ PRECISION, MOST_HARMONICS = 1e-10, 200
 
 @dataclass(frozen=True)
 class Expansion:
-    """A mean overpressure to order 1/√σ: the mean of ``density`` over the finger and ``layer``.
+    """A mean overpressure to order 1/√σ: the mean of ``density`` over the pad and ``layer``.
 
     ``gross`` is what ``layer`` is made of without cancellation. Shapes (B, nx + 2, ny + 2), (B,)
     and (B,).
@@ -194,7 +194,7 @@ def second_order_with_inertia(films: Films) -> SecondOrder:
     source = 0.25 * ((profile_factor - 2) * (films.s * curved - linear * films.curvature)).real
     source = source + 0.5 * ((square_factor * crossed).real - square_factor.real * crossed.real)
     kinetic = 9 / 28 * ratio * np.abs(mobility) ** 2 / number
-    # Over the finger |∇p̂|² has the mean of −Re p̂*∇²p̂.
+    # Over the pad |∇p̂|² has the mean of −Re p̂*∇²p̂.
     flow = direct + films.solve(source) + kinetic * crossed.real
     loss = -0.25 * square_factor.real * np.abs(linear) ** 2
     influence = -films.inward(films.solve(np.ones(films.s.shape)))

@@ -1,6 +1,6 @@
 """The edge's boundary layer at large squeeze number: two functions of the local excursion ratio.
 
-Within √(1/σ) of the finger's rim the film exchanges gas with the surroundings. With ξ = n√σ, n the
+Within √(1/σ) of the pad's rim the film exchanges gas with the surroundings. With ξ = n√σ, n the
 distance from the rim, the mass M = HP of the layer obeys
 
     ∂²/∂ξ² (H M²/2) = ∂M/∂T,   H = 1 + a sin T,   M = H at ξ = 0,   M → ψ = √(1 + 3a²/2) inside,
@@ -24,7 +24,7 @@ are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev points: in Re 
 for each Re, in −ln(1 − a²) up to a = ``largest(Re)``. Somewhere beyond, waves steepen to a shock in
 the layer, and no periodic state was found that a finer grid would not change.
 
-Within √(1/σ) of the finger's rim, with ξ = n√σ, n the distance from the rim, and ū = v/√σ the mean
+Within √(1/σ) of the pad's rim, with ξ = n√σ, n the distance from the rim, and ū = v/√σ the mean
 velocity over the gap, mass w = HP and flux q = wv obey
 
     ∂w/∂T + ∂q/∂ξ = 0,    H = 1 + a sin T at the rim point, a = ε s,

@@ -72,7 +72,7 @@ class Films:
         return Films(*(values[which] for values in own))
 
     def mean(self, field: np.ndarray) -> np.ndarray:
-        """Mean over the finger, shape (B,)."""
+        """Mean over the pad, shape (B,)."""
         return (field @ all_weights(self.y)) @ all_weights(self.x)
 
     def gradient(self, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -149,7 +149,7 @@ class Films:
         return np.concatenate(sides, axis=1)
 
     def rim_integral(self, values: np.ndarray) -> np.ndarray:
-        """Integral along the rim over the finger's area, shape (B,)."""
+        """Integral along the rim over the pad's area, shape (B,)."""
         sides = np.split(values, [2 * (self.y.points + 2)], axis=1)
         weights = (np.tile(all_weights(line), 2) for line in (self.y, self.x))
         along_y, along_x = (side @ each for side, each in zip(sides, weights, strict=True))
@@ -303,7 +303,7 @@ def films_of(
             ``expansion_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2);
             nx and ny odd, at least 5 (``composite.expansion_points``). With inertia in one phase
             alone.
-        aspect: finger's length along y over that along x, a number or shape (B,).
+        aspect: pad's length along y over that along x, a number or shape (B,).
         slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
         reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
         rest: gap at rest over h0 on the same nodes where it is not even, without slip and inertia;
@@ -325,7 +325,7 @@ def grid_error(
     """Change of the mean against every other node, or a share of the density's where it is larger.
 
     Args:
-        fine, coarse: densities whose means over the finger are compared, on the two grids.
+        fine, coarse: densities whose means over the pad are compared, on the two grids.
         rest: change of what is not in the densities.
     """
     half = films.coarser

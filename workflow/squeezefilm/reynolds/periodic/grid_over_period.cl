@@ -15,7 +15,7 @@ typedef struct {
 /* Sizes and matrices. */
 typedef struct {
     int nx, ny, nt, rows, count, nt4, count4, length, length4;
-    /* Axes that stand for all of the finger, and so have their mirror image in them. */
+    /* Axes that stand for all of the pad, and so have their mirror image in them. */
     int whole_x, whole_y, whole_modes_x;
     Operators linear;
     matrix laplace_x, laplace_y, eigenvalues, eigenvalues_y, weights;

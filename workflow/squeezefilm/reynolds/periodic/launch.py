@@ -130,7 +130,7 @@ class Batch:
     """Scenes on one grid after the other: the state on each is the first guess on the next.
 
     Attributes:
-        scenes: of one finger shape.
+        scenes: of one pad shape.
         terms: those that all of them have.
         grids: each no coarser than the one before.
         tolerances: relative error of the force that the iteration may leave, on each grid.
@@ -161,7 +161,7 @@ def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
 def solve_batch(
     scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: float, device: Device
 ) -> States:
-    """The periodic states of scenes of one finger shape and like terms on one grid.
+    """The periodic states of scenes of one pad shape and like terms on one grid.
 
     Raises:
         ValueError: for scenes of unlike terms.
@@ -390,5 +390,5 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
 
 def warm(device: Device, scene: Scene) -> None:
     """Build and load the kernels that a scene needs, so that the first batch need not wait."""
-    grid = Grid(4, 4, 8, False, False, scene.finger.smooth_outline)
+    grid = Grid(4, 4, 8, False, False, scene.pad.smooth_outline)
     solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device)

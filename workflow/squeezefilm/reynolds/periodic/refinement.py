@@ -249,7 +249,7 @@ def solve_periodic(
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
     count = len(needs)
     solutions = Solutions.of_method("periodic", count)
-    solutions.left_out[:] = needs.left_out()
+    solutions.simplifications[:] = needs.simplification_texts()
     refinement = Refinement(
         needs=needs,
         solutions=solutions,

@@ -51,7 +51,7 @@ LARGEST_MISSED = 1e-2
 # Tolerance below which a plain film's first grid is to leave less: there too many wanted a third.
 TIGHT_BELOW, TIGHT_SHARE = 4e-7, 0.2
 # Chebyshev nodes see the layer at a sliding surface's trailing rim, Λ/(1 − ε) times thinner than
-# the finger, if there are this many times the root of that. Else errors fall as slowly as first
+# the pad, if there are this many times the root of that. Else errors fall as slowly as first
 # order: of 40 films with more than 100 one (Λ 98, ε 0.87, at a tolerance of 0.1) was off by 1.8
 # times its estimate, another by 0.98; with this least fall it is 7 times the change, as for 28
 # nodes and 32.
@@ -74,7 +74,7 @@ CODE = 2.0 ** np.array([0, 9, 18, 26, 27, 28, 37])
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Scenes of like terms and finger shape that go through the same grids.
+    """Scenes of like terms and pad shape that go through the same grids.
 
     Attributes:
         rows: which scenes they are, (k,).
@@ -102,8 +102,8 @@ def first_grids(
         kept: whether states are, of which quantities ask for more than the force does.
     """
     for kind, film, rows in _alike(needs):
-        terms, finger = needs.kinds[kind], film.finger
-        outline, aspect = finger.smooth_outline, finger.length_y_m / finger.length_x_m
+        terms, pad = needs.kinds[kind], film.pad
+        outline, aspect = pad.smooth_outline, pad.length_y_m / pad.length_x_m
         share, step = FIRST_SHARE, FOURS
         if outline is None and margin_of(terms) == 1 and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
@@ -129,7 +129,7 @@ def nodes_for_profile(needs: Needs, *, tolerance: float) -> np.ndarray:
 
 
 def unseen_profiles(needs: Needs, *, tolerance: float) -> dict[int, str]:
-    """The scenes whose profile under the finger no grid sees, and why."""
+    """The scenes whose profile under the pad no grid sees, and why."""
     return needs.once("unseen", lambda tolerance: _unseen_profiles(needs, tolerance), tolerance)
 
 
@@ -144,14 +144,14 @@ def _unseen_profiles(needs: Needs, tolerance: float) -> dict[int, str]:
 
 def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
     if not missed < inf:
-        return "the profile has no finite value at some place under the finger"
+        return "the profile has no finite value at some place under the pad"
     sampled, position = needs.position(row)
-    finger = sampled.places.pad.finger
-    side_m = max(finger.length_x_m, finger.length_y_m)
+    pad = sampled.places.pad.pad
+    side_m = max(pad.length_x_m, pad.length_y_m)
     apart_m = pi / 2 * side_m / (MOST_SPACE + 1)
     return (
         f"the profile has a feature about {1e6 * sampled.feature_m(position):.2g} µm wide under "
-        f"the finger: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
+        f"the pad: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
         f"{1e6 * apart_m:.2g} µm apart, does not show it to {share:.1g} of the profile's largest "
         "value, as this tolerance asks"
     )
@@ -163,12 +163,9 @@ def _alike(needs: Needs) -> Iterator[tuple[int, Film, Rows]]:
     if len(needs.kinds) == len(films) == 1:
         yield 0, films[0], slice(None)
         return
-    fingers = [
-        (film.finger.smooth_outline, film.finger.length_y_m / film.finger.length_x_m)
-        for film in films
-    ]
-    different = list(dict.fromkeys(fingers))
-    which = np.array([different.index(each) for each in fingers])[needs.scenes.film_index]
+    pads = [(film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m) for film in films]
+    different = list(dict.fromkeys(pads))
+    which = np.array([different.index(each) for each in pads])[needs.scenes.film_index]
     for rows in rows_alike(needs.kind * len(different) + which):
         yield int(needs.kind[rows[0]]), films[needs.scenes.film_index[rows[0]]], rows
 
@@ -188,7 +185,7 @@ def _points(
     """
     scenes = needs.scenes if isinstance(rows, slice) else needs.scenes[rows]
     terms, digits = needs.kinds[needs.kind[rows][0]], log10(1 / (share * tolerance))
-    outline, aspect = film.finger.smooth_outline, film.finger.length_y_m / film.finger.length_x_m
+    outline, aspect = film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m
     nodes = nodes_for_profile(needs, tolerance=tolerance)[rows].T
     curvature = needs.samples(share_of(tolerance)).curvature[rows].T
     folds = np.array([needs.fold_x[rows], needs.fold_y[rows]])
@@ -224,7 +221,7 @@ def _points(
 
 
 def _nodes(digits: float, *, sigma: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """Nodes across the finger for a rim layer and for a narrow gap, whichever wants more.
+    """Nodes across the pad for a rim layer and for a narrow gap, whichever wants more.
 
     A Chebyshev grid resolves a layer of width √(2/σ) with a number of nodes proportional to
     σ^(1/4), the factor growing with the wanted digits (fitted to the centred sinc's errors). The
@@ -306,8 +303,8 @@ def profile_fall(
     0 if the fine ones miss next to nothing: then it is not the profile that changes the force.
 
     Args:
-        coarse, fine: nodes across the finger along x and y (``Grid.across``).
-        rows: which of the scenes; all if left out.
+        coarse, fine: nodes across the pad along x and y (``Grid.across``).
+        rows: which of the scenes; default all.
     """
 
     def fall(rows: Rows) -> np.ndarray:
@@ -346,7 +343,7 @@ def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS) ->
 
 
 def _part(points: int, step: int, *, fold: bool) -> int:
-    """About a fifth of the points, in steps; never less than four nodes across the finger."""
+    """About a fifth of the points, in steps; never less than four nodes across the pad."""
     least = 1 if fold else FOURS // step
     return step * max(least, round(points / 5 / step))
 
@@ -358,9 +355,9 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
     """
     if scenes.flat:
         return scenes.epsilon, scenes.sigma, 0.0
-    flat = scenes.column(lambda film: film.finger.gap.flat)
-    bulge_m = scenes.column(lambda film: abs(film.finger.gap.bulge_m))
-    bend = 8 * bulge_m / scenes.h0_m / np.maximum(scenes.epsilon, TINY) * (scenes.epsilon > 0)
+    flat = scenes.column(lambda film: film.pad.gap.flat)
+    crown_m = scenes.column(lambda film: abs(film.pad.gap.crown_m))
+    bend = 8 * crown_m / scenes.h0_m / np.maximum(scenes.epsilon, TINY) * (scenes.epsilon > 0)
     least = np.minimum(1.0, scenes.rest_range[0])
     sigma = scenes.sigma / least**2
     sigma = np.where(sigma < THIN_SIGMA, sigma, sigma / least**2)
@@ -371,11 +368,11 @@ def least_fall(scenes: Scenes, nodes_x: int) -> np.ndarray:
     """Factors by which changes from grid to grid are believed to fall at most, (n,).
 
     Args:
-        nodes_x: across the finger along x, of the coarser grid.
+        nodes_x: across the pad along x, of the coarser grid.
     """
     epsilon, sigma, _ = gap_numbers(scenes)
     fall = THIN_LAYER_FALL * (sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA)
-    if not any([film.finger.speed_x_m_per_s for film in scenes.films]):
+    if not any([film.pad.speed_x_m_per_s for film in scenes.films]):
         return fall
     layers = np.abs(scenes.bearing_number) / (1 - epsilon)
     return np.where(nodes_x < NODES_PER_SLIDING * np.sqrt(layers), SLIDING_FALL, fall)

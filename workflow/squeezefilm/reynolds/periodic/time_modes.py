@@ -1,7 +1,7 @@
 """The basis in time in which the periodic state is preconditioned: it knows how the gap moves.
 
 Where the film is compressed its gas flows more easily in proportion to the gap, and where the gas
-has inertia its flow lags. Averaged over the finger, a change w of the mass obeys
+has inertia its flow lags. Averaged over the pad, a change w of the mass obeys
 
     D Δw − σ A dw/dT = A r,      A = 1/h + lag L d/dT,      h = 1 + variation sin T + lagging cos T,
 

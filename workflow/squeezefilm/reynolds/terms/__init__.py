@@ -19,9 +19,9 @@ from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
-from squeezefilm.reynolds.terms.term import HOOKS, Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import HOOKS, Arrays, Numbers, Simplification, Term
 
-__all__ = ["HOOKS", "TERMS", "Arrays", "LeftOut", "Term", "Terms"]
+__all__ = ["HOOKS", "TERMS", "Arrays", "Simplification", "Term", "Terms"]
 
 TERMS: tuple[type[Term], ...] = (
     AnyGap,
@@ -40,7 +40,7 @@ def terms_of(scene: Scene) -> Terms:
     return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
 
 
-def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
+def absent_terms(terms: Terms) -> tuple[Simplification, ...]:
     """What is said of the terms that are not among some."""
     present = {*map(type, terms)}
     return tuple(kind.ABSENT for kind in TERMS if kind.ABSENT and kind not in present)
@@ -51,7 +51,7 @@ def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
     known: dict[Terms, int] = {}
     which = np.empty(len(scenes), dtype=np.int64)
     for film, rows, some in scenes.of_each_film():
-        kind = np.zeros(len(some), bool) if film.finger.gap.flat else AnyGap.is_wide(some)
+        kind = np.zeros(len(some), bool) if film.pad.gap.flat else AnyGap.is_wide(some)
         of_film = np.empty(len(some), dtype=np.int64)
         for each in {*kind.tolist()}:
             terms = terms_of(some[int(np.argmax(kind == each))])
@@ -65,7 +65,7 @@ def numbers_of(scene: Scenes, terms: Terms) -> Numbers:
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
     the harmonics that lag (time_modes.py), no more of them than ``waves_per_node`` for each node
-    across the finger.
+    across the pad.
     """
     numbers: dict[str, Any] = {
         "epsilon": scene.epsilon,

@@ -1,4 +1,4 @@
-"""Sliding: the bearing term −Λ d(Hρ)/dX of a finger that moves along its own x axis."""
+"""Sliding: the bearing term −Λ d(Hρ)/dX of a pad that moves along its own x axis."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -19,7 +19,7 @@ class Bearing(Term):
     label: str = "bearing"
 
     NAME = "bearing"
-    ABSENT = LeftOut("bearing term", "the finger is at rest")
+    ABSENT = Simplification("bearing term", "the pad is at rest")
     BREAKS = "x"
     OVER_PERIOD = "terms/bearing_over_period.cl"
     HOOKS = ("residual", "response")
@@ -52,6 +52,6 @@ class Bearing(Term):
         return {"modes_x": vectors, "to_modes_x": inverse, "triangle": triangle}
 
     def refused_on_grid(self, scene: Scene) -> str:
-        if scene.finger.shape != "rectangle":
+        if scene.pad.shape != "rectangle":
             return "not supported: a sliding pad that is not a rectangle"
         return ""

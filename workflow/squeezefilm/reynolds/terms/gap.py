@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
 
 SHAPED, TWO_PHASES = "gap that is shaped at rest", "vibration in two phases"
 # Two preconditioners pay where the widest gap at rest is so many times the narrowest, and nothing
-# else has a share in the film: they were no better for fingers that slide or are no rectangles, and
+# else has a share in the film: they were no better for pads that slide or are no rectangles, and
 # worse with inertia. They are for diffusivities inside of those, by this share of the way from the
 # geometric mean, as Chebyshev's points lie inside an interval.
 TWO_FROM = 1.75
@@ -46,18 +46,18 @@ class AnyGap(Term):
     NAME = "any_gap"
     OVER_PERIOD = "terms/gap_over_period.cl"
     IN_SINGLE = True
-    ABSENT = LeftOut("gap of any shape", "it is even at rest and moves in one phase")
+    ABSENT = Simplification("gap of any shape", "it is even at rest and moves in one phase")
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:
-        shaped, complex_ = not scene.finger.gap.flat, scene.actuator.profile.is_complex
+        shaped, complex_ = not scene.pad.gap.flat, scene.actuator.profile.is_complex
         if not (shaped or complex_):
             return None
         both = ", ".join(label for label, has in ((SHAPED, shaped), (TWO_PHASES, complex_)) if has)
         if not shaped:
             return cls(both)
         more = scene.bearing_number or scene.gas.inertia == "included"
-        alone = not (more or scene.finger.smooth_outline)
+        alone = not (more or scene.pad.smooth_outline)
         return cls(both, 2 if alone and cls.is_wide(Scenes.of([scene]))[0] else 1)
 
     @staticmethod
@@ -86,7 +86,7 @@ def _preconditioners(scenes: Scenes, count: int) -> Numbers:
     middle = least * most
     if count == 1:
         typical = scenes.typical_rest * scenes.column(
-            lambda film: WITHIN_OUTLINE if film.finger.smooth_outline else 1.0
+            lambda film: WITHIN_OUTLINE if film.pad.smooth_outline else 1.0
         )
         per_square = typical / (1 / least + 1 / most)
         return {"diffusivities": (typical**2,), "part": (per_square / middle, per_square)}

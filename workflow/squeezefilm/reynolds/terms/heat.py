@@ -1,7 +1,7 @@
 """Heat: a gas that compression warms, between walls that stay at ambient temperature.
 
 The energy equation, weighted with the parabola that the temperature has over the gap, is one
-equation for its mean rise τ, in units of the ambient temperature (lengths by the finger's length
+equation for its mean rise τ, in units of the ambient temperature (lengths by the pad's length
 along x, time by 1/ω, β = ((γ − 1)/γ) Pr Re, ū the velocity by the isothermal momentum equation):
 
     τ = τₐ − τ_b,     τₐ + (Pr Re P H²/10) ∂τₐ/∂T = (β H²/12) ∂P/∂T,     τ_b = β σ |ū|²/20
@@ -32,7 +32,7 @@ import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, Inertia, not_derived
-from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -53,7 +53,7 @@ class Heat(Term):
     label: str = "heat"
 
     NAME = "heat"
-    ABSENT = LeftOut("heat", "gas.heat is none")
+    ABSENT = Simplification("heat", "gas.heat is none")
     OVER_PERIOD = "terms/heat_over_period.cl"
     HOOKS = ("residual", "response")
     OWN_FIELDS = 9

@@ -1,7 +1,7 @@
 """Inertia of the gas: its velocity lags behind the slope of the pressure that drives it.
 
 The momentum equation, weighted with the parabola that the velocity has over the gap, is one
-equation for the mean velocity ū (lengths by the finger's length along x, time by 1/ω):
+equation for the mean velocity ū (lengths by the pad's length along x, time by 1/ω):
 
     ū + (Re ρ H²/10) { ∂ū/∂T + (9/7) (ū·∇)ū − (1/7) ū ∂ ln(ρH)/∂T } = V,    V = −(H²/σ) ∇P
 
@@ -24,7 +24,7 @@ import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.spectral import FluxPoints, flux_points
-from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -65,7 +65,7 @@ class Inertia(Term):
     label: str = "inertia"
 
     NAME = "inertia"
-    ABSENT = LeftOut("inertia", "gas.inertia is none")
+    ABSENT = Simplification("inertia", "gas.inertia is none")
     OVER_PERIOD = "terms/inertia_over_period.cl"
     HOOKS = ("residual", "response", "step", "carry")
     UNKNOWN_FIELDS = 2
@@ -86,7 +86,7 @@ class Inertia(Term):
         steep = np.maximum(steepness(scene), NEGLIGIBLE)
         slow = LEAST_SLOW * np.maximum(1.0, STEEP / steep) ** 3
         thinness = np.maximum(scene.sigma**0.5, LEAST_ROOT_SIGMA)
-        # Waves travel at 1/√(lag σ), in units of the finger's length times ω.
+        # Waves travel at 1/√(lag σ), in units of the pad's length times ω.
         waves = (lag * scene.sigma) ** 0.5 * (1 + AGAINST_THEM * steepness(scene))
         return {
             "reynolds": reynolds,
@@ -135,7 +135,7 @@ def not_derived(label: str, scene: Scene) -> str:
     """Why inertia, or heat, is not known of a scene; empty where it is."""
     if scene.gas.rarefaction == "fukui-kaneko":
         return f"{label} is derived for viscous flow and first-order slip, not for fukui-kaneko"
-    return f"{label} is not derived for a sliding finger" if scene.bearing_number != 0 else ""
+    return f"{label} is not derived for a sliding pad" if scene.bearing_number != 0 else ""
 
 
 def steepness(scene: OperatingPoints) -> Any:

@@ -35,14 +35,14 @@ class SmoothOutline(Term):
 
     @classmethod
     def of(cls, scene: Scene) -> SmoothOutline | None:
-        return cls() if scene.finger.smooth_outline else None
+        return cls() if scene.pad.smooth_outline else None
 
     @classmethod
     def note(cls, scene: Scene) -> str:
-        contour = scene.finger.contour
+        contour = scene.pad.contour
         if contour is None or contour.scatter < EXACT:
             return ""
-        off_um = contour.scatter * scene.finger.length_x_m * 1e6
+        off_um = contour.scatter * scene.pad.length_x_m * 1e6
         return (
             f"the outline's points lie up to {off_um:.2g} µm off it: what that leaves open of the "
             "force is not in its error"
@@ -56,5 +56,5 @@ class SmoothOutline(Term):
     def refused_on_grid(self, scene: Scene) -> str:
         for name in ("inertia", "heat"):
             if getattr(scene.gas, name) == "included":
-                return f"{name} is not known under this finger"
+                return f"{name} is not known under this pad"
         return ""

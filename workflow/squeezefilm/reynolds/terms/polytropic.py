@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class Polytropic(Term):
     label: str = "polytropic gas"
 
     NAME = "polytropic"
-    ABSENT = LeftOut("polytropic gas", "gas.polytropic_exponent is 1")
+    ABSENT = Simplification("polytropic gas", "gas.polytropic_exponent is 1")
     OVER_PERIOD = "terms/polytropic_over_period.cl"
 
     @classmethod

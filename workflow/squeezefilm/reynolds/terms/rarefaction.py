@@ -13,7 +13,7 @@ import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.film.validity import LEAST_INVERSE_KNUDSEN
-from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
 
 # Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
 # inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
@@ -43,7 +43,7 @@ class Rarefaction(Term):
     """``label`` is the gas' ``rarefaction``, ``slip`` or ``fukui-kaneko``."""
 
     NAME = "rarefaction"
-    ABSENT = LeftOut("rarefaction", "gas.rarefaction is none")
+    ABSENT = Simplification("rarefaction", "gas.rarefaction is none")
 
     @classmethod
     def of(cls, scene: Scene) -> Rarefaction | None:

@@ -34,7 +34,7 @@ Arrays = Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class Simplification:
     """One thing that a scene does not need, and why not."""
 
     what: str
@@ -66,7 +66,7 @@ class Term:
     label: str
 
     NAME: ClassVar[str]
-    ABSENT: ClassVar[LeftOut | None] = None
+    ABSENT: ClassVar[Simplification | None] = None
     BREAKS: ClassVar[str] = ""
     OVER_PERIOD: ClassVar[str] = ""
     HOOKS: ClassVar[tuple[str, ...]] = ()
@@ -114,7 +114,7 @@ class Term:
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         """What its lines need of a grid, beside the matrices that all have.
 
-        ``aspect`` is the finger's length along y over that along x, the unit of lengths.
+        ``aspect`` is the pad's length along y over that along x, the unit of lengths.
         """
         return {}
 

@@ -105,8 +105,10 @@ def fit_to_forces(
         check_identifiable(model, factors)
     runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
     best = min(runs, key=lambda run: run.sum_of_squares)
-    left_out = forces["left_out"]
-    about = fit_values(model, config, factors, force_n, best, left_out, uncertainty=uncertainty)
+    simplifications = forces["simplifications"]
+    about = fit_values(
+        model, config, factors, force_n, best, simplifications, uncertainty=uncertainty
+    )
     about["source"] = {"squeezefilm": __version__, **source}
     if model.column_names and limit_table and "refused" not in limit_table:
         about["limit_table"] = limit_table
@@ -124,7 +126,7 @@ def fit_values(
     factors: Factors,
     force_n: np.ndarray,
     fit: Fit,
-    left_out: Iterable[str],
+    simplifications: Iterable[str],
     *,
     uncertainty: float,
 ) -> dict[str, Any]:
@@ -132,7 +134,7 @@ def fit_values(
     return {
         **describe(model, factors, force_n, fit, profile_uncertainty=uncertainty),
         "directions": symmetry_of(config).to_dict(),
-        "film": film_of(config, left_out=left_out),
+        "film": film_of(config, simplifications=simplifications),
     }
 
 

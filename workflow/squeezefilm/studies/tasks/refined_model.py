@@ -227,9 +227,11 @@ def _fit_values(
     force_n, seed = forces["force_n"].to_numpy(), space.config["refine"]["seed"]
     fit = Fit.of(model, factors, force_n, last.theta, method="closed loop", bound=0.0, seed=seed)
     ranges = parameter_ranges(model, factors, force_n, last.theta) if len(last.theta) else []
-    left_out = space.solved["left_out"]
+    simplifications = space.solved["simplifications"]
     return {
-        **fit_values(model, space.config, factors, force_n, fit, left_out, uncertainty=uncertainty),
+        **fit_values(
+            model, space.config, factors, force_n, fit, simplifications, uncertainty=uncertainty
+        ),
         "points": len(last.design),
         "parameter_ranges": [each.to_dict() for each in ranges],
         "parameter_ranges_note": RANGES_NOTE,
