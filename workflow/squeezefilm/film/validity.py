@@ -7,6 +7,7 @@ is unknown, or the equation does not apply. The list, with reasons and sources, 
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.errors import refuse
 from squeezefilm.film.scene import Scene, Scenes
@@ -96,8 +96,15 @@ class Limit:
         return f"{named} is above {bound:.2g}{kind}: {NOT_APPLICABLE if never else UNKNOWN}"
 
 
-_LIST = pd.read_csv(Path(__file__).with_name("validity.csv")).fillna(inf)
-LIMITS = tuple(Limit(*row) for row in _LIST.itertuples(index=False))
+def _read(path: Path) -> tuple[Limit, ...]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return tuple(
+            Limit(quantity, symbol, films, float(unknown or inf), float(never or inf), source)
+            for quantity, symbol, films, unknown, never, source in list(csv.reader(file))[1:]
+        )
+
+
+LIMITS = _read(Path(__file__).with_name("validity.csv"))
 
 
 def exceeded(scene: Scene, symbols: Iterable[str] = QUANTITIES) -> tuple[str, ...]:

@@ -328,7 +328,7 @@ def _with_second_order(films: Films) -> AsymptoticForces:
 
 def _may_pay(scenes: Scenes, tolerance: float) -> bool:
     """Whether an expansion may pay for any of some scenes, at a glance."""
-    if scenes.sigma.max() >= COMPOSITE_FROM or scenes.epsilon.min() ** 2 <= TINY * tolerance:
+    if (scenes.sigma >= COMPOSITE_FROM).any() or (scenes.epsilon**2 <= TINY * tolerance).any():
         return True
     return any([film.gas.inertia == "included" for film in scenes.films])
 
