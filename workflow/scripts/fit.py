@@ -23,7 +23,7 @@ if candidates:
     for (name, points), path in zip([*given.items()], candidates, strict=True):
         limits = limits_of(points, config)
         write_table(limits, path)
-        given[name] = points.assign(**{column: limits[column] for column in COLUMNS.values()})
+        given[name] = points.assign(**limits[[*COLUMNS.values()]])
     given |= {"limit_table": read_json(files.limit_table)}
 uncertainty = profile_uncertainty(config, summary=files.scan)
 source = {"forces_sha256": digest(Path(files.forces))}

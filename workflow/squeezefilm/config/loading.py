@@ -201,7 +201,7 @@ def _about_key(error: Any, place: Place, part: Part) -> str:
     if any(_close(name, known) == key for name in error["input"] if name not in known):
         return ""
     wanted = known[key]
-    inner = ", ".join(wanted.get("required", ()))
+    inner = ", ".join(wanted.get("else", wanted).get("required", ()))
     words = allowed(wanted) or (f"a section with {inner}" if inner else "a section")
     unit = f" {wanted['unit']}" if "unit" in wanted else ""
     about = f": {wanted['description']}" if "description" in wanted else ""

@@ -106,9 +106,8 @@ def write_scenes(
     """
     with table_writer(output) as write:
         if name == "sweep":
-            points, first, seed = (config["sweep"][key] for key in ("points", "first", "seed"))
-            ranges = box_of(config).ranges
-            for piece in sweep_pieces(points=points, first=first, seed=seed, **ranges):
+            ranges: Any = box_of(config).ranges
+            for piece in sweep_pieces(**config["sweep"], **ranges):
                 write(piece)
         elif name == "extrapolation":
             write(_extrapolation(config, {Path(path).stem: read_fit(path) for path in sources}))

@@ -87,7 +87,7 @@ def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Config) -
     if not set(model.column_names) - set(points):
         return points
     limits = with_limits(points, scenes_in(points, config))
-    return points.assign(**{name: limits[name] for name in COLUMNS.values()})
+    return points.assign(**limits[[*COLUMNS.values()]])
 
 
 def _with_inertia(scene: Scene) -> Scene:
