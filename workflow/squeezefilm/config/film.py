@@ -78,7 +78,7 @@ class Number:
 
 def _different(values: Items) -> Items:
     if len(set(values)) < len(list(values)):
-        raise ValueError("a value stands twice")
+        raise mistake("a value stands twice")
     return values
 
 

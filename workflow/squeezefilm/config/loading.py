@@ -212,8 +212,6 @@ def _about_value(error: Any, place: Place, part: Part) -> str:
     where, wrong, kind = ".".join(map(str, place)) or "top level", error["input"], error["type"]
     if kind == "relation":
         return f"{where}: {error['msg']}"
-    if kind == "value_error":
-        return f"{where}: {error['ctx']['error']}"
     if kind.startswith("union_tag"):
         kinds = part["properties"]["kind"]
         if kind == "union_tag_not_found":

@@ -185,12 +185,8 @@ def expected_seconds(config: Config, *, centred: bool) -> float:
     sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
     if centred:
         sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
-    solver = config["solver"]
-    planned = previews(
-        scenes_in(sample, config, profile=planned_profile_of(config)),
-        tolerance=solver["tolerance"],
-        method=solver["method"],
-    )
+    scenes = scenes_in(sample, config, profile=planned_profile_of(config))
+    planned = previews(scenes, **{name: config["solver"][name] for name in ("tolerance", "method")})
     mflop = sum(each.expected_mflop for each in planned) / SAMPLE
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
     return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config["outputs"] else seconds
