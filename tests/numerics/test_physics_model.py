@@ -9,7 +9,7 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, reference_table
 
 from squeezefilm.config.loading import Config
-from squeezefilm.models.data import COLUMNS, Factors
+from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fitting import fit_model
 from squeezefilm.models.force_model import get_model
 from squeezefilm.models.limit_table import MOST_NODES
@@ -20,15 +20,10 @@ from squeezefilm.studies.space import box_of
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks import physics_limits as limits
 from squeezefilm.studies.tasks.physics_limits import with_limits
-from squeezefilm.tables import FACTOR_COLUMNS
 
 
 def limits_of(table: pd.DataFrame, paper: Config) -> pd.DataFrame:
     return with_limits(table, scenes_in(table, paper))
-
-
-def factors_of(table: pd.DataFrame) -> Factors:
-    return Factors.of(**{name: table[name] for name in (*FACTOR_COLUMNS, *COLUMNS.values())})
 
 
 def reference(name: str, paper: Config) -> tuple[Factors, np.ndarray]:

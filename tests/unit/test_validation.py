@@ -17,7 +17,7 @@ def test_summary():
     fit = fit_of(values | {"global_error": 0.0, "sum_of_squares": 0.0}, place="fit.json")
     forces = pd.DataFrame({"point_id": list("abcd"), "h0_m": 1e-5, "hv_m": 1e-6 * MODEL})
     forces = forces.assign(phi_r_m=0.0, phi_deg=0.0, force_n=SIMULATION)
-    _, summary = errors_on(fit, forces, band=0.2)
+    _, summary = errors_on(fit, forces, {"validation": {"relative_error_band": 0.2}})
     squares = 0.1**2 + 1.0**2 + 0.015**2
     assert summary["points"] == 4
     assert summary["sum_of_squares"] == pytest.approx(squares)

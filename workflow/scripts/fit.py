@@ -6,6 +6,7 @@ from typing import Any
 from scripts.job import begin_with_study
 from squeezefilm.errors import InputError
 from squeezefilm.files import digest
+from squeezefilm.models.data import COLUMNS
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import fit_to_forces, limits_of, profile_uncertainty
 from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json, write_table
@@ -19,10 +20,10 @@ given: dict[str, Any] = {
 # Only candidates may use what physics says of the points.
 candidates = output.get("limits")
 if candidates:
-    limits = [limits_of(points, config) for points in given.values()]
-    for table, path in zip(limits, candidates, strict=True):
-        write_table(table, path)
-    given |= dict(zip(("limits", "sample_limits"), limits, strict=True))
+    for (name, points), path in zip([*given.items()], candidates, strict=True):
+        limits = limits_of(points, config)
+        write_table(limits, path)
+        given[name] = points.assign(**limits[[*COLUMNS.values()]])
     given |= {"limit_table": read_json(files.limit_table)}
 uncertainty = profile_uncertainty(config, summary=files.scan)
 source = {"forces_sha256": digest(Path(files.forces))}

@@ -10,9 +10,9 @@ from squeezefilm.tables import read_ok_forces, write_json, write_table
 
 snakemake, config = begin_with_study()
 files, output = snakemake.input, snakemake.output
-pairs, band = product(files.fits, files.forces), config["validation"]["relative_error_band"]
+pairs = product(files.fits, files.forces)
 for (fit, forces), errors, summary in zip(pairs, output.errors, output.summary, strict=True):
     with naming(f"{fit} on {forces}"):
-        table, about = errors_on(read_fit(fit), read_ok_forces(forces), band=band)
+        table, about = errors_on(read_fit(fit), read_ok_forces(forces), config)
     write_table(table, errors)
     write_json(about, summary)

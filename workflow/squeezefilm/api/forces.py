@@ -245,8 +245,7 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
             least, most = force.modelling_error_percent
             row |= {"modelling_error_lower_percent": least, "modelling_error_upper_percent": most}
         rows.append(row)
-    columns = pd.DataFrame(rows, index=points.index)
-    return points.assign(**{name: columns[name] for name in map(str, columns)})
+    return points.assign(**pd.DataFrame(rows, index=points.index))
 
 
 def budget_table(

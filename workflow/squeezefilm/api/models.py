@@ -10,17 +10,15 @@ from typing import Any, Unpack
 import numpy as np
 import pandas as pd
 
-from squeezefilm.api.film import COLUMNS, Film, Position, Values, levels, points_of
+from squeezefilm.api.film import Film, Position, Values, levels, points_of
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import OK
-from squeezefilm.models.data import COLUMNS as PHYSICS
-from squeezefilm.models.data import Factors
+from squeezefilm.models.data import factors_of
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, read_fit, working_point
 from squeezefilm.models.force_model import get_model
 from squeezefilm.reynolds import solve
-from squeezefilm.solution import CARTESIAN, POLAR
 from squeezefilm.studies.plans import VALIDATION_SAMPLES, scenes_of
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scenes_in
@@ -82,7 +80,8 @@ class Fit:
         Raises InputError naming the place, for values without physical meaning.
         """
         fit = self.model
-        factors = fit.represented(factors_of_points(points, place=place))
+        with naming(place):
+            factors = fit.represented(factors_of(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -123,7 +122,8 @@ class Fit:
         forces_n = levels(force, called="force", unit="N")
         if len(forces_n) != 1:
             raise InputError(f"force: {force!r} are several; one is asked for")
-        factors = factors_of_points(points.assign(hv_m=0.0), place=place)
+        with naming(place):
+            factors = factors_of(points.assign(hv_m=0.0))
         rows = [
             working_point(self.model, factors.take([index]), force_n=forces_n[0])
             for index in range(len(factors))
@@ -167,19 +167,6 @@ class Fit:
         )
 
     __repr__ = __str__
-
-
-def factors_of_points(points: pd.DataFrame, *, place: object) -> Factors:
-    """The factors of a table of points, with the results of physics that it has.
-
-    Raises InputError naming the place, for values without physical meaning.
-    """
-    known = (*COLUMNS.values(), *PHYSICS.values())
-    names = [name for name in known if name in points]
-    if any(name in names for name in POLAR):  # a table may have both; one says it all
-        names = [name for name in names if name not in CARTESIAN]
-    with naming(place):
-        return Factors.of(**{name: points[name].to_numpy(dtype=float) for name in names})
 
 
 @dataclass(frozen=True, repr=False)

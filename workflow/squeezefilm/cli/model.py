@@ -72,8 +72,8 @@ def working_point(options: argparse.Namespace) -> None:
     force.
     """
     fit = Fit.read(options.fit)
-    table = points_in(options, **({} if options.h0 else {"h0": fit.gaps()}))
-    write_rows(fit.working_points_at(table, options.force), options.output)
+    options.h0 = options.h0 or fit.gaps()
+    write_rows(fit.working_points_at(points_in(options), options.force), options.output)
     print(fit.statement)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.api.film import Film, Values, columns_of
+from squeezefilm.api.film import Film, columns_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
@@ -91,21 +91,17 @@ def film_at(path: str | None) -> Film:
     return Film(load_config(path or PAPER_CONFIG, model=FilmSections))
 
 
-def columns_in(options: argparse.Namespace, **defaults: Values) -> dict[str, tuple[float, ...]]:
-    """Every combination of the options' values, a column for each factor given or with a default.
+def columns_in(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
+    """Every combination of the options' values, a column for each factor given.
 
     Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
-    given = {name: getattr(options, name, None) for name in POINTS}
-    return columns_of(
-        option="--{}",
-        **{name: defaults.get(name) if each is None else each for name, each in given.items()},
-    )
+    return columns_of(option="--{}", **{name: getattr(options, name, None) for name in POINTS})
 
 
-def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
+def points_in(options: argparse.Namespace) -> pd.DataFrame:
     """The same as a table."""
-    return pd.DataFrame(columns_in(options, **defaults))
+    return pd.DataFrame(columns_in(options))
 
 
 def write_rows(table: pd.DataFrame, path: str | None) -> None:

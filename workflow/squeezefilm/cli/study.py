@@ -11,7 +11,7 @@ from squeezefilm.errors import InputError, naming
 from squeezefilm.files import digest
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.tasks.fits import errors_on, fit_to_forces, limits_for
+from squeezefilm.studies.tasks.fits import errors_on, fit_to_forces
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, scan_report
 from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_json, write_table
@@ -111,9 +111,7 @@ def validate(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     with naming(f"{options.fit} on {options.forces}"):
-        limits = limits_for(fitted.force_model, forces, config)
-        band = config["validation"]["relative_error_band"]
-        table, summary = errors_on(fitted, forces, limits=limits, band=band)
+        table, summary = errors_on(fitted, forces, config)
     write_table(table, options.output)
     write_rows(pd.DataFrame([summary]), None)
 
@@ -150,7 +148,6 @@ def optimal(options: argparse.Namespace) -> None:
             fitted,
             config,
             forces=forces,
-            limits=limits_for(fitted.force_model, forces, config),
             existing=read_scenes(options.existing) if options.existing else None,
         )
     write_table(found["designs"], options.output)

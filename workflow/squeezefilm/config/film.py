@@ -78,7 +78,7 @@ class Number:
 
 def _different(values: Items) -> Items:
     if len(set(values)) < len(list(values)):
-        raise ValueError("a value stands twice")
+        raise mistake("a value stands twice")
     return values
 
 
@@ -95,7 +95,7 @@ Name = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
 Different = AfterValidator(_different)
 UpTo100 = Field(min_length=1, max_length=100)
 DERIVED: Any = Field(default=None)
-"""A default that follows from other keys; ``default:`` in the docstring says how."""
+"""Of a key that may be left out: ``default:`` in the docstring says what follows from others."""
 Names = Annotated[list[Name], UpTo100, Different]
 Term = Literal["none", "included", "auto"]
 
@@ -353,8 +353,8 @@ class Actuator(Section):
     """
 
     frequency_hz: Annotated[float, Number("Hz", 1e-3, 1e9)]
-    surface_radius_m: Length | None = None
-    surface: Rectangle | None = None
+    surface_radius_m: Length = DERIVED
+    surface: Rectangle = DERIVED
     profile: Profile
 
     @model_validator(mode="after")
@@ -410,8 +410,15 @@ class GapShape:
         return tilt + 4 * self.crown_m * (x**2 + y**2)
 
 
+def _described_with_circle(schema: dict[str, Any]) -> None:
+    circle = {"properties": {"shape": {"const": "circle"}}, "required": ["shape"]}
+    sides = {"required": schema.pop("required")}
+    schema |= {"if": circle, "then": {"required": ["diameter"]}, "else": sides}
+    _described(schema)
+
+
 class Pad(Section):
-    """The pad pad.
+    """The pad.
 
     Attributes:
         shape: its outline
@@ -423,9 +430,11 @@ class Pad(Section):
         speed_x_m_per_s: speed at which the surface passes it, towards +x of its own axes; 0 at rest
     """
 
+    model_config = ConfigDict(json_schema_extra=_described_with_circle)
+
     shape: Literal["rectangle", "ellipse", "circle", "curve"] = "rectangle"
-    diameter_m: Length | None = None
-    outline: OutlineFile | None = None
+    diameter_m: Length = DERIVED
+    outline: OutlineFile = DERIVED
     length_x_m: Length
     length_y_m: Length
     rotation_deg: Direction = 0.0

@@ -36,9 +36,6 @@ def schema(model: type[FilmSections] = Study) -> Part:
             kinds = {each["properties"]["kind"]["const"]: each for each in inlined(part["oneOf"])}
             keys = {"kind": {"enum": list(kinds), "description": "it decides the other keys"}}
             return {**part, "properties": keys, "required": ["kind"], "kinds": kinds}
-        choices = [each for each in part.get("anyOf", ()) if each != {"type": "null"}]
-        if len(choices) == 1:  # a key that may be left out
-            return inlined(choices[0]) | without(part, "anyOf", "default")
         return {name: inlined(each) for name, each in part.items()}
 
     def without(part: dict[str, Any], *names: str) -> dict[str, Any]:
@@ -88,8 +85,7 @@ def allowed(part: Part) -> str:
     if "items" in part:
         return f"a list: {allowed(part['items'])}"
     if "anyOf" in part:
-        choices = [each for each in part["anyOf"] if each != {"type": "null"}]
-        return " or ".join(allowed(choice) or "a mapping" for choice in choices)
+        return " or ".join(allowed(choice) or "a mapping" for choice in part["anyOf"])
     if "maximum" in part:
         low = f"{shown(part['minimum'])} …" if "minimum" in part else "above 0, at most"
         return f"{low} {shown(part['maximum'])}{', whole' if part['type'] == 'integer' else ''}"
@@ -136,9 +132,9 @@ def _default(part: Part, needed: bool) -> str:
     """What a key is where it is not written; that it must be."""
     if "derived" in part or needed:
         return str(part.get("derived", "to be written"))
-    if "properties" in part or "default" not in part:
+    value = part.get("default")
+    if "properties" in part or value is None:
         return ""
-    value = part["default"]
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     text = shown(value, digits=12) if number else yaml.safe_dump(value, default_flow_style=True)
     return f"`{text.removesuffix('...' + chr(10)).strip()}`"

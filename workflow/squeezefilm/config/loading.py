@@ -201,7 +201,7 @@ def _about_key(error: Any, place: Place, part: Part) -> str:
     if any(_close(name, known) == key for name in error["input"] if name not in known):
         return ""
     wanted = known[key]
-    inner = ", ".join(wanted.get("required", ()))
+    inner = ", ".join(wanted.get("else", wanted).get("required", ()))
     words = allowed(wanted) or (f"a section with {inner}" if inner else "a section")
     unit = f" {wanted['unit']}" if "unit" in wanted else ""
     about = f": {wanted['description']}" if "description" in wanted else ""
@@ -212,8 +212,6 @@ def _about_value(error: Any, place: Place, part: Part) -> str:
     where, wrong, kind = ".".join(map(str, place)) or "top level", error["input"], error["type"]
     if kind == "relation":
         return f"{where}: {error['msg']}"
-    if kind == "value_error":
-        return f"{where}: {error['ctx']['error']}"
     if kind.startswith("union_tag"):
         kinds = part["properties"]["kind"]
         if kind == "union_tag_not_found":

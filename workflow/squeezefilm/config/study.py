@@ -243,12 +243,11 @@ class OwnModel(Section):
     """
 
     expression: Annotated[str, Field(min_length=1, max_length=4000)]
-    about: Annotated[str, Field(max_length=200)] | None = None
+    about: Annotated[str, Field(max_length=200)] = DERIVED
     parameters: (
         Annotated[list[Unit], Field(max_length=30), Different]
         | Annotated[dict[str, Unit | Literal[1]], Field(max_length=30)]
-        | None
-    ) = None
+    ) = DERIVED
 
 
 class Comparison(Section):
@@ -408,7 +407,6 @@ class Study(FilmSections, Header):
         self._derive_models()
         self._derive_positions()
         self._check_ranges()
-        self._check_space()
         self._check_positions()
         return self
 
@@ -463,47 +461,43 @@ class Study(FilmSections, Header):
                 setattr(positions, f"{axis}_m", [0.0, _cut(way_m / 2), _cut(way_m)])
 
     def _check_ranges(self) -> None:
-        """Refuse empty ranges, and an error map all of whose points the screen has."""
+        """Refuse empty ranges, and what lies outside the screen's, where models are fitted.
+
+        An extrapolation may lie above them in amplitude, up to FARTHEST times the largest; an error
+        map must have points that the screen has not.
+        """
         new = False
-        for factor in ("h0_m", "hv_m"):
-            screen, error_map = getattr(self.screen, factor), getattr(self.error_map, factor)
-            for section, levels in (("screen", screen), ("error_map", error_map)):
-                if levels.start >= levels.stop:
-                    raise mistake("start must be below stop", section, key_of(factor))
-            fitted, control = (
-                np.linspace(levels.start, levels.stop, levels.levels)
-                for levels in (screen, error_map)
+        for factor, farthest in (("h0_m", 1.0), ("hv_m", FARTHEST)):
+            key = key_of(factor)
+            fitted, control, wanted_m = (
+                getattr(section, factor)
+                for section in (self.screen, self.error_map, self.extrapolation)
             )
-            new |= not np.isclose(control[:, None], fitted, rtol=SAME, atol=0).any(axis=1).all()
+            for section, levels in (("screen", fitted), ("error_map", control)):
+                if levels.start >= levels.stop:
+                    raise mistake("start must be below stop", section, key)
+            for place, value, most in (
+                (("error_map", key, "start"), control.start, fitted.stop),
+                (("error_map", key, "stop"), control.stop, fitted.stop),
+                (("extrapolation", key), wanted_m, farthest * fitted.stop),
+            ):
+                if not fitted.start * (1 - SLACK) <= value <= most * (1 + SLACK):
+                    raise mistake(
+                        f"{value:g} does not suit screen.{key}, {fitted.start:g} … "
+                        f"{fitted.stop:g}, where the models are fitted; it must lie from "
+                        f"{fitted.start:g} to {most:g}",
+                        *place,
+                    )
+            screen, finer = (
+                np.linspace(each.start, each.stop, each.levels) for each in (fitted, control)
+            )
+            new |= not np.isclose(finer[:, None], screen, rtol=SAME, atol=0).any(axis=1).all()
         if not new:
             raise mistake(
                 "all its points are the screen's, and no model can be judged by points that it was "
                 "fitted to; give other levels, or leave error_map out to have twice the screen's",
                 "error_map",
             )
-
-    def _check_space(self) -> None:
-        """Refuse what lies outside the screen's ranges, where models are fitted and all plans lie.
-
-        An extrapolation may lie above them in amplitude, up to FARTHEST times the largest.
-        """
-        for factor, farthest in (("h0", 1.0), ("hv", FARTHEST)):
-            fitted, control, wanted_m = (
-                getattr(section, f"{factor}_m")
-                for section in (self.screen, self.error_map, self.extrapolation)
-            )
-            for place, value, most in (
-                (("error_map", factor, "start"), control.start, fitted.stop),
-                (("error_map", factor, "stop"), control.stop, fitted.stop),
-                (("extrapolation", factor), wanted_m, farthest * fitted.stop),
-            ):
-                if not fitted.start * (1 - SLACK) <= value <= most * (1 + SLACK):
-                    raise mistake(
-                        f"{value:g} does not suit screen.{factor}, {fitted.start:g} … "
-                        f"{fitted.stop:g}, where the models are fitted; it must lie from "
-                        f"{fitted.start:g} to {most:g}",
-                        *place,
-                    )
 
     def _check_positions(self) -> None:
         """Refuse positions in a form that is not the surface's."""

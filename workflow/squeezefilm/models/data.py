@@ -113,23 +113,22 @@ class Factors:
         return len(self.h0_m)
 
 
-def factors_of(points: pd.DataFrame, *, limits: Path | str | pd.DataFrame | None = None) -> Factors:
-    """The factors of a table's rows, with the results of physics where their table is given.
+def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Factors:
+    """The factors of a table's rows, with the results of physics that it has.
 
-    ``limits`` are the physics limits of the same scenes, or the path of their table.
-    Raises InputError where the two tables do not have the same scenes in the same order.
+    ``limits`` is a table of the physics limits of the same scenes.
+    Raises InputError for values without physical meaning, and where the two tables do not have the
+    same scenes in the same order.
     """
-    factors = {name: points[name].to_numpy(dtype=float) for name in as_in(FACTOR_COLUMNS, points)}
-    if limits is None:
-        return Factors.of(**factors)
-    place = "limits" if isinstance(limits, pd.DataFrame) else limits
-    if not isinstance(limits, pd.DataFrame):
-        limits = read_columns(limits, columns=LIMIT_COLUMNS)
-    for name, values in factors.items():
-        if len(limits) != len(points) or not np.array_equal(limits[name], values):
-            raise InputError(
-                f"{place}: {name}: not the scenes of the table of forces; make it from the same "
-                "table of scenes"
-            )
-    columns = {name: pd.to_numeric(limits[name], errors="coerce") for name in COLUMNS.values()}
-    return Factors.of(**factors, **{name: each.to_numpy() for name, each in columns.items()})
+    if limits is not None:
+        known = read_columns(limits, columns=LIMIT_COLUMNS)
+        for name in as_in(FACTOR_COLUMNS, points):
+            if len(known) != len(points) or not np.array_equal(known[name], points[name]):
+                raise InputError(
+                    f"{limits}: {name}: not the scenes of the table of forces; make it from the "
+                    "same table of scenes"
+                )
+        points = known
+    names = [*as_in(FACTOR_COLUMNS, points), *COLUMNS.values()]
+    given = {name: points[name] for name in names if name in points}
+    return Factors.of(**{name: pd.to_numeric(each, "coerce") for name, each in given.items()})

@@ -106,9 +106,8 @@ def write_scenes(
     """
     with table_writer(output) as write:
         if name == "sweep":
-            points, first, seed = (config["sweep"][key] for key in ("points", "first", "seed"))
-            ranges = box_of(config).ranges
-            for piece in sweep_pieces(points=points, first=first, seed=seed, **ranges):
+            ranges: Any = box_of(config).ranges
+            for piece in sweep_pieces(**config["sweep"], **ranges):
                 write(piece)
         elif name == "extrapolation":
             write(_extrapolation(config, {Path(path).stem: read_fit(path) for path in sources}))
@@ -186,12 +185,8 @@ def expected_seconds(config: Config, *, centred: bool) -> float:
     sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
     if centred:
         sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
-    solver = config["solver"]
-    planned = previews(
-        scenes_in(sample, config, profile=planned_profile_of(config)),
-        tolerance=solver["tolerance"],
-        method=solver["method"],
-    )
+    scenes = scenes_in(sample, config, profile=planned_profile_of(config))
+    planned = previews(scenes, **{name: config["solver"][name] for name in ("tolerance", "method")})
     mflop = sum(each.expected_mflop for each in planned) / SAMPLE
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
     return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config["outputs"] else seconds

@@ -108,7 +108,7 @@ def planned_profile_of(config: Config) -> Profile:
 
 
 def pad_of(config: Config) -> Pad:
-    """The pad pad."""
+    """The pad."""
     keys = dict(config["pad"])
     contour = None
     if path := outline_path(config):

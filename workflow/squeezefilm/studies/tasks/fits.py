@@ -21,11 +21,9 @@ from squeezefilm.models.prediction_interval import error_sizes, relative_errors
 from squeezefilm.solution import as_in
 from squeezefilm.studies.space import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
-from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
+from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits, with_physics
 from squeezefilm.studies.tasks.scan_errors import errors_in_study
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
-
-Limits = pd.DataFrame | None
 
 
 def profile_uncertainty(config: Config, *, summary: Path | str | None = None) -> float:
@@ -47,11 +45,6 @@ def limits_of(points: pd.DataFrame, config: Config) -> pd.DataFrame:
     return with_limits(points, scenes_in(points, config))[as_in(LIMIT_COLUMNS, points)]
 
 
-def limits_for(model: ExpressionModel, points: pd.DataFrame, config: Config) -> pd.DataFrame | None:
-    """The limits of the scenes of a table, for a model that uses them."""
-    return limits_of(points, config) if model.column_names else None
-
-
 def limit_table_values(config: Config) -> dict[str, Any]:
     """A table of the physics limits over the study's space for JSON, or why there is none."""
     try:
@@ -65,10 +58,8 @@ def fit_to_forces(
     config: Config,
     *,
     forces: pd.DataFrame,
-    limits: Limits = None,
     limit_table: dict[str, Any] | None = None,
     sample: pd.DataFrame | None = None,
-    sample_limits: Limits = None,
     uncertainty: float | None = None,
     seeds: int | None = None,
     processes: int = 1,
@@ -77,10 +68,9 @@ def fit_to_forces(
     """Fit a model to forces, every one of which is known.
 
     Args:
-        limits: the physics limits of the scenes, and limit_table a table of them over the space
-            with which the fit's file can be used alone: computed, if left out, for a model that
-            uses them.
-        sample: forces of a validation sample, NaN where there is none; sample_limits its limits.
+        limit_table: a table of the physics limits over the space with which the fit's file can be
+            used alone: computed, if left out, for a model that uses them.
+        sample: forces of a validation sample, NaN where there is none.
         uncertainty: share of a force that the scan of a measured profile leaves open, the study's
             if left out.
         seeds: of the search, instead of the study's.
@@ -93,13 +83,11 @@ def fit_to_forces(
     settings = config["fit"]
     if seeds is not None:
         settings = settings | {"seeds": dict.fromkeys(settings["seeds"], seeds)}
-    if limits is None:
-        limits = limits_for(model, forces, config)
     if model.column_names and limit_table is None:
         limit_table = limit_table_values(config)
     if uncertainty is None:
         uncertainty = profile_uncertainty(config)
-    factors, force_n = factors_of(forces, limits=limits), forces["force_n"].to_numpy()
+    factors, force_n = factors_of(with_physics(model, forces, config)), forces["force_n"].to_numpy()
     check_columns(model, factors)
     if len(factors) >= len(model.parameter_names):
         check_identifiable(model, factors)
@@ -114,9 +102,7 @@ def fit_to_forces(
         about["limit_table"] = limit_table
     fit = fit_of(about, place=f"{config['study']}: {model.name}")
     if sample is not None:
-        if sample_limits is None:
-            sample_limits = limits_for(model, sample, config)
-        fit = validated(fit, config, sample=sample, limits=sample_limits)
+        fit = validated(fit, config, sample=sample)
     return fit, pd.DataFrame([_row(run, model) for run in runs])
 
 
@@ -138,11 +124,9 @@ def fit_values(
     }
 
 
-def validated(
-    fit: FittedModel, config: Config, *, sample: pd.DataFrame, limits: Limits
-) -> FittedModel:
+def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> FittedModel:
     """A fit with the prediction interval that a validation sample gives."""
-    factors = factors_of(sample, limits=limits)
+    factors = factors_of(with_physics(fit.force_model, sample, config))
     return fit.validated(
         factors,
         force_n=sample["force_n"].where(sample["status"] == "ok"),
@@ -160,17 +144,15 @@ def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
 
 
 def errors_on(
-    fit: FittedModel, forces: pd.DataFrame, *, limits: Limits = None, band: float
+    fit: FittedModel, forces: pd.DataFrame, config: Config
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
     """The errors of a fit on simulated forces: a table of its points, and their summary.
 
     The summary's sum of squares is in N², its global error |model - simulation|/|simulation|, norms
-    over all points.
-
-    Args:
-        band: relative error; the summary has the share of points within.
+    over all points; it has the share of points within the study's band of relative errors.
     """
-    factors = factors_of(forces, limits=limits)
+    band = config["validation"]["relative_error_band"]
+    factors = factors_of(with_physics(fit.force_model, forces, config))
     check_columns(fit.force_model, factors)
     predicted = fit.force_model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()

@@ -27,8 +27,7 @@ from squeezefilm.models.fitting import RANGES_NOTE, local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
 from squeezefilm.solution import CARTESIAN
 from squeezefilm.studies.space import Space, plan
-from squeezefilm.studies.study import scenes_in
-from squeezefilm.studies.tasks.physics_limits import with_limits
+from squeezefilm.studies.tasks.physics_limits import with_physics
 
 EVERY = slice(None)
 MAP_LINES = 31
@@ -66,8 +65,7 @@ class FittedSpace:
         """dη/dθ at points for some of the parameter vectors, shape (K, n, p)."""
         names, position = list(self.space.box.names), self.space.position
         table = plan(pd.DataFrame(points, columns=names), position=position)
-        scenes = scenes_in(table, self.config) if self.model.column_names else None
-        factors = factors_of(table, limits=with_limits(table, scenes) if scenes else None)
+        factors = factors_of(with_physics(self.model, table, self.config))
         return np.array([self.model.gradient(theta, factors) for theta in self.thetas[layers]])
 
 
@@ -219,7 +217,6 @@ def designs_of_fit(
     config: Config,
     *,
     forces: pd.DataFrame,
-    limits: pd.DataFrame | None = None,
     existing: pd.DataFrame | None = None,
     plans: Mapping[str, pd.DataFrame] | None = None,
     patterns: Mapping[str, Any] | None = None,
@@ -227,7 +224,7 @@ def designs_of_fit(
     """All optimal designs of a fit, with its plans and patterns beside them.
 
     Args:
-        forces: what the model was fitted to; limits their physics limits, if it uses them.
+        forces: what the model was fitted to.
         existing: scenes that a design adds to.
         plans: scenes of other plans, by their names.
         patterns: summary of the searches by the paper's criterion.
@@ -237,7 +234,7 @@ def designs_of_fit(
 
     Raises InputError where the model cannot be used on these points, or has no parameters.
     """
-    factors = factors_of(forces, limits=limits)
+    factors = factors_of(with_physics(fit.force_model, forces, config))
     check_columns(fit.force_model, factors)
     study = FittedSpace(fit, factors, forces["force_n"].to_numpy(), config=config)
     others = {name: study.space.points(scenes) for name, scenes in (plans or {}).items()}

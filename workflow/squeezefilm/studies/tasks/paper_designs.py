@@ -55,7 +55,8 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
         if scaling == settings["scaling"]:
             regions = augment(criterion, find_regions(patterns, box), settings["points"])
     points = np.array([region.point for region in regions])
-    design = _design(points, [region.origin for region in regions], box, fit.position)
+    design = plan(_factors(points, box), position=fit.position)
+    design["origin"] = [region.origin for region in regions]
     optimal = determinant.derivatives(best.points)
     about = {
         "scaling": settings["scaling"],
@@ -77,7 +78,7 @@ def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> 
             form, each, best, settings, ratio=("h0_m", "hv_m"), processes=processes
         )
         searches.append(table)
-        designs.append(_design(patterns[0].design.points, form, box, box.names[2:]))
+        designs.append(plan(_factors(patterns[0].design.points, box)).assign(origin=form))
     about = {"searches": settings["searches"], "forms": summary}
     return designs, pd.concat(searches, ignore_index=True), about
 
@@ -142,9 +143,3 @@ def _patterns(
 def _factors(points: np.ndarray, box: Box) -> pd.DataFrame:
     """Points with their factors' names; twelve digits, so that a limit reads 2e-06."""
     return pd.DataFrame(twelve(points), columns=list(box.names))
-
-
-def _design(
-    points: np.ndarray, origin: str | list[str], box: Box, position: tuple[str, ...]
-) -> pd.DataFrame:
-    return plan(_factors(points, box), position=position).assign(origin=origin)

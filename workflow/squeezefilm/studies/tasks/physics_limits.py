@@ -17,7 +17,8 @@ from numpy.polynomial import chebyshev
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
-from squeezefilm.models.data import factors_of
+from squeezefilm.models.data import COLUMNS, factors_of
+from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import (
     LARGEST_EPSILON_SQUARE,
     LINE_POINTS,
@@ -79,6 +80,14 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
         for row, known in enumerate(np.isfinite(columns["limit_n"]))
     ]
     return table.assign(**columns, status=status)
+
+
+def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """Points with the physics limits that a model uses, computed unless the table has them."""
+    if not set(model.column_names) - set(points):
+        return points
+    limits = with_limits(points, scenes_in(points, config))
+    return points.assign(**limits[[*COLUMNS.values()]])
 
 
 def _with_inertia(scene: Scene) -> Scene:

@@ -19,7 +19,7 @@ from squeezefilm.solution import as_in
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in
-from squeezefilm.studies.tasks.fits import fit_values, limits_for, validated
+from squeezefilm.studies.tasks.fits import fit_values, validated
 from squeezefilm.studies.tasks.physics_limits import with_limits
 from squeezefilm.tables import (
     FACTOR_COLUMNS,
@@ -61,7 +61,7 @@ class SimulatedSpace:
         self.known = with_limits(self.table, self.scenes)
         self.solved = pd.DataFrame()
         self.pool = Pool(
-            factors_of(self.known, limits=self.known),
+            factors_of(self.known),
             space.coordinates(space.points(self.table)),
             *np.split(np.arange(len(self.table)), np.cumsum([len(each) for each in kinds])[:-1]),
         )
@@ -125,7 +125,7 @@ def refine(
     print(f"{outcome.verdict}: {outcome.reason}")
     values = _fit_values(model, simulated, outcome, uncertainty=uncertainty)
     fit = fit_of(values, place=f"{config['study']}: {model.name}")
-    fit = validated(fit, config, sample=sample, limits=limits_for(model, sample, config))
+    fit = validated(fit, config, sample=sample)
     print(fit.statement)
     last, points = outcome.rounds[-1], outcome.simulated
     where, source = _map(model, simulated, outcome)
