@@ -57,9 +57,10 @@ FIT_OF_DESIGN = {
     "four_factor": "four_factor",
     "four_factor_distinct": "four_factor",
 }
+BUDGET = "(inertia|slip|heat|edge_loss|modelling_error.*)_percent"
 RESULTS = {
-    "simulations/screen/budget": "h0_m|hv_m|(inertia|slip|heat|edge_loss|modelling_error.*)_percent",
-    "simulations/four_factor/budget": "(inertia|slip|heat|edge_loss|modelling_error.*)_percent",
+    "simulations/screen/budget": f"h0_m|hv_m|{BUDGET}",
+    "simulations/four_factor/budget": BUDGET,
     "simulations/screen/response": "h0_m|hv_m|corner_hz|instantaneous_fraction|error",
     "simulations/screen/gains": "h0_m|hv_m|frequency_hz|gain|phase_deg",
     "simulations/screen/levitation": "load_n|hv_m|h0_m|stiffness_n_per_m|modified_reynolds",
