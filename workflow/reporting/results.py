@@ -109,5 +109,5 @@ class Results:
         return beyond_note(self.config)
 
     def exists(self, *files: str) -> bool:
-        """Whether all these files are among the results."""
+        """Return whether all these files are among the results."""
         return all((self.folder / file).exists() for file in files)

@@ -33,7 +33,7 @@ class Profile:
 
     @cached_property
     def is_complex(self) -> bool:
-        """Whether the amplitudes are complex: of two phases."""
+        """Return whether the amplitudes are complex (two quadrature components)."""
         return np.iscomplexobj(self.amplitude(x_m=np.zeros(1), y_m=np.zeros(1)))
 
 

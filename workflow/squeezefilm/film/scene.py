@@ -148,7 +148,7 @@ class Scene(OperatingPoints):
         return float(self._alone.closure[0])
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
-        """A net of points x, y over the pad, rim included, in [0, 1]."""
+        """A net of points x, y over the pad, edge included, in [0, 1]."""
         return net(self.pad)
 
     @cached_property
@@ -327,7 +327,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def flat(self) -> bool:
-        """Whether no gap is shaped at rest."""
+        """Return whether every static gap is uniform."""
         return all([film.pad.gap.flat for film in self.films])
 
     @cached_property
