@@ -64,7 +64,7 @@ def reynolds_limit(films: str) -> Limit:
 
 
 def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
-    """How large the gas's inertia is in a study, for pages that have no scene.
+    """Estimate the size of the gas inertia in a study, for pages that have no scene.
 
     Returns ``reynolds_per_h0_square``, the modified Reynolds number ρωh0²/μ over h0² in 1/m²;
     ``most_reynolds``, that above which the error of a force is unknown; ``beyond``, what a larger

@@ -111,7 +111,7 @@ class Scene(OperatingPoints):
 
     @property
     def film(self) -> Film:
-        """What stays the same between operating points."""
+        """The film, which is the same at all operating points."""
         return Film(self.gas, self.actuator, self.pad)
 
     def with_gas(self, **numbers: Any) -> Scene:
@@ -442,7 +442,7 @@ def _rises(pad: Pad) -> tuple[float, float, float, float]:
 
 @lru_cache(maxsize=64)
 def _moves(pad: PadProfile, x_m: bytes, y_m: bytes) -> np.ndarray:
-    """How far the surface moves on a net over the pad, in units of hv: (positions, points)."""
+    """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
     x, y = (each.ravel() for each in net(pad.pad))
     at_x_m, at_y_m = (np.frombuffer(each)[:, None] for each in (x_m, y_m))
     return np.abs(pad.amplitude(x, y, x_m=at_x_m, y_m=at_y_m))

@@ -36,7 +36,7 @@ class Disc:
 
     @property
     def text(self) -> str:
-        """What it is, with its size."""
+        """Return the surface's shape with its size."""
         return f"{self.radius_m * 1e3:.2f} mm disc"
 
     def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:

@@ -87,7 +87,7 @@ class Directions:
 
     @property
     def text(self) -> str:
-        """Which positions stand for all, in a sentence."""
+        """Return a sentence that names the positions that represent all."""
         others = f"turned by {self.width_deg:g} deg"
         if self.mirror:
             others = f"mirrored at {self.start_deg:g} deg and every {self.width_deg:g} on"
@@ -109,7 +109,7 @@ class Mirrors:
 
     @property
     def text(self) -> str:
-        """Which positions stand for all, in a sentence."""
+        """Return a sentence that names the positions that represent all."""
         sides = ["x >= 0"] * self.x + ["y >= 0"] * self.y or ["any place"]
         return f"Positions are at {' and '.join(sides)}, which stand for all: the rest is mirrored."
 

@@ -172,7 +172,9 @@ def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
 
 
 def residual(films: Fields) -> np.ndarray:
-    """What is left of the film equation, Σ c_k ∇·(H^(3−k) ρ^(1−k) ∇P) − σ ∂(Hρ)/∂T − Λ ∂(Hρ)/∂X.
+    """Return the residual of the film equation at the unknowns.
+
+    The residual is Σ c_k ∇·(H^(3−k) ρ^(1−k) ∇P) − σ ∂(Hρ)/∂T − Λ ∂(Hρ)/∂X.
 
     At the unknowns, shape (scenes, nx, ny, nt).
     """
