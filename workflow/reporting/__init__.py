@@ -1,1 +1,1 @@
-"""What any study shows: figures, pages, the explorer, the check."""
+"""Outputs of any study: figures, pages, the explorer, the check."""

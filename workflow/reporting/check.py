@@ -233,13 +233,13 @@ def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path)
 
 
 def pictures_of(folder: Path) -> Reference:
-    """What each figure of a folder, drawn small and without texts, is apart from itself."""
+    """Return the zero difference of each plain figure of a folder from itself."""
     names = sorted(path.name.removesuffix(PLAIN) for path in folder.glob(f"*{PLAIN}"))
     return {(PICTURES, name, "difference"): {PIXELS: "0"} for name in names if name != BY_CHANCE}
 
 
 def picture_quantities(pictures: Path, reference: Path) -> Iterator[Quantity]:
-    """How far each figure's picture is from the one in a reference's folder.
+    """Compare each figure's picture with the one in a reference's folder.
 
     Fonts change a picture by more than a dropped curve does, hence no texts. Where it is too far
     off, the difference is drawn beside it.
@@ -257,7 +257,7 @@ def picture_quantities(pictures: Path, reference: Path) -> Iterator[Quantity]:
 
 
 def summary(table: pd.DataFrame) -> str:
-    """How many quantities passed, in a sentence."""
+    """Return a sentence with the number of quantities that passed or failed."""
     failed = int((table["verdict"] != PASSED).sum())
     if failed:
         return f"{failed} of {len(table)} quantities failed."
@@ -277,7 +277,7 @@ def on_screen(table: pd.DataFrame) -> str:
 
 
 def tolerances(solver: float) -> dict[str, Close]:
-    """How close quantities are, by their kind, of a study whose forces have this tolerance."""
+    """Return the tolerance of each kind of quantity for a solver tolerance."""
     return {
         # What the configuration gives, through plain arithmetic.
         "given": Close(relative=1e-9, of_largest=1e-12),

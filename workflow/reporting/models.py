@@ -217,7 +217,7 @@ def _refined(
     factors: Factors,
     force_n: np.ndarray,
 ) -> dict[str, Any]:
-    """What a refinement estimated, and the errors at unseen points."""
+    """Return the estimates of a refinement and the errors at held-out points."""
     model, estimated = fit.force_model, verdict["estimated"]
     check_columns(model, factors)
     error = model.evaluate(fit.theta, factors) - force_n

@@ -18,7 +18,7 @@ VERDICTS = {
 
 
 def percent(share: float) -> str:
-    """A share as a percentage with three digits: 0.00533 → 0.533 %."""
+    """A fraction as a percentage with three digits: 0.00533 → 0.533 %."""
     return f"{100 * share:.3g} %".replace("-", "−")
 
 
@@ -48,7 +48,7 @@ def rounded_up(value: float) -> str:
 
 
 def largest_error(forces: pd.DataFrame) -> float:
-    """The largest estimated error of simulations, a share of the force."""
+    """The largest estimated error of simulations, a fraction of the force."""
     return float((forces["force_error_n"] / forces["force_n"].abs()).max())
 
 
@@ -64,7 +64,7 @@ def reynolds_limit(films: str) -> Limit:
 
 
 def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
-    """How large the gas's inertia is in a study, for pages that have no scene.
+    """Estimate the size of the gas inertia in a study, for pages that have no scene.
 
     Returns ``reynolds_per_h0_square``, the modified Reynolds number ρωh0²/μ over h0² in 1/m²;
     ``most_reynolds``, that above which the error of a force is unknown; ``beyond``, what a larger

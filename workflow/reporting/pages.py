@@ -28,7 +28,7 @@ SHARE = re.compile(r"(\w+_)?(error|relative|upper|coverage|share)(_least|_of_\w+
 
 
 class Page(NamedTuple):
-    """What a page's template shows, and the tables and texts that are written with the page."""
+    """Values of a page's template, and the tables and texts that are written with the page."""
 
     values: Mapping[str, Any]
     files: Mapping[str, pd.DataFrame | dict[str, Any] | str]

@@ -75,7 +75,7 @@ class Results:
         return self.table(file, "h0_m", "hv_m", "relative_error")
 
     def budget(self, plan: str) -> pd.DataFrame:
-        """What the equation leaves out of a plan's forces."""
+        """Return the neglected effects on the forces of a plan."""
         columns = (
             "modelling_error_lower_percent",
             "modelling_error_upper_percent",
@@ -105,9 +105,9 @@ class Results:
 
     @property
     def beyond(self) -> str:
-        """Where the study's films go beyond the equation's validity; empty where they do not."""
+        """Return a note on films outside the equation's validity range; empty where they do not."""
         return beyond_note(self.config)
 
     def exists(self, *files: str) -> bool:
-        """Whether all these files are among the results."""
+        """Return whether all these files are among the results."""
         return all((self.folder / file).exists() for file in files)

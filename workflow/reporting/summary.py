@@ -1,4 +1,4 @@
-"""What a study found, as values: for its page (report/summary.md) and its report's first page."""
+"""Results of a study, as values: for its page (report/summary.md) and its report's first page."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -42,7 +42,7 @@ def summary_page(results: Results, *, pictures: Sequence[str], **about: Sequence
 def summary_values(
     results: Results, *, plans: Sequence[str], fits: Sequence[str], pairs: Sequence[str]
 ) -> dict[str, Any]:
-    """What the template ``summary.md`` shows, and ``in_short.md`` within it.
+    """Return the values of the template ``summary.md`` and its ``in_short.md``.
 
     Args:
         pairs: validations, each ``FIT_on_PLAN``.
@@ -75,7 +75,7 @@ def summary_values(
 
 
 def headline_values(results: Results) -> dict[str, Any]:
-    """What the template ``in_short.md`` shows.
+    """Return the values of the template ``in_short.md``.
 
     Raises InputError for a result that is missing or lacks what it must have.
     """
@@ -106,7 +106,7 @@ def headline_values(results: Results) -> dict[str, Any]:
 
 
 def _claims(results: Results) -> dict[str, Any]:
-    """How many of the paper's agree, and those that differ."""
+    """Return the number of the paper's claims that agree, and those that differ."""
     claims = results.table("claims.csv", "claim", "paper", "ours", "verdict")
     differs = claims["verdict"].str.startswith("differs")
     shown = claims.loc[differs, ["claim", "paper", "ours", "unit", "verdict"]]

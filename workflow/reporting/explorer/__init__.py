@@ -73,7 +73,7 @@ def explorer_page(
     parts["MODELS"] = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
 
     def part(marker: re.Match[str]) -> str:
-        """What stands for a marker: one of the parts, else a file."""
+        """Return the text for a marker: one of the parts, else a file."""
         name = marker[1]
         return parts[name] if name in parts else (HERE / name).read_text(encoding="utf-8")
 
@@ -102,7 +102,7 @@ def _code(name: str, fit: FittedModel) -> str:
 
 
 def _modulation(results: Results) -> dict[str, Any]:
-    """How the force follows a modulated amplitude: films on a grid of gap and amplitude.
+    """Return the force's response to a modulated amplitude: films on a grid of gap and amplitude.
 
     From the two tables of ``squeezefilm response`` for the screen. The page shows, at a point, what
     lies between the films around it.

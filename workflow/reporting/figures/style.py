@@ -1,4 +1,4 @@
-"""What the figures have in common: size, type, colour, the note below, and saving."""
+"""Common style of the figures: size, type, colour, the note below, and saving."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager

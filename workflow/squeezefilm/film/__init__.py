@@ -1,1 +1,1 @@
-"""What is simulated: a scene, its gas, pad and vibrating surface."""
+"""The simulated system: a scene, its gas, pad and vibrating surface."""

@@ -70,7 +70,7 @@ class Outline:
         return self.place(np.array(self.rim), 2 * pi * np.arange(DENSE) / DENSE)
 
     def within(self, z: np.ndarray) -> np.ndarray:
-        """Whether places x + iy, shape (N,), lie within it."""
+        """Return whether positions x + iy, shape (N,), lie within the outline."""
         inside = []
         for some in np.array_split(z, max(1, len(z) // 500)):
             ways = self.points[None] - some[:, None]

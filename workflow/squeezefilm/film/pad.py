@@ -73,7 +73,7 @@ class Pad:
         return np.stack(self.turned(x_m, y_m), axis=1)
 
     def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Whether places in [0, 1] across the sides lie under the pad."""
+        """Return whether positions in [0, 1] across the sides lie under the pad."""
         if self.contour:
             z = (x - 0.5) + 1j * (y - 0.5) * self.contour.aspect
             return self.contour.within(z.ravel()).reshape(z.shape)

@@ -33,7 +33,7 @@ class Profile:
 
     @cached_property
     def is_complex(self) -> bool:
-        """Whether the amplitudes are complex: of two phases."""
+        """Return whether the amplitudes are complex (two quadrature components)."""
         return np.iscomplexobj(self.amplitude(x_m=np.zeros(1), y_m=np.zeros(1)))
 
 
@@ -294,7 +294,7 @@ def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
-    """How far each value is off the line through its neighbours along the first axis."""
+    """Return each value's distance from the line through its neighbours along axis 0."""
     share = ((lines_m[1:-1] - lines_m[:-2]) / (lines_m[2:] - lines_m[:-2]))[:, None]
     bends = np.zeros(s.shape)
     bends[1:-1] = np.abs(s[1:-1] - (1 - share) * s[:-2] - share * s[2:])

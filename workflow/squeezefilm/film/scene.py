@@ -111,7 +111,7 @@ class Scene(OperatingPoints):
 
     @property
     def film(self) -> Film:
-        """What stays the same between operating points."""
+        """The film, which is the same at all operating points."""
         return Film(self.gas, self.actuator, self.pad)
 
     def with_gas(self, **numbers: Any) -> Scene:
@@ -148,7 +148,7 @@ class Scene(OperatingPoints):
         return float(self._alone.closure[0])
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
-        """A net of points x, y over the pad, rim included, in [0, 1]."""
+        """A net of points x, y over the pad, edge included, in [0, 1]."""
         return net(self.pad)
 
     @cached_property
@@ -327,7 +327,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def flat(self) -> bool:
-        """Whether no gap is shaped at rest."""
+        """Return whether every static gap is uniform."""
         return all([film.pad.gap.flat for film in self.films])
 
     @cached_property
@@ -442,7 +442,7 @@ def _rises(pad: Pad) -> tuple[float, float, float, float]:
 
 @lru_cache(maxsize=64)
 def _moves(pad: PadProfile, x_m: bytes, y_m: bytes) -> np.ndarray:
-    """How far the surface moves on a net over the pad, in units of hv: (positions, points)."""
+    """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
     x, y = (each.ravel() for each in net(pad.pad))
     at_x_m, at_y_m = (np.frombuffer(each)[:, None] for each in (x_m, y_m))
     return np.abs(pad.amplitude(x, y, x_m=at_x_m, y_m=at_y_m))

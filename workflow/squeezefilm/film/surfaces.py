@@ -36,11 +36,11 @@ class Disc:
 
     @property
     def text(self) -> str:
-        """What it is, with its size."""
+        """Return the surface's shape with its size."""
         return f"{self.radius_m * 1e3:.2f} mm disc"
 
     def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        """How far out points lie: 0 at the centre, 1 on the edge."""
+        """Relative distance of points from the centre: 0 at the centre, 1 on the edge."""
         return np.asarray(np.hypot(x_m, y_m) / self.radius_m)
 
     def reach_along(self, direction_deg: float) -> float:

@@ -87,7 +87,7 @@ class Directions:
 
     @property
     def text(self) -> str:
-        """Which positions stand for all, in a sentence."""
+        """Return a sentence that names the positions that represent all."""
         others = f"turned by {self.width_deg:g} deg"
         if self.mirror:
             others = f"mirrored at {self.start_deg:g} deg and every {self.width_deg:g} on"
@@ -109,7 +109,7 @@ class Mirrors:
 
     @property
     def text(self) -> str:
-        """Which positions stand for all, in a sentence."""
+        """Return a sentence that names the positions that represent all."""
         sides = ["x >= 0"] * self.x + ["y >= 0"] * self.y or ["any place"]
         return f"Positions are at {' and '.join(sides)}, which stand for all: the rest is mirrored."
 
@@ -209,7 +209,7 @@ def _axes(pad: Pad, profile: Profile) -> Iterator[float]:
 def _keeps(
     turn_deg: float, pad: Pad, profile: Profile, surface: Surface, *, mirror: bool = False
 ) -> bool:
-    """Whether a turn leaves outline, gap at rest, velocity and vibration as they are.
+    """Return whether a turn leaves outline, gap at rest, velocity and vibration as they are.
 
     With ``mirror`` they are mirrored at the x axis before, so that the axis lies at half the turn.
     A crown has the outline's symmetry: it grows as the same squares.

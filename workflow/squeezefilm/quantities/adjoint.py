@@ -170,7 +170,7 @@ class Fields:
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """Of the mean over film and period, shape (nodes,), all of them behind each other."""
+        """Return the weights of the mean over film and period, (nodes · times,) in sequence."""
         area = np.outer(self.along_x.weights, self.along_y.weights)
         return np.repeat(area.ravel() / self.grid.nt, self.grid.nt)
 

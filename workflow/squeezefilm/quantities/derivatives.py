@@ -172,9 +172,10 @@ def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
 
 
 def residual(films: Fields) -> np.ndarray:
-    """What is left of the film equation, Σ c_k ∇·(H^(3−k) ρ^(1−k) ∇P) − σ ∂(Hρ)/∂T − Λ ∂(Hρ)/∂X.
+    """Return the residual of the film equation at the unknowns.
 
-    At the unknowns, shape (scenes, nx, ny, nt).
+    The residual is Σ c_k ∇·(H^(3−k) ρ^(1−k) ∇P) − σ ∂(Hρ)/∂T − Λ ∂(Hρ)/∂X,
+    of shape (scenes, nx, ny, nt).
     """
     flow = films.divergence(films.slope * (films.mobility * films.mass))
     moved = films.sigma * films.t_derivative(films.mass)

@@ -380,7 +380,7 @@ def _closed(scene: Scene) -> Scene:
 
 
 def _refused(scene: Scene, name: str, method: str) -> str:
-    """Why a scene that had a term would not be solved by the method; empty where it would."""
+    """Return the reason why the method does not support a term; empty if it does."""
     scene = _closed(scene).with_gas(**{name: "included"})
     if method == "composite":
         derived = OPEN[name].in_expansions

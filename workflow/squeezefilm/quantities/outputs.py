@@ -88,7 +88,7 @@ def with_outputs(
 
 
 def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
-    """Why outputs will be missing, or parts of them, as far as that is known before solving.
+    """Return the reasons for missing outputs that are known before solving.
 
     By their names in OUTPUTS. Inertia must be decided.
     """
@@ -98,7 +98,7 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
 
 
 def _without_formula(scene: Scene) -> dict[str, str]:
-    """Why an output is missing, or a part of it, by its name in OUTPUTS."""
+    """Return the reason for each missing or partial output, by its name in OUTPUTS."""
     found = {}
     if scene.epsilon == 0:
         found["harmonics"] = "stiffness and damping are not known of a surface at rest"

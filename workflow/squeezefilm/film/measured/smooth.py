@@ -98,13 +98,13 @@ class SmoothedScan:
 
     @property
     def residual_m(self) -> np.ndarray:
-        """What the profile leaves of the amplitudes."""
+        """Return the residuals of the measured amplitudes, in metres."""
         fitted = self.profile.amplitude(x_m=self.scan.x_m, y_m=self.scan.y_m)
         return np.asarray(self.measured_m - self.peak_m * fitted)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is to be said beside its numbers, a line each."""
+        """Return the warnings and notes on the scan, a line each."""
         unsigned = [f"warning: {UNSIGNED}"] * (not self.scan.signed)
         return (*unsigned, *(f"note: {note}" for note in self.scan.notes))
 
@@ -202,7 +202,7 @@ def smoothed(
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Where a scan was measured.
+    """Measurement points of a scan.
 
     Attributes:
         axisymmetric: whether modes have no angles.
