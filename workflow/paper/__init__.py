@@ -1,1 +1,1 @@
-"""What belongs to the paper alone: its claims and tables beside ours."""
+"""Parts of this paper alone: its claims and tables compared with ours."""

@@ -68,7 +68,7 @@ def claim_values(results: Results) -> Values:
 
 
 def _two_factor_values(results: Results) -> Values:
-    """Of the screen, its fit, its forces and their times."""
+    """Return values of the screen, its fit, its forces and their times."""
     screen, fit = _in_micrometres(results.forces("screen")), results.fit("screen")
     limits = {
         f"{name}_{end}": round(float(screen[f"{name}_um"].agg(end)), 6)
@@ -105,7 +105,7 @@ def _two_factor_values(results: Results) -> Values:
 
 
 def _design_values(results: Results) -> Values:
-    """Of the searches for a design, the design, and the fit to its points."""
+    """Return values of the searches for a design, the design, and the fit to its points."""
     screen, design = results.forces("screen"), results.design("two_factor")
     fit = results.fit("two_factor_design")
     judged = results.validation("two_factor_design", "screen")
@@ -144,7 +144,7 @@ def _design_values(results: Results) -> Values:
 
 
 def _extrapolated_values(results: Results) -> Values:
-    """Of the forces at the paper's operating point, and what the equation leaves out there."""
+    """Return values of the forces and neglected effects at the paper's operating point."""
     file = "simulations/extrapolation/forces.csv"
     table = _in_micrometres(results.forces("extrapolation")).set_index("point_id")
     point = results.row(table, "operating_point", file)
@@ -180,7 +180,7 @@ def _extrapolated_values(results: Results) -> Values:
 
 
 def _four_factor_values(results: Results) -> Values:
-    """Of the plan, the designs and the fits with four factors.
+    """Return values of the plan, the designs and the fits with four factors.
 
     locus: largest distance of hv/h0 of an optimum from the nearest of the two-factor design, in
     percent of the largest hv/h0. The model knows h0 and hv by their ratio alone, so that all

@@ -81,7 +81,7 @@ def _values(study: Results, *, found_by: Results) -> Iterator[tuple[str, str, st
 
 
 def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, str, float, float]]:
-    """How well fits to the paper's equation predict forces without and with inertia."""
+    """Compare fits to the paper's equation with forces without and with inertia."""
     part = "the paper's equation judged by forces with inertia"
     for name in ("screen", "two_factor_design", "four_factor"):
         plan = "four_factor" if name == "four_factor" else "screen"
@@ -127,6 +127,6 @@ def conditions(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def survives(table: pd.DataFrame, *, column: str) -> bool:
-    """Whether five points are enough by the forces of a column of the table."""
+    """Return whether five points suffice by the forces of a column of the table."""
     rows = conditions(table)
     return bool((rows[column] <= rows["at_most"]).all())

@@ -1,4 +1,4 @@
-"""How far an assumption would have to move to explain a difference from the paper.
+"""Changes of an assumption that would explain a difference from the paper.
 
 One assumption is changed at a time and the force simulated anew. An assumption explains a
 difference if a plausible value of it brings the force to the paper's, as far as the paper's digits

@@ -1,4 +1,4 @@
-"""What leaving things out saves, and that it costs no accuracy: each put back in turn.
+"""Savings by each simplification, and its effect on accuracy: each is removed in turn.
 
 Scenes of the study's space are solved as they need, and again with one thing put back: the mirror
 halves, a term that is zero, more modes than wanted, time where a limit would do. Of a term so
@@ -130,6 +130,6 @@ def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
 
 
 def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
-    """Of the plain equation, on 24 × 24 × 16 points of the whole pad."""
+    """Forces of the uniform-gap equation on 24 × 24 × 16 points of the whole pad."""
     means = np.array([periodic_state(each, tolerance=1e-4 * tolerance).force for each in scenes])
     return Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan)

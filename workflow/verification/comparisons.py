@@ -1,4 +1,4 @@
-"""What commands state about a random study, compared with direct solutions.
+"""Statements of commands about a random study, compared with direct solutions.
 
 A comparison is an interval that a command states and a value of the same quantity that is solved
 for directly: at a tolerance that is a hundredth of the study's or less, in another discretisation,
@@ -299,7 +299,7 @@ def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
 def coverage(
     study: Study, *, models: Sequence[str], fresh: int, seed: int, level_of_test: float
 ) -> Iterator[Comparison]:
-    """How many fresh points lie inside the prediction intervals of a study's models.
+    """Compare the number of new points inside the models' prediction intervals with theory.
 
     Args:
         fresh: independent points, uniform over the declared space, for each model.

@@ -117,7 +117,7 @@ def cases() -> list[tuple[str, Scene]]:
 
 
 def beyond(scene: Scene) -> str:
-    """Why a film may be refused; empty inside the region that the solver is documented for."""
+    """Return the reason why a film need not be solved; empty inside the documented region."""
     closure, epsilon = scene.closure(), scene.epsilon
     reynolds = scene.modified_reynolds if scene.gas.inertia == "included" else 0.0
     reasons = {

@@ -1,4 +1,4 @@
-"""What the other methods share: their equation, a graded mesh, ways to the periodic state.
+"""Common parts of the other methods: equation, graded mesh, ways to the periodic state.
 
 Each of them solves the isothermal Reynolds equation on the unit square X, Y in [0, 1],
 
@@ -36,7 +36,7 @@ class Periodic:
 
 
 def fold_of(scene: Scene) -> tuple[bool, bool]:
-    """Whether a film is even about X = 1/2 and about Y = 1/2, so that half of that side will do.
+    """Return whether a film is even about X = 1/2 and Y = 1/2, so that half the side suffices.
 
     It is probed at some points and phases.
     """

@@ -89,7 +89,7 @@ class Collocation:
         self.squeeze = self.sigma * self._rate(self.gap) + self.bearing * slope_x
 
     def residual(self, p: FloatArray) -> FloatArray:
-        """What the equation leaves of a pressure p = P - 1."""
+        """Return the residual of the equation for a pressure p = P - 1."""
         flow = self._flow(self.gap * self.half * p * (1 + p / 2), self.gap * p)
         return flow - self._carried(self.gap * p) - self.squeeze
 

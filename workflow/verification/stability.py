@@ -87,7 +87,7 @@ def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
 
 
 def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, float]:
-    """What can be asked of a film's force and state, but for the solver's own estimate."""
+    """Return the independent checks of a film's force and state."""
 
     def again(tolerance: float) -> tuple[Solution, float]:
         (found,) = solve(

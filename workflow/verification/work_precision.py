@@ -43,7 +43,7 @@ Answer = tuple[float, float, str]
 def measure(
     call: Callable[[], Any], *, repeats: int, long_seconds: float = 0.2
 ) -> tuple[Any, float]:
-    """What a call returns, and the median of its processor time in seconds.
+    """Return the result of a call and the median of its processor time in seconds.
 
     It is warm: called once before, then so many times. A call that takes more than long_seconds is
     not repeated: its first run is what it takes, and what is done once (imports, compilation) does
@@ -134,7 +134,7 @@ def with_times_less(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _own(scenes: list[Scene], device: Device, *, tolerance: float) -> Answer:
-    """What a user does: a tolerance is asked for, and the error estimated."""
+    """Solve as a user does: to a tolerance, with an estimated error."""
     first, scale = solve(scenes, tolerance=tolerance, device=device)[0], scenes[0].force_scale_n
     return first.force_n / scale, first.force_error_n / scale, first.status
 
@@ -162,7 +162,7 @@ def _chebyshev(scene: Scene, level: int) -> Settings:
 
 
 def _elements(scene: Scene, level: int) -> Settings:
-    """Of fourth order in space and second in time: each rung divides both errors by four."""
+    """Return a refinement level: fourth order in space, second in time, both errors a quarter."""
     return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level}
 
 

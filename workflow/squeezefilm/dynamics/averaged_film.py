@@ -63,7 +63,7 @@ class AveragedFilm:
 
     @cached_property
     def inner(self) -> np.ndarray:
-        """Which of all nodes are not on the rim, shape (all,)."""
+        """Return the nodes that are not on the film edge, shape (all,)."""
         inside = np.zeros(self.films.s.shape[1:], dtype=bool)
         inside[1:-1, 1:-1] = True
         return inside.ravel()
@@ -244,7 +244,7 @@ class AveragedFilm:
 
 
 def refused(scene: Scene) -> str:
-    """Why a scene's response is not known; empty where it is."""
+    """Return the reason why a scene's response is not supported, or an empty text."""
     if scene.pad.shape != "rectangle":
         return "the response was derived for rectangular pads"
     if not scene.pad.gap.flat:

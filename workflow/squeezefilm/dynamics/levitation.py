@@ -78,7 +78,7 @@ class Levitation:
 
     @property
     def stable(self) -> bool:
-        """Whether the force falls as the gap grows, beyond doubt."""
+        """Return whether the force falls as the gap grows, by more than its error."""
         return self.stiffness_n_per_m > self.stiffness_error_n_per_m
 
     @property
@@ -93,7 +93,7 @@ class Levitation:
 
     @property
     def untrustworthy(self) -> list[str]:
-        """Why the gap says nothing of a real film, in words; empty where it does."""
+        """Return the reasons why the gap is not valid for a real film; empty where it is."""
         reasons = list(exceeded(self.scene))
         error_m = max(map(abs, replace(self, budget=self.budget.known).modelling_error_m))
         if not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:

@@ -1,4 +1,4 @@
-"""How the mean force follows the amplitude: gain and phase, rise and release.
+"""Response of the mean force to the amplitude: gain and phase, rise and release.
 
 By the averaged film (averaged_film.py), where its settled force is good enough. Part of the force
 follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
@@ -45,7 +45,7 @@ CHANGED = {
 
 
 class Response(NamedTuple):
-    """How one film answers, by the slow film.
+    """Response of one film, by the period-averaged equation.
 
     Attributes:
         static_gain: for a modulation of no frequency.

@@ -84,7 +84,7 @@ class Outline:
         return float(pi / 2 * (n * np.abs(self.coefficients) ** 2) @ np.sinh(2 * n * self.rim))
 
     def folds(self, fold_x: bool, fold_y: bool) -> tuple[bool, bool]:
-        """Whether a film that is even along x, y is the same at ν and −ν, and at ν and π − ν."""
+        """Return whether a film that is even along x, y is so at ν, −ν, and at ν, π − ν."""
         return (fold_x, fold_y) if self.turned else (fold_y, fold_x)
 
     def positions(self, across: np.ndarray, nu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -128,7 +128,7 @@ class Outline:
         return float(around.min()), float(around.max())
 
     def coordinates(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What ``positions`` takes for places inside, shape (N,), about; by Newton's method."""
+        """Return the coordinates of places inside, shape (N,), by Newton's method."""
         x, y = x - 0.5, (y - 0.5) * self.aspect
         mu, nu = np.meshgrid(np.linspace(0, self.rim, 33), np.linspace(0, 2 * pi, 128))
         zeta = (mu + 1j * nu).ravel()

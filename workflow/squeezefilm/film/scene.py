@@ -311,7 +311,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         return Scenes(self.films, index, *numbers, point_id)  # type: ignore[call-arg]
 
     def column(self, of_film: Callable[[Film], Any]) -> Any:
-        """What scenes have by their film: one for all of a single film, else shape (n, …)."""
+        """Return a value of the scenes' films: one for a single film, else shape (n, …)."""
         if len(self.films) == 1:
             return of_film(self.films[0])
         return np.array([of_film(film) for film in self.films])[self.film_index]

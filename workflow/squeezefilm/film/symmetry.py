@@ -101,7 +101,7 @@ class Directions:
 
 @dataclass(frozen=True)
 class Mirrors:
-    """Which of the axes of a rectangle may be mirrored: the force at −x (or −y) is that at x."""
+    """Axes of a rectangle that may be mirrored: the force at −x (or −y) is that at x."""
 
     x: bool
     y: bool
@@ -140,7 +140,7 @@ Symmetry = Directions | Mirrors
 
 
 def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
-    """What to_dict wrote; raises InputError, naming the place, for anything else."""
+    """Return the symmetry that to_dict wrote; raises InputError for anything else."""
     match plain:
         case {"mirror_x": bool(x), "mirror_y": bool(y)}:
             return Mirrors(x, y)
@@ -166,7 +166,7 @@ def no_symmetry(surface: Surface) -> Symmetry:
 
 @lru_cache(maxsize=16)
 def symmetry(pad: Pad, profile: Profile, *, surface: Surface) -> Symmetry:
-    """What the force over the pad's position has in common with pad, profile and surface."""
+    """Return the symmetry of the force over the pad's position."""
     if not isinstance(surface, Rectangle):
         return _directions(pad, profile, surface)
     x, y = (_keeps(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0))

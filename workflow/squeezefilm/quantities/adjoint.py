@@ -257,7 +257,7 @@ def fields_of(scenes: Sequence[Scene], solutions: Sequence[Solution], *, grid: i
 
 
 def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[float, float]:
-    """What is left after a quantity's change between the grids, by the rule of the force's error.
+    """Return the error after a quantity's change between the grids, as for the force.
 
     Returns:
         The error in units of that change, and what the iteration left of the pressure, in p0.

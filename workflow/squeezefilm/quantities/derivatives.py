@@ -83,7 +83,7 @@ def with_derivatives(
 
 
 def _refused(scene: Scene, solution: Solution) -> str:
-    """Why a scene has no derivatives, as far as that is known before its state is; else ``ok``."""
+    """Return the reason for missing derivatives that is known before solving, or ``ok``."""
     if not isfinite(solution.force_n):
         return "no force"
     if scene.pad.shape != "rectangle":
@@ -194,7 +194,7 @@ def moved(scene: Scene, number: str, by: float) -> Scene:
 
 
 def _unit(scene: Scene, number: str) -> float:
-    """What a number is measured by: itself, or the gap or the length that it goes with."""
+    """Return the scale of a number: itself, or the gap or the length that it goes with."""
     if number in ("h0_m", "hv_m"):
         return scene.h0_m
     if number in ("x_m", "y_m"):

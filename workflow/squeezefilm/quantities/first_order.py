@@ -28,7 +28,7 @@ STATE_TOLERANCE, TOLERANCE = 1e-8, 1e-7
 
 
 class Answers:
-    """What sources do to the mean pressure, by λ.
+    """Responses of the mean pressure to sources, by the adjoint state λ.
 
     Attributes:
         slope: of λ, by the adjoint of the grid's own divergence: the ``total`` of that times a flux

@@ -81,7 +81,7 @@ class Effect(NamedTuple):
 
     @property
     def usable(self) -> bool:
-        """Whether the first order is more than what it misses."""
+        """Return whether the first order is larger than its remainder allows."""
         return self.estimate or not abs(self.remainder_percent) > abs(self.percent) / 2
 
     @property
@@ -91,7 +91,7 @@ class Effect(NamedTuple):
 
     @property
     def off_percent(self) -> float:
-        """By how much it may be off: what higher orders add, and the coarse grids."""
+        """Return the error of the estimate: higher orders and coarse grids."""
         return self.remainder_percent + OFF_ON_GRIDS * abs(self.percent)
 
 
@@ -259,7 +259,7 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
 
 
 def rim_missed(coefficient_reynolds: float, epsilon: float) -> float:
-    """What the rim's first order misses, as a share of it, for C Re."""
+    """Return the remainder of the edge loss as a fraction of its first order, for C Re."""
     return coefficient_reynolds * min(RIM_MISSED, RIM_MISSED_PER_EPSILON * epsilon)
 
 
@@ -362,7 +362,7 @@ def resolve_auto_terms(
 
 
 def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
-    """What of a scene is ``auto`` and excluded whatever its size, with the reason, in words."""
+    """Return the terms that are ``auto`` and not supported for a scene, with the reasons."""
     return [
         f"gas.{name} is auto and not included: {reason}"
         for name in _auto(scene)

@@ -223,7 +223,7 @@ def _couette(film: Sample) -> float:
 
 
 def weights_of(film: Sample) -> dict[str, np.ndarray]:
-    """By the names in OUTPUTS (io/solution.py); ``force`` and the guards beside them."""
+    """Return the weights by the names in OUTPUTS (solution.py), of ``force`` and of guards."""
     scene, pad = film.scene, film.scene.pad
     force = scene.force_scale_n
     one, nothing = np.ones_like(film.x), np.zeros_like(film.x)
@@ -321,14 +321,14 @@ class Sample:
         return self._slope(SLOPE_STEP, 0.0), self._slope(0.0, SLOPE_STEP)
 
     def _slope(self, in_x: float, in_y: float) -> np.ndarray:
-        """By a difference of fourth order, for which the profile is asked beyond the rim too."""
+        """Return a difference of fourth order, which takes the profile beyond the edge too."""
         far, near, after, beyond = (
             gap_motion(self.scene, self.x + k * in_x, self.y + k * in_y) for k in (-2, -1, 1, 2)
         )
         return np.asarray((8 * (after - near) - (beyond - far)) / (12 * (in_x + in_y)))
 
     def symmetric(self, field: np.ndarray) -> np.ndarray:
-        """What a mean with the pressure, even where the film is, has of a field (..., Q)."""
+        """Return the part of a field (..., Q) that counts in a mean with the pressure."""
         seen = np.mean([field[..., image] for image in self.images], axis=0)
         odd = np.abs(seen).max() < ODD_ROUNDED * np.abs(field).max()
         return np.zeros_like(field) if odd else np.asarray(seen)

@@ -105,7 +105,7 @@ class Device:
         return max(1, min(self.groups, scenes, room))
 
     def lanes(self, number_bytes: int) -> int:
-        """How many numbers a work-item computes with at a time."""
+        """Return the number of values that a work-item computes with at a time."""
         return 4 if self.work_items > 1 else self.register_bytes // number_bytes
 
     def sent(self, values: np.ndarray) -> Any:
@@ -147,7 +147,7 @@ class Device:
 
     @property
     def loops_over_items(self) -> bool:
-        """Whether kernels are compiled with a loop over the work-items between any two barriers."""
+        """Return whether kernels are compiled with a loop over the work-items between barriers."""
         return self.work_items > 1 and self.processor and _of_pocl(self.context.devices[0])
 
     def room(self, numbers: int) -> Any:
@@ -246,7 +246,7 @@ def device_name(device: Any) -> str:
 
 
 def describe(device: Device) -> dict[str, Any]:
-    """What ``doctor`` and provenance say of the device."""
+    """Return the properties of the device for ``doctor`` and provenance."""
     handle = device.context.devices[0]
     return {
         "device": device.name,

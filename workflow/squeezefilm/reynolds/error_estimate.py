@@ -1,4 +1,4 @@
-"""How far a mean overpressure may be off, from two grids."""
+"""Error estimate of a mean gauge pressure from two grids."""
 
 from __future__ import annotations
 
@@ -105,14 +105,14 @@ def estimate(
 
 
 def left_after(fall: np.ndarray | float) -> np.ndarray:
-    """What is left after a change, in units of it, where changes fall by a factor."""
+    """Return the remaining error in units of the last change, for a convergence ratio."""
     q = np.minimum(fall, MOST_FALL)
     return np.asarray(FALL_FACTOR * q / (1 - q))
 
 
 @lru_cache(maxsize=64)
 def margin_of(terms: Terms) -> float:
-    """By which the estimates of films with some terms are increased."""
+    """Return the factor on the error estimates of films with some terms."""
     return max(term.ESTIMATE_MARGIN for term in terms) if terms else 1.0
 
 

@@ -86,7 +86,7 @@ class Grid:
         return self.outline.stretch(mu[:, None], self.y.nodes) / self.outline.mean_stretch
 
     def lengths(self, aspect: float) -> tuple[float, float]:
-        """Of the axes' units, for a pad whose y side is ``aspect`` of its x side, which is 1.
+        """Return the lengths of the axes' units; the x side is 1, the y side ``aspect``.
 
         Under an outline they are such that the film equation has the area behind a point, over the
         typical, with its rates (terms/outline.py).
@@ -107,7 +107,7 @@ class Grid:
 
     @cached_property
     def in_space(self) -> Grid:
-        """What it has in common with grids of the same nodes across the pad."""
+        """Return the grid of the same nodes across the pad that all of its kind share."""
         return replace(self, nt=4)
 
     @cached_property
@@ -122,7 +122,7 @@ class Grid:
         return self.nx // (1 + halved[0]), self.ny // (1 + halved[1])
 
     def sees(self, nodes_x: float, nodes_y: float) -> bool:
-        """Whether it has so many nodes across the pad along x and y."""
+        """Return whether the grid has so many nodes across the pad along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
 
 
@@ -162,7 +162,7 @@ def _moments(axis: Axis | Around) -> np.ndarray:
 
 @lru_cache(maxsize=256)
 def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np.ndarray]:
-    """What interpolates a state to a finer grid."""
+    """Return the matrices that interpolate a state to a finer grid."""
     matrices = (
         coarse.t.at(fine.t.nodes).T,
         coarse.x.at(fine.x.nodes),

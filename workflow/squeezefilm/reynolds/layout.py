@@ -1,4 +1,4 @@
-"""What kernels and Python both know, defined once here: rows of numbers, endings, terms' hooks."""
+"""Definitions that kernels and Python share: rows of numbers, endings, terms' hooks."""
 
 from __future__ import annotations
 

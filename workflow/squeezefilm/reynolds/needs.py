@@ -1,4 +1,4 @@
-"""What scenes need of the full problem, and what is not needed without any error.
+"""Parts of the full problem that scenes need, and exact simplifications.
 
 As Chebfun does (Battles and Trefethen 2004): a profile is sampled on finer and finer Chebyshev
 grids until the interpolant through them is right at points that stand in no relation to any grid;
@@ -105,13 +105,13 @@ class Needs:
             yield rows, self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]
 
     def once(self, name: str, of: Callable[..., Result], *arguments: Any) -> Result:
-        """What follows from films and profiles alone, found once for scenes at the same places."""
+        """Return a value that follows from films and profiles alone, kept by position."""
         if (name, *arguments) not in self._known:
             self._known[name, *arguments] = of(*arguments)
         return self._known[name, *arguments]
 
     def samples(self, share: float) -> Samples:
-        """What grids that miss no more than a share of the profiles resolve, (n,)."""
+        """Return the samples of grids whose error is at most a fraction of the profiles, (n,)."""
         return self.once("samples", self._sampled, share)
 
     def _sampled(self, share: float) -> Samples:
@@ -130,7 +130,7 @@ class Needs:
         raise IndexError(row)
 
     def simplifications(self, row: int) -> tuple[Simplification, ...]:
-        """What one scene does not need: mirror images of what is solved, terms that are zero."""
+        """Return the simplifications of one scene: symmetry, and terms that are zero."""
         folds = zip(HALVES, (self.fold_x[row], self.fold_y[row]), strict=True)
         return *(half for half, fold in folds if fold), *absent_terms(self.kinds[self.kind[row]])
 
@@ -146,7 +146,7 @@ class Needs:
 
 
 def needs_of(scenes: Scenes | Sequence[Scene] | Scene) -> Needs:
-    """What scenes need, from their profiles, motion and gas."""
+    """Return the needs of scenes from their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
     # The terms of a gap that is shaped at rest go by its size.
     if not scenes.flat or len(scenes) > MOST_KEPT:
@@ -183,7 +183,7 @@ def _needs_of(scenes: Scenes) -> Needs:
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """What Chebyshev grids resolve of profiles; relative to their largest value under the pad.
+    """Resolution of profiles by Chebyshev grids, relative to the largest value under the pad.
 
     Attributes:
         missed: largest difference of interpolant and profile at points that are no nodes, (n,).
@@ -206,7 +206,7 @@ class Samples:
         return np.argmax(self.tail <= share, axis=2)
 
     def missed_by(self, nodes: tuple[int, int], rows: np.ndarray | slice) -> np.ndarray:
-        """What interpolants with so many nodes along x, y miss of some profiles, (n, 2)."""
+        """Return the errors of interpolants with so many nodes along x, y, (n, 2)."""
         most = self.tail.shape[2] - 1
         return np.array([self.tail[rows, k, min(n + 2, most)] for k, n in enumerate(nodes)]).T
 
@@ -231,7 +231,7 @@ class SampledProfiles:
         self._sample(0, np.arange(count))
 
     def at(self, share: float) -> Samples:
-        """By the first level at each position that misses no more than a share, else the last."""
+        """Return samples of the first level whose error is at most a fraction, else the last."""
         if share not in self._at:
             rows = np.arange(len(self._largest))
             parts, which = [], []
@@ -405,7 +405,7 @@ def _tail(coefficients: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class _Sampler:
-    """What sampling on a grid of so many points takes, whatever the profile.
+    """Matrices for sampling on a grid of so many points, whatever the profile.
 
     Attributes:
         line, across: the axes along which a profile is sampled, of an outline its coordinates.

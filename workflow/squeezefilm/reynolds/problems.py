@@ -197,7 +197,7 @@ def mean_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
 
 
 def mean_motion(numbers: np.ndarray, means: np.ndarray) -> np.ndarray:
-    """How scenes' gaps averaged over the pad move, over what they are at rest, (2, n).
+    """Return the motion of the mean gap over its value at rest, (2, n).
 
     The factors of sin T and of cos T.
 

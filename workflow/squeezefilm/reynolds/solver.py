@@ -134,7 +134,7 @@ def _named(method: str) -> str:
 
 
 def plans_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Plan]:
-    """How ``solve`` treats scenes, as far as that is decided before solving.
+    """Return the treatment of scenes by ``solve`` that is decided before solving.
 
     By row, of those that are not solved by the periodic method.
     """
@@ -193,7 +193,7 @@ class Preview:
 def previews(
     scenes: Sequence[Scene], *, tolerance: float, method: str = "auto"
 ) -> Sequence[Preview]:
-    """How ``solve`` will treat the scenes; its arguments. What is ``auto`` has to be decided."""
+    """Return the treatment of the scenes by ``solve``; terms that are ``auto`` must be decided."""
 
     def preview(some: Sequence[Scene]) -> list[Preview]:
         plans = plans_of(needs_of(some), tolerance=tolerance, method=method)
@@ -259,7 +259,7 @@ def _expected_flops(
 
 
 def _times_under_outline(scene: Scene) -> float:
-    """How many times the iterations under a rectangle those under a smooth outline are.
+    """Return the ratio of iterations under a smooth outline to those under a rectangle.
 
     Its preconditioner takes the area behind each point for equal: fitted to 80 ellipses (ε
     0.02–0.9, σ 1–1e5, axes up to 1:3), mostly right within a factor of two.

@@ -39,7 +39,7 @@ class Axis:
 
     @property
     def inner(self) -> slice:
-        """Which of all nodes carry unknowns."""
+        """Return the nodes that carry unknowns, among all."""
         return slice(1, self.points + 1)
 
     @property
@@ -49,7 +49,7 @@ class Axis:
 
     @property
     def in_halves(self) -> bool:
-        """Whether kernels act on the even and the odd part of what is on all of the axis."""
+        """Return whether kernels act on even and odd parts over the whole axis."""
         return not self.folded
 
     @cached_property
@@ -217,7 +217,7 @@ class Period:
         return self.fourier.T @ rates @ self.fourier
 
     def harmonics_up_to(self, most: float) -> np.ndarray:
-        """Of values on the nodes the harmonics up to about ``most``, shape (points, points)."""
+        """Return the projection on the harmonics up to about ``most``, shape (points, points)."""
         kept = np.exp(-((self.harmonics / most) ** HARMONICS_STEEPNESS))
         return np.asarray(self.fourier.T * kept @ self.fourier)
 
@@ -227,7 +227,7 @@ class Period:
 
 
 def even_and_odd(matrix: np.ndarray) -> np.ndarray:
-    """What it makes of even and of odd functions on the first half of n nodes: (2, n/2, n/2).
+    """Return the matrix for even and for odd functions on half of n nodes: (2, n/2, n/2).
 
     It commutes with mirroring, as a second derivative does, or changes its sign, as a first one.
     """
@@ -288,7 +288,7 @@ class Around:
 
     @property
     def inner(self) -> slice:
-        """Which of all nodes carry unknowns."""
+        """Return the nodes that carry unknowns, among all."""
         return slice(0, self.points)
 
     @property
@@ -304,7 +304,7 @@ class Around:
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """Of the mean over ν, shape (n,)."""
+        """Return the weights of the mean over ν, shape (n,)."""
         return np.full(self.points, 1 / self.points)
 
     @cached_property
@@ -329,7 +329,7 @@ class Around:
 
     @property
     def unfolded(self) -> np.ndarray:
-        """Which unknown each of all nodes has the value of, shape (full_points,)."""
+        """Return the unknown whose value each of all nodes has, shape (full_points,)."""
         n, full = self.points, self.full_points
         index = np.arange(full)
         if self.lengthwise:
@@ -341,7 +341,7 @@ class Around:
 
     @property
     def mirrored(self) -> list[np.ndarray]:
-        """By each of its symmetries the nodes' images, of all nodes."""
+        """Return the images of all nodes by each symmetry."""
         images = -self.all_nodes, np.pi - self.all_nodes
         step = 2 * np.pi / self.full_points
         return [
@@ -364,7 +364,7 @@ class Around:
         return -np.pi / 2 if self.crosswise and not self.lengthwise else 0.0
 
     def _fold(self, matrix: np.ndarray) -> np.ndarray:
-        """What the unknowns say of all, by the symmetry of what a matrix acts on."""
+        """Return a matrix for the unknowns alone, by the symmetry of the function it acts on."""
         folded = np.zeros((len(matrix), self.points))
         for at, column in zip(self.unfolded, matrix.T, strict=True):
             folded[:, at] += column
@@ -401,7 +401,7 @@ class FluxPoints:
         return self.axis.to_points(self.all_points)[: self.axis.points]
 
     def matrices(self, length: float) -> dict[str, np.ndarray]:
-        """What kernels need of an axis of some length, by name.
+        """Return the matrices of an axis of some length for kernels, by name.
 
         Of a function on the nodes that vanishes at the ends: its values here, ``values``, and its
         ``slope``. Of the velocity along the axis: ``along``, its derivative here; ``nodes`` and
@@ -460,7 +460,7 @@ class FluxPoints:
         return matrix
 
     def _folded(self, matrix: np.ndarray, *, odd: bool, rows: int | None = None) -> np.ndarray:
-        """What the first half of the points says of all, by the symmetry of what it acts on."""
+        """Return a matrix for the first half of the points, by the symmetry of the function."""
         if not self.axis.folded:
             return matrix
         n = self.axis.points

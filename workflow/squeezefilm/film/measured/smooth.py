@@ -385,7 +385,7 @@ def _largest_on_net(coefficients: np.ndarray, orders: Orders, surface: Surface) 
 
 
 def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
-    """By how much noise raises the largest magnitude, by what more of it would do."""
+    """Return the bias of the largest magnitude by noise, from the effect of more noise."""
     random, shape = np.random.default_rng(PEAK_SEED), (PEAK_DRAWS, len(fit.orders))
     noise = noise_m * random.standard_normal(shape)
     if np.iscomplexobj(fit.coefficients):
@@ -440,7 +440,7 @@ def write_smoothed(smoothed: SmoothedScan, path: Path, **settings: Any) -> None:
 
 @lru_cache(maxsize=4)
 def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
-    """What write_smoothed wrote, for a scan's file; read from the run's own folder alone.
+    """Return the smoothed scan that write_smoothed wrote; from the run's own folder alone.
 
     Raises InputError for a file that is none, or was made from another scan or other settings.
     """

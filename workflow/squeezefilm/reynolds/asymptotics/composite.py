@@ -245,7 +245,7 @@ class Expanded:
         return Simplification("time", f"the composite expansion is accurate to {error}")
 
     def holds(self, tolerance: float) -> bool:
-        """Whether the estimate meets a relative tolerance; ``nan`` does not."""
+        """Return whether the estimate meets a relative tolerance; ``nan`` does not."""
         return self.error <= tolerance * abs(self.mean)
 
     def status(self, tolerance: float) -> str:
@@ -269,7 +269,7 @@ def not_derived_for(needs: Needs) -> dict[int, str]:
 
 
 def _not_derived(scene: Scene, terms: Terms) -> str:
-    """Why there is no expansion for scenes of a film and its terms; empty where there is."""
+    """Return the reason why no expansion is derived for a film and its terms, or an empty text."""
     what = "the composite expansion is derived for"
     if scene.pad.shape != "rectangle":
         return f"{what} rectangular pads"
@@ -327,15 +327,16 @@ def _with_second_order(films: Films) -> AsymptoticForces:
 
 
 def _may_pay(scenes: Scenes, tolerance: float) -> bool:
-    """Whether an expansion may pay for any of some scenes, at a glance."""
+    """Return whether an expansion may be cheaper for any of some scenes."""
     if (scenes.sigma >= COMPOSITE_FROM).any() or (scenes.epsilon**2 <= TINY * tolerance).any():
         return True
     return any([film.gas.inertia == "included" for film in scenes.films])
 
 
 def _pay(needs: Needs, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Whether the edge layer's expansion, and the composite, may hold the tolerance and are worth
-    their cost, (n,) each.
+    """Return where the edge layer's and the composite expansion may pay, (n,) each.
+
+    They may meet the tolerance, and are cheaper than the periodic state.
 
     The orders are those of the error estimates. Their factors are about the smallest that 2400
     random films had (ε 0.01–0.98, σ 0.1–1e6, sides 1:10 to 10:1), of the paper's sinc and of a

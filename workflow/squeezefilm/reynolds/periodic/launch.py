@@ -70,7 +70,7 @@ class State:
 
 @dataclass(frozen=True)
 class States:
-    """What the device returns, one entry per scene.
+    """Results of the device, one entry per scene.
 
     Attributes:
         unknowns: as of a ``State``, (scenes, fields, nx, ny, nt); without fields where the batch
@@ -106,7 +106,7 @@ def _most_krylov(grid: Grid, terms: Terms) -> int:
 
 @lru_cache(maxsize=64)
 def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
-    """What a kernel must know of each grid before it can find anything."""
+    """Return the sizes of each grid, by which a kernel finds everything else."""
     sizes = ("nx", "ny", "nt", "most_krylov", "whole_x", "whole_y", "whole_modes_x")
     largest = unknown_fields(terms) * max(grid.count for grid in grids)
     breaks_x = any("x" in term.BREAKS for term in terms)
@@ -203,8 +203,10 @@ class Launch:
 
 @lru_cache(maxsize=64)
 def in_single(terms: Terms) -> bool:
-    """Whether GMRES works in single precision: residual and state are double, so that only its
-    steps are rounded. Most terms' own lines in the linear system are written for doubles.
+    """Return whether GMRES works in single precision.
+
+    Residual and state are double, so that only its steps are rounded. Most terms' own lines in the
+    linear system are written for doubles.
     """
     return all(term.IN_SINGLE or "response" not in term.HOOKS for term in terms)
 
@@ -370,7 +372,7 @@ def _matrices(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
 
 @lru_cache(maxsize=64)
 def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
-    """What the sources take as known; terms that no scene of a launch has are not compiled."""
+    """Return the definitions for the sources; terms that no scene of a launch has are absent."""
     (flow_terms,) = row["flow"].shape
     return "\n".join(
         [

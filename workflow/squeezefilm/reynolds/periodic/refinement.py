@@ -101,7 +101,7 @@ class Refinement:
         return chosen
 
     def batch(self, group: Group) -> Batch:
-        """What the device is to solve for a group."""
+        """Return the batch of a group for the device."""
         share = LEFT_SHARE if margin_of(group.terms) == 1 else ITERATION_SHARE
         left = (KEPT if self.keep_states else 1.0) * share * self.tolerance
         starts = len(group.grids) - 2

@@ -1,4 +1,4 @@
-"""How fine a grid a scene needs: a first guess from its numbers, and the next finer grid.
+"""Grids of a scene: a first guess from its numbers, and the next finer grid.
 
 The guess only decides the cost. Whether it was right is judged afterwards, by the error estimate.
 """

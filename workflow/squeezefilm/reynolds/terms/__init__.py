@@ -41,7 +41,7 @@ def terms_of(scene: Scene) -> Terms:
 
 
 def absent_terms(terms: Terms) -> tuple[Simplification, ...]:
-    """What is said of the terms that are not among some."""
+    """Return the simplifications by the terms that are absent."""
     present = {*map(type, terms)}
     return tuple(kind.ABSENT for kind in TERMS if kind.ABSENT and kind not in present)
 
@@ -123,10 +123,10 @@ def states_refused(scenes: Scenes, terms: Terms, *, thinnest: np.ndarray) -> dic
 
 
 def notes_of(scene: Scene) -> list[str]:
-    """What the terms say of themselves where a scene stretches them."""
+    """Return the notes of the terms on a scene near the end of their range."""
     return [note for kind in TERMS if (note := kind.note(scene))]
 
 
 def refused_on_grid(scene: Scene, terms: Terms) -> str:
-    """Why the periodic state is not solved for a scene with some terms; empty where it is."""
+    """Return the reason why the periodic state is not supported with some terms, or empty."""
     return next(filter(None, (term.refused_on_grid(scene) for term in terms)), "")

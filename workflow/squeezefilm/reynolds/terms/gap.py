@@ -62,7 +62,7 @@ class AnyGap(Term):
 
     @staticmethod
     def is_wide(scenes: Scenes) -> np.ndarray:
-        """Whether gaps at rest differ by so much from place to place that two pay, (n,)."""
+        """Return where gaps at rest vary so much that two preconditioners are cheaper, (n,)."""
         least, most = scenes.rest_range
         return np.asarray(most > TWO_FROM * least)
 

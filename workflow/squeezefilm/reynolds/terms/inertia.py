@@ -132,7 +132,7 @@ class Inertia(Term):
 
 
 def not_derived(label: str, scene: Scene) -> str:
-    """Why inertia, or heat, is not known of a scene; empty where it is."""
+    """Return the reason why inertia or heat is not derived for a scene, or an empty text."""
     if scene.gas.rarefaction == "fukui-kaneko":
         return f"{label} is derived for viscous flow and first-order slip, not for fukui-kaneko"
     return f"{label} is not derived for a sliding pad" if scene.bearing_number != 0 else ""

@@ -1,4 +1,4 @@
-"""What a term of the film equation says of itself; methods and explanations ask no one else.
+"""A term of the film equation: the only source for methods and explanations.
 
 What an instance does not say is that of a term which changes nothing there, and a method that a
 term says nothing about does not know it.
@@ -87,7 +87,7 @@ class Term:
 
     @classmethod
     def note(cls, scene: Scene) -> str:
-        """Where a scene that has it stretches it; empty elsewhere."""
+        """Return a note where a scene is near the end of the term's range; empty elsewhere."""
         return ""
 
     def numbers(self, scene: Scenes) -> Numbers:
@@ -108,18 +108,18 @@ class Term:
 
     @property
     def in_expansions(self) -> bool:
-        """Whether the expansions for σ → ∞ (asymptotics/) are derived with the term."""
+        """Return whether the expansions for σ → ∞ (asymptotics/) are derived with the term."""
         return False
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        """What its lines need of a grid, beside the matrices that all have.
+        """Return the matrices of a grid for its lines, beside those that all have.
 
         ``aspect`` is the pad's length along y over that along x, the unit of lengths.
         """
         return {}
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
-        """What its lines need of gaps' parts (problems.py), shape (places, parts, nx, ny) each.
+        """Return fields of the gaps' parts (problems.py), shape (places, parts, nx, ny) each.
 
         ``parts`` have the shape (places, parts, full nx + 2, full ny + 2), ends included.
         """
@@ -130,14 +130,14 @@ class Term:
         return {}
 
     def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
-        """What the periodic state needs for each scene by itself, each shape (scenes, …).
+        """Return the operators of each scene for the periodic state, each shape (scenes, …).
 
         A name that the grid has too takes the place of that one's.
         """
         return {}
 
     def refused_on_grid(self, scene: Scene) -> str:
-        """Why the periodic state is not solved for a scene that has it; empty where it is."""
+        """Return the reason why the periodic state is not supported with the term, or empty."""
         return ""
 
     def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
