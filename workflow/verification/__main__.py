@@ -2,7 +2,7 @@
 
 from squeezefilm.cli.main import main
 
-GROUPS = {"The solver examined": {"verification": "random-studies"}}
+GROUPS = {"The solver examined": {"verification.random_studies": "random-studies"}}
 
 if __name__ == "__main__":
     raise SystemExit(main(groups=GROUPS))

@@ -1,16 +1,4 @@
-"""Random studies: every statement about them, compared with direct solutions.
-
-  python -m verification random-studies --output TABLE.csv --studies 100 [--seed 1]
-  python -m verification random-studies --output TABLE.csv --coverage --studies 12 [--fresh 2000]
-
-A study is drawn from a seed: pad, gas, vibration, frequency, ranges of gap and amplitude. The first
-simulates points of each, levitates a load on it and takes its response, and compares forces and
-their errors, modelling errors, gaps, stiffness, gains and validity with direct
-solutions. With `--coverage` the library's models are fitted to each study, and fresh points of its
-declared space that lie inside their prediction intervals are counted. The table has a row for each
-comparison and grows study by study. The exit status is 1 where a statement given as valid does not
-hold: it is sure and wrong.
-"""
+"""Random studies: every statement about them, compared with direct solutions."""
 
 import argparse
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -21,6 +9,7 @@ from tempfile import TemporaryDirectory
 
 import pandas as pd
 
+from squeezefilm.cli.options import command, flag, option
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.tables import write_table
 from verification.comparisons import OUTCOMES, Comparison, compared, coverage
@@ -38,16 +27,28 @@ POOLED = (0.945, 0.955)
 COVERAGE_KINDS = ("disc", "plate", "scan")
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--output", required=True, metavar="TABLE.csv", help="table to write")
-    parser.add_argument("--studies", type=int, default=12, metavar="N", help="default 12")
-    parser.add_argument("--seed", type=int, default=1, help="of the first study; default 1")
-    parser.add_argument("--points", type=int, default=2, help="simulated of each study")
-    parser.add_argument("--coverage", action="store_true", help="of prediction intervals")
-    parser.add_argument("--fresh", type=int, default=2000, help="points for each coverage")
+@command(
+    option("--output", "TABLE.csv", "table to write", required=True),
+    option("--studies", "N", "default 12", type=int, default=12),
+    option("--seed", help="of the first study; default 1", type=int, default=1),
+    option("--points", help="simulated of each study", type=int, default=2),
+    flag("--coverage", "of prediction intervals"),
+    option("--fresh", help="points for each coverage", type=int, default=2000),
+)
+def random_studies(options: argparse.Namespace) -> None:
+    """Random studies: every statement about them, compared with direct solutions.
 
+      python -m verification random-studies --output TABLE.csv --studies 100 [--seed 1]
+      python -m verification random-studies --output TABLE.csv --coverage [--fresh 2000]
 
-def run(options: argparse.Namespace) -> None:
+    A study is drawn from a seed: pad, gas, vibration, frequency, ranges of gap and amplitude. The
+    first simulates points of each, levitates a load on it and takes its response, and compares
+    forces and their errors, modelling errors, gaps, stiffness, gains and validity with direct
+    solutions. With `--coverage` the library's models are fitted to each study, and fresh points of
+    its declared space that lie inside their prediction intervals are counted. The table has a row
+    for each comparison and grows study by study. The exit status is 1 where a statement given as
+    valid does not hold: it is sure and wrong.
+    """
     seeds, output = range(options.seed, options.seed + options.studies), Path(options.output)
     if options.coverage:
         table = coverages(seeds, fresh=options.fresh, output=output)

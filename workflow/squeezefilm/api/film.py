@@ -278,13 +278,12 @@ class Film:
         for name, value, least, most in (
             ("places", places, LEAST_PLACES, MOST_PLACES),
             ("instants", instants, LEAST_INSTANTS, MOST_INSTANTS),
+            ("tolerance", tolerance, 1e-8, 0.1),
         ):
             if not least <= value <= most:
-                raise InputError(f"{name}: {value} must lie within {least} … {most}")
+                raise InputError(f"{name}: {value:g} must lie within {least:g} … {most:g}")
         if instants % 2:
             raise InputError(f"instants: {instants} must be even")
-        if not 1e-8 <= tolerance <= 0.1:
-            raise InputError(f"tolerance: {tolerance:g} must lie between 1e-8 and 0.1")
         (scene,) = resolve_auto_terms(
             [self.scene(h0, hv, **position)],
             model_tolerance=self.config["solver"]["model_tolerance"],

@@ -115,14 +115,12 @@ class Fit:
         points = points_of(h0=self.gaps() if h0 is None else h0, **position)
         return self.working_points_at(points, force)
 
-    def working_points_at(
-        self, points: pd.DataFrame, force: str | float, *, place: object = "working-point"
-    ) -> pd.DataFrame:
+    def working_points_at(self, points: pd.DataFrame, force: str | float) -> pd.DataFrame:
         """The same for a table of points: h0_m and a position, if any."""
         forces_n = levels(force, called="force", unit="N")
         if len(forces_n) != 1:
             raise InputError(f"force: {force!r} are several; one is asked for")
-        with naming(place):
+        with naming("working-point"):
             factors = factors_of(points.assign(hv_m=0.0))
         rows = [
             working_point(self.model, factors.take([index]), force_n=forces_n[0])

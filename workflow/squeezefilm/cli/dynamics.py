@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from contextlib import nullcontext
 
 import numpy as np
 
@@ -143,21 +144,17 @@ def response(options: argparse.Namespace) -> None:
     scene exceeds under this equation.
     """
     film = film_at(options.config)
-    table = points_in(options)
+    table, alone = points_in(options), options.scenes is None
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
-    if options.scenes is None:
-        if len(table) != 1 or not {"h0_m", "hv_m"} <= set(table):
-            raise InputError("give a table of scenes, or one scene by --h0 and --hv")
-        scenes = film.scenes(table)
-    else:
-        if len(table.columns):
-            raise InputError("give either a table of scenes or --h0 and --hv, not both")
+    one = len(table) == 1 and {"h0_m", "hv_m"} <= set(table)
+    if alone == table.empty or (alone and not one):
+        raise InputError("give a table of scenes, or one scene by --h0 and --hv")
+    if not alone:
         if options.output is options.gains is options.steps is None:
             raise InputError("a table of scenes needs --output, --gains or --steps")
         table = read_scenes(options.scenes)
-        with naming(options.scenes):
-            scenes = film.scenes(table)
-    alone = options.scenes is None
+    with nullcontext() if alone else naming(options.scenes):
+        scenes = film.scenes(table)
     if alone or options.gains is not None:
         gained = all_gains(table, scenes, frequency_hz)
     if alone or options.output is not None:

@@ -1,4 +1,4 @@
-"""The command line: a module per command, loaded when it is called."""
+"""The command line: commands in modules, which are loaded when one of them is called."""
 
 import argparse
 import gc
@@ -36,8 +36,7 @@ GROUPS: Groups = {
         "reporting.commands": "plot plot-pressure recommend check reference",
     },
 }
-"""Commands by the titles of their groups and where they are: ``a-b`` is ``a_b`` in a module or a
-package."""
+"""Commands by the titles of their groups and their modules, where ``a-b`` is ``a_b``."""
 INTERRUPTED = "squeezefilm: interrupted\n"
 NEGATIVE = re.compile(r"-\.?\d")
 NAME_WIDTH, WIDTH = 18, 100
@@ -59,13 +58,10 @@ def commands_of(groups: Groups = GROUPS) -> dict[str, str]:
 
 def summary_of(name: str, place: str) -> str:
     """The first line of a command's help, which is not imported."""
-    spec, name = importlib.util.find_spec(place), name.replace("-", "_")
+    spec = importlib.util.find_spec(place)
     assert spec is not None
-    path = Path(str(spec.origin))
-    if path.name == "__init__.py":
-        with path.with_name(f"{name}.py").open(encoding="utf-8") as file:
-            return file.readline().strip().strip('"')
-    found = re.search(rf'^def {name}\(.*\n +"""(.*)', path.read_text(encoding="utf-8"), re.M)
+    text = Path(str(spec.origin)).read_text(encoding="utf-8")
+    found = re.search(rf'^def {name.replace("-", "_")}\(.*\n +"""(.*)', text, re.M)
     assert found is not None
     return found[1]
 
@@ -97,14 +93,14 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
     gc.disable()
     with _ending_at_once():
         sys.modules.setdefault("pandas", _LoadedWhenUsed("pandas"))
-        command = loaded(chosen, commands[chosen])
+        command = getattr(importlib.import_module(commands[chosen]), chosen.replace("-", "_"))
     gc.freeze()
     gc.enable()
     import inspect  # with difflib a third of what `squeezefilm --help` would load
 
     parser = argparse.ArgumentParser(
         prog=f"squeezefilm {chosen}",
-        description=inspect.cleandoc(command.run.__doc__ or command.__doc__),
+        description=inspect.cleandoc(command.run.__doc__),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser._negative_number_matcher = NEGATIVE  # for values such as that of --x -2mm
@@ -140,12 +136,6 @@ def _nearest(word: str, known: Iterable[str]) -> str:
 
     near = difflib.get_close_matches(word, [*known], n=1)
     return f"did you mean {near[0]!r}? " if near else ""
-
-
-def loaded(name: str, place: str) -> Any:
-    """A command: a module of a package, or what a module has under this name."""
-    name, module = name.replace("-", "_"), importlib.import_module(place)
-    return getattr(module, name, None) or importlib.import_module(f"{place}.{name}")
 
 
 class _LoadedWhenUsed(ModuleType):

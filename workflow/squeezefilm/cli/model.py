@@ -2,15 +2,11 @@
 
 import argparse
 
-import pandas as pd
-
-from squeezefilm.api.film import COLUMNS as FACTORS
 from squeezefilm.api.models import Fit
 from squeezefilm.cli.options import FIT, OUTPUT, command, option, points, points_in, write_rows
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.validity import OK
-from squeezefilm.models.data import COLUMNS
 from squeezefilm.models.export import LANGUAGES
 from squeezefilm.models.fit_file import FILM_UNKNOWN
 from squeezefilm.tables import read_columns
@@ -37,9 +33,6 @@ def predict(options: argparse.Namespace) -> None:
     fit = Fit.read(options.fit)
     if options.points:
         table, place = read_columns(options.points, columns=("h0_m", "hv_m")), options.points
-        for name in (*FACTORS.values(), *COLUMNS.values()):
-            if name in table and not pd.api.types.is_numeric_dtype(table[name]):
-                raise InputError(f"{place}: {name}: a value is not a number")
     else:
         table, place = points_in(options), "predict"
         if not {"h0_m", "hv_m"} <= set(table):

@@ -7,13 +7,13 @@ import pandas as pd
 
 from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, write_rows
 from squeezefilm.config.loading import load_config
-from squeezefilm.errors import InputError, naming
+from squeezefilm.errors import naming
 from squeezefilm.files import digest
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import errors_on, fit_to_forces
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
-from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, scan_report
+from squeezefilm.studies.tasks.scan_errors import scan_report
 from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_json, write_table
 
 
@@ -21,8 +21,6 @@ from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_j
     STUDY,
     option("--forces", "FORCES.csv", "forces with other noise"),
     option("--table", "PROFILE.csv", "the scan's points and residuals"),
-    option("--draws", help="profiles with other noise", type=int, default=DRAWS),
-    option("--seed", help="of the draws", type=int, default=SEED),
 )
 def profile(options: argparse.Namespace) -> None:
     """Fit a smooth profile to a scan, show its residuals and what its noise does to forces.
@@ -36,11 +34,7 @@ def profile(options: argparse.Namespace) -> None:
     the sum of both (`scan_error_n`), which the solver's own error adds to. PROFILE.csv has the
     scan's points with their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
     """
-    if not 2 <= options.draws <= 10_000:
-        raise InputError(f"--draws {options.draws}: a spread needs 2 to 10000 profiles")
-    forces, table, _, text = scan_report(
-        load_config(options.config), draws=options.draws, seed=options.seed
-    )
+    forces, table, _, text = scan_report(load_config(options.config))
     if options.forces:
         write_table(forces, options.forces)
     if options.table:

@@ -130,5 +130,8 @@ def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Fac
                 )
         points = known
     names = [*as_in(FACTOR_COLUMNS, points), *COLUMNS.values()]
-    given = {name: points[name] for name in names if name in points}
-    return Factors.of(**{name: pd.to_numeric(each, "coerce") for name, each in given.items()})
+    given = {name: pd.to_numeric(points[name], "coerce") for name in names if name in points}
+    for name, numbers in given.items():
+        if (numbers.isna() & points[name].notna()).any():
+            raise InputError(f"{name}: a value is not a number")
+    return Factors.of(**given)

@@ -30,12 +30,7 @@ COVERAGE = 0.95
 
 
 def scan_errors(
-    scenes: Sequence[Scene],
-    smoothed: SmoothedScan,
-    *,
-    device: Device,
-    draws: int = DRAWS,
-    seed: int = SEED,
+    scenes: Sequence[Scene], smoothed: SmoothedScan, *, device: Device, draws: int = DRAWS
 ) -> pd.DataFrame:
     """Solve the scenes again with profiles of other noise, and estimate what was neglected.
 
@@ -53,7 +48,7 @@ def scan_errors(
     from scipy.special import stdtrit
 
     scenes = resolve_auto_terms(scenes, device=device)
-    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=seed)]
+    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=SEED)]
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
         for profile in profiles
@@ -92,22 +87,14 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     return second / first / (1 - scene.epsilon) if first else math.inf
 
 
-def errors_in_study(
-    config: Config, smoothed: SmoothedScan, *, draws: int = DRAWS, seed: int = SEED
-) -> pd.DataFrame:
+def errors_in_study(config: Config, smoothed: SmoothedScan) -> pd.DataFrame:
     """Forces of some of a study's scenes, and what the scan leaves open in them."""
     points, device = _points(config), device_of(config)
-    scenes = scenes_in(points, config)
-    return points.join(scan_errors(scenes, smoothed, device=device, draws=draws, seed=seed))
+    return points.join(scan_errors(scenes_in(points, config), smoothed, device=device))
 
 
-def scan_report(
-    config: Config, *, draws: int = DRAWS, seed: int = SEED
-) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
+def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
     """Smooth the scan of a study and simulate some of its scenes with other noise.
-
-    Args:
-        draws: profiles with other noise; seed of the draws.
 
     Returns: forces of some scenes, the profile as a table, and a summary in numbers and in words.
 
@@ -117,7 +104,7 @@ def scan_report(
     if smoothed is None:
         kind = config["actuator"]["profile"]["kind"]
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
-    forces = errors_in_study(config, smoothed, draws=draws, seed=seed)
+    forces = errors_in_study(config, smoothed)
     noise, error = (float(forces[f"{each}_share"].max()) for each in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net()
     unsure = float(smoothed.standard_error(x_m=x_m, y_m=y_m).max())
