@@ -32,16 +32,11 @@ from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validities
-from squeezefilm.models.data import POSITION, Array, Factors
-from squeezefilm.models.fitting import Fit
+from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
-    error_scale,
-    error_sizes,
-    film_folds,
-    held_out_predictions,
     measured_interval,
 )
 from squeezefilm.solution import POLAR
@@ -55,8 +50,6 @@ STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
 TABLE_SHARE = 0.1
 """Largest error of a table of asymptotic forces over that of a model that uses it."""
-FOLDS, FOLD_SEED = 5, 1
-"""Of the cross-validation that gives a fit's error at points it was not fitted to."""
 
 
 class PadOfFit(BaseModel):
@@ -302,53 +295,6 @@ def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
     except ValidationError as error:
         wrong = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
         raise InputError(f"{place}: {'; '.join(wrong)}") from None
-
-
-def number(values: Mapping[str, Any], key: str, path: Path | str) -> float:
-    """A number of a JSON object.
-
-    Raises InputError naming the file and the key.
-    """
-    value = values.get(key)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{path}: {key!r} must be a number, not {value!r}")
-    return float(value)
-
-
-def describe(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: Array,
-    fit: Fit,
-    *,
-    profile_uncertainty: float,
-) -> dict[str, Any]:
-    """A fit as its file holds it: parameters, formula, units, ranges and errors."""
-    # A model that knows no position was fitted at some all the same.
-    position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
-    folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
-    held_out = held_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
-    known = bool(np.isfinite(held_out).all())
-    sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
-    missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
-    fitted_n = model.evaluate(fit.theta, factors)
-    return {
-        **asdict(fit),
-        "about": model.about,
-        "expression": model.expression,
-        "parameters": list(model.parameter_names),
-        "parameter_units": list(model.parameter_units),
-        "force_unit": "N",
-        "ranges": {
-            name: [float(np.min(values)), float(np.max(values))]
-            for name in (*model.factor_names, *position, *model.column_names)
-            for values in [factors.column(name)]
-        },
-        "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
-        "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
-        "error_scale": list(error_scale(missed_n, force_n)),
-        "profile_uncertainty": profile_uncertainty,
-    }
 
 
 def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
