@@ -35,10 +35,7 @@ from squeezefilm.film.validity import validities
 from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
-from squeezefilm.models.prediction_interval import (
-    PredictionInterval,
-    measured_interval,
-)
+from squeezefilm.models.prediction_interval import PredictionInterval
 from squeezefilm.solution import POLAR
 from squeezefilm.tables import read_json
 
@@ -48,8 +45,6 @@ LOOKED_AT = 400
 """Places at which a model is looked at before the one for a wanted force is refined."""
 STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
-TABLE_SHARE = 0.1
-"""Largest error of a table of asymptotic forces over that of a model that uses it."""
 
 
 class PadOfFit(BaseModel):
@@ -223,48 +218,6 @@ class FittedModel(BaseModel):
     def statement(self) -> str:
         """What is known of the model's error, in a sentence."""
         return f"Not validated: {NO_SAMPLE}." if self.interval is None else self.interval.statement
-
-    def validated(
-        self,
-        factors: Factors,
-        *,
-        force_n: ArrayLike,
-        force_error_n: ArrayLike,
-        ranges: Mapping[str, tuple[float, float]],
-    ) -> FittedModel:
-        """The same fit with the prediction interval that a validation sample gives.
-
-        Args:
-            factors: points of the sample, with the columns that the model needs where they come
-                from physics itself; the file's own table of them is checked against these.
-            force_n, force_error_n: simulated, shape (n,); NaN where there is no force.
-            ranges: of the declared space from which the points were drawn.
-
-        Raises InputError where the table errs by more than a tenth of the model.
-        """
-        model, force = self.force_model, np.asarray(force_n, dtype=float)
-        exact_n = model_n = model.evaluate(self.theta, factors)
-        if model.column_names and self.limit_table is not None:
-            model_n = model.evaluate(self.theta, self.limit_table.complete(factors))
-            errors = exact_n - np.stack([force, model_n])
-            errors = errors[:, np.isfinite(errors).all(axis=0)]
-            own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
-            if table > TABLE_SHARE * own:
-                raise InputError(
-                    f"the table of asymptotic forces is too coarse for the study's space: it errs "
-                    f"by {table:.2g} N (root mean square over the validation sample) and the model "
-                    f"{self.model} by {own:.2g} N; a tenth of that is allowed"
-                )
-        interval = measured_interval(
-            factors,
-            model_n=model_n,
-            force_n=force,
-            force_error_n=force_error_n,
-            scale=self.error_scale,
-            ranges=ranges,
-            profile_uncertainty=self.profile_uncertainty,
-        )
-        return self.model_copy(update={"interval": interval})
 
     @property
     def profile_uncertainty_percent(self) -> dict[str, float]:

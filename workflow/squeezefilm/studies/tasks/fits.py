@@ -23,6 +23,7 @@ from squeezefilm.models.prediction_interval import (
     error_sizes,
     film_folds,
     held_out_predictions,
+    measured_interval,
     relative_errors,
 )
 from squeezefilm.solution import POLAR, as_in
@@ -34,6 +35,8 @@ from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, rea
 
 FOLDS, FOLD_SEED = 5, 1
 """Of the cross-validation that gives a fit's error at points it was not fitted to."""
+TABLE_SHARE = 0.1
+"""Largest error of a table of asymptotic forces over that of a model that uses it."""
 
 
 def profile_uncertainty(config: Config, *, summary: Path | str | None = None) -> float:
@@ -162,14 +165,36 @@ def fit_values(
 
 
 def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> FittedModel:
-    """A fit with the prediction interval that a validation sample gives."""
-    factors = factors_of(with_physics(fit.force_model, sample, config))
-    return fit.validated(
+    """The same fit with the prediction interval that a validation sample gives.
+
+    Raises InputError where the fit's table of physics limits errs by more than a tenth of the
+    model, against the limits at the sample's points.
+    """
+    model = fit.force_model
+    factors = factors_of(with_physics(model, sample, config))
+    force = sample["force_n"].where(sample["status"] == "ok").to_numpy()
+    exact_n = model_n = model.evaluate(fit.theta, factors)
+    if model.column_names and fit.limit_table is not None:
+        model_n = model.evaluate(fit.theta, fit.limit_table.complete(factors))
+        errors = exact_n - np.stack([force, model_n])
+        errors = errors[:, np.isfinite(errors).all(axis=0)]
+        own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
+        if table > TABLE_SHARE * own:
+            raise InputError(
+                f"the table of asymptotic forces is too coarse for the study's space: it errs "
+                f"by {table:.2g} N (root mean square over the validation sample) and the model "
+                f"{fit.model} by {own:.2g} N; a tenth of that is allowed"
+            )
+    interval = measured_interval(
         factors,
-        force_n=sample["force_n"].where(sample["status"] == "ok"),
+        model_n=model_n,
+        force_n=force,
         force_error_n=sample["force_error_n"],
+        scale=fit.error_scale,
         ranges=declared_ranges(config, centred=not factors.phi_r_m.any()),
+        profile_uncertainty=fit.profile_uncertainty,
     )
+    return fit.model_copy(update={"interval": interval})
 
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
