@@ -14,8 +14,10 @@ from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.data import COLUMNS as COLUMNS_OF_PHYSICS
+from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import fit_of, read_fit
+from squeezefilm.studies.tasks.fits import validated
 from squeezefilm.tables import FACTOR_COLUMNS, read_forces
 
 MORE = 1.02
@@ -206,14 +208,12 @@ def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(study):
     """Disc of 20 mm radius, 700 rad/m: the table erred by 0.47 of the force, and nobody read it."""
     fit = read_fit(study.root / "models/two_factor/limit_1.json")
     sample = study.results.forces("validation_two_factor")
-    plan = study.root / "simulations/validation_two_factor"
-    factors = factors_of(sample, limits=plan / "limits.csv")
-    given = {name: sample[name].to_numpy() for name in ("force_n", "force_error_n")}
-    ranges = {name: (0.0, 1.0) for name in FACTOR_COLUMNS}
-    assert fit.validated(factors, ranges=ranges, **given).interval is not None
+    limits = pd.read_csv(study.root / "simulations/validation_two_factor/limits.csv")
+    sample = sample.assign(**limits[[*COLUMNS_OF_PHYSICS.values()]])
+    assert validated(fit, study.results.config, sample=sample).interval is not None
     values = fit.to_dict()
     coefficients = values["limit_table"]["coefficients"]
     wrong = [value * (1 + 0.1 * (-1) ** k) for k, value in enumerate(coefficients["limit_n"])]
     values["limit_table"]["coefficients"] = coefficients | {"limit_n": wrong}
     with pytest.raises(InputError, match="table of asymptotic forces is too coarse"):
-        fit_of(values, place="here").validated(factors, ranges=ranges, **given)
+        validated(fit_of(values, place="here"), study.results.config, sample=sample)

@@ -81,12 +81,10 @@ def pair_distances(points: ArrayLike) -> Array:
     return np.linalg.norm(points[..., i, :] - points[..., j, :], axis=-1)
 
 
-def corners(box: Box) -> Array:
-    """The corners of the space of the experiment, shape (2^k, k)."""
-    return grid(box, 2)
-
-
 def grid(box: Box, levels: int) -> Array:
-    """Points of a regular grid with so many levels per factor, shape (levels^k, k)."""
+    """Points of a regular grid with so many levels per factor, two for the corners alone.
+
+    Shape (levels^k, k).
+    """
     axes = np.meshgrid(*[np.linspace(0, 1, levels)] * len(box.names), indexing="ij")
     return box.from_unit(np.stack(axes, axis=-1).reshape(-1, len(box.names)))

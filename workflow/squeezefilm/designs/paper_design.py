@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
-from squeezefilm.designs.box import Array, Box, Coordinates, corners, grid, pair_distances
+from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
 from squeezefilm.designs.optimal import exchange, log_determinant
 from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
@@ -254,28 +254,21 @@ def _sorted(points: Array, box: Box) -> Array:
 class Pattern:
     """Designs that are the same but for the order of their points.
 
-    design is the best of them, members are their places among all designs, excess its value above
-    the best pattern's.
+    design is the best of them, members are their places among all designs.
     """
 
     name: str
     design: Design
     members: tuple[int, ...]
-    excess: float
 
 
 @dataclass(eq=False)
 class Region:
-    """One place in the space of the experiment, shape (k,), and the patterns that have a point
-    there; no pattern where the point was added by augmentation."""
+    """One place in the space of the experiment, shape (k,), and the names of the patterns that have
+    a point there, or the word augmentation."""
 
     point: Array
-    patterns: list[str]
-
-    @property
-    def origin(self) -> str:
-        """The patterns' names, or the word augmentation."""
-        return " and ".join(self.patterns) or "augmentation"
+    origins: list[str]
 
 
 def find_patterns(designs: Sequence[Design], box: Box) -> list[Pattern]:
@@ -290,9 +283,8 @@ def find_patterns(designs: Sequence[Design], box: Box) -> list[Pattern]:
         points = designs[index].points
         same = (best for best in groups if _mismatch(points, designs[best].points, box) <= SAME)
         groups.setdefault(next(same, index), []).append(index)
-    least = min(design.value for design in designs)
     return [
-        Pattern(chr(ord("A") + number), designs[best], tuple(group), designs[best].value - least)
+        Pattern(chr(ord("A") + number), designs[best], tuple(group))
         for number, (best, group) in enumerate(groups.items())
     ]
 
@@ -308,8 +300,8 @@ def find_regions(patterns: Sequence[Pattern], box: Box) -> list[Region]:
             gaps = [np.linalg.norm(box.to_unit(point) - box.to_unit(r.point)) for r in regions]
             if min(gaps, default=np.inf) > SAME:
                 regions.append(Region(point, [pattern.name]))
-            elif pattern.name not in (near := regions[int(np.argmin(gaps))]).patterns:
-                near.patterns.append(pattern.name)
+            elif pattern.name not in (near := regions[int(np.argmin(gaps))]).origins:
+                near.origins.append(pattern.name)
     return regions
 
 
@@ -328,14 +320,14 @@ def augment(criterion: Criterion, regions: Sequence[Region], points: int) -> lis
         )
     # Without distances in the criterion a replicate would be as good as any other point.
     spaced = replace(criterion, distance=criterion.distance or criterion.box.to_unit)
-    candidates, extended = corners(criterion.box), list(regions)
+    candidates, extended = grid(criterion.box, levels=2), list(regions)
     while len(extended) < points:
         kept = [region.point for region in extended]
         trials = np.array([[*kept, corner] for corner in candidates])
         values = spaced.value(trials)
         if values.min() >= SINGULAR:
             raise InputError(f"design: no corner is left for one of {points} points; ask for fewer")
-        extended.append(Region(candidates[int(np.argmin(values))], []))
+        extended.append(Region(candidates[int(np.argmin(values))], ["augmentation"]))
     return extended
 
 

@@ -17,6 +17,7 @@ from squeezefilm.models.data import COLUMNS, FACTORS, POSITION
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import SLACK, LimitTable
+from squeezefilm.models.prediction_interval import QUANTITIES
 from squeezefilm.solution import CARTESIAN, POLAR, form_of
 
 FOLDER = Path(__file__).with_name("templates")
@@ -34,16 +35,6 @@ OTHER_FORM = {
     },
 }
 """The position by a function's arguments where they have it in the other form."""
-MEANING = {
-    "h0_m": "mean gap, m",
-    "hv_m": "amplitude at the profile's maximum, m",
-    "x_m": "pad's centre along x, m",
-    "y_m": "pad's centre along y, m",
-    "phi_r_m": "distance of the pad's centre from the actuator's, m",
-    "phi_deg": "direction of the pad's centre, degrees",
-}
-
-
 LANGUAGES = {"c": "NAN", "javascript": "NaN", "python": "math.nan"}
 """And what a number that is none is called."""
 
@@ -73,7 +64,7 @@ def source(fit: FittedModel, language: str) -> str:
         "NAME": fit.model.upper(),
         "own": own,
         "about": "\n".join(_about(fit, table)),
-        "meaning": "\n".join(f"    {name}: {MEANING[name]}" for name in arguments),
+        "meaning": "\n".join(f"    {name}: {QUANTITIES[name]}" for name in arguments),
         "arguments": ", ".join(arguments),
         "parameters": ", ".join(f"double {name}" for name in arguments),
         "unused": " ".join(f"(void){name};" for name in arguments),

@@ -32,18 +32,10 @@ from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validities
-from squeezefilm.models.data import POSITION, Array, Factors
-from squeezefilm.models.fitting import Fit
+from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
-from squeezefilm.models.prediction_interval import (
-    PredictionInterval,
-    error_scale,
-    error_sizes,
-    film_folds,
-    held_out_predictions,
-    measured_interval,
-)
+from squeezefilm.models.prediction_interval import PredictionInterval
 from squeezefilm.solution import POLAR
 from squeezefilm.tables import read_json
 
@@ -53,10 +45,6 @@ LOOKED_AT = 400
 """Places at which a model is looked at before the one for a wanted force is refined."""
 STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
-TABLE_SHARE = 0.1
-"""Largest error of a table of asymptotic forces over that of a model that uses it."""
-FOLDS, FOLD_SEED = 5, 1
-"""Of the cross-validation that gives a fit's error at points it was not fitted to."""
 
 
 class PadOfFit(BaseModel):
@@ -231,48 +219,6 @@ class FittedModel(BaseModel):
         """What is known of the model's error, in a sentence."""
         return f"Not validated: {NO_SAMPLE}." if self.interval is None else self.interval.statement
 
-    def validated(
-        self,
-        factors: Factors,
-        *,
-        force_n: ArrayLike,
-        force_error_n: ArrayLike,
-        ranges: Mapping[str, tuple[float, float]],
-    ) -> FittedModel:
-        """The same fit with the prediction interval that a validation sample gives.
-
-        Args:
-            factors: points of the sample, with the columns that the model needs where they come
-                from physics itself; the file's own table of them is checked against these.
-            force_n, force_error_n: simulated, shape (n,); NaN where there is no force.
-            ranges: of the declared space from which the points were drawn.
-
-        Raises InputError where the table errs by more than a tenth of the model.
-        """
-        model, force = self.force_model, np.asarray(force_n, dtype=float)
-        exact_n = model_n = model.evaluate(self.theta, factors)
-        if model.column_names and self.limit_table is not None:
-            model_n = model.evaluate(self.theta, self.limit_table.complete(factors))
-            errors = exact_n - np.stack([force, model_n])
-            errors = errors[:, np.isfinite(errors).all(axis=0)]
-            own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
-            if table > TABLE_SHARE * own:
-                raise InputError(
-                    f"the table of asymptotic forces is too coarse for the study's space: it errs "
-                    f"by {table:.2g} N (root mean square over the validation sample) and the model "
-                    f"{self.model} by {own:.2g} N; a tenth of that is allowed"
-                )
-        interval = measured_interval(
-            factors,
-            model_n=model_n,
-            force_n=force,
-            force_error_n=force_error_n,
-            scale=self.error_scale,
-            ranges=ranges,
-            profile_uncertainty=self.profile_uncertainty,
-        )
-        return self.model_copy(update={"interval": interval})
-
     @property
     def profile_uncertainty_percent(self) -> dict[str, float]:
         """A column of the profile's uncertainty in per cent of the force; none without a scan."""
@@ -302,53 +248,6 @@ def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
     except ValidationError as error:
         wrong = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
         raise InputError(f"{place}: {'; '.join(wrong)}") from None
-
-
-def number(values: Mapping[str, Any], key: str, path: Path | str) -> float:
-    """A number of a JSON object.
-
-    Raises InputError naming the file and the key.
-    """
-    value = values.get(key)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{path}: {key!r} must be a number, not {value!r}")
-    return float(value)
-
-
-def describe(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: Array,
-    fit: Fit,
-    *,
-    profile_uncertainty: float,
-) -> dict[str, Any]:
-    """A fit as its file holds it: parameters, formula, units, ranges and errors."""
-    # A model that knows no position was fitted at some all the same.
-    position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
-    folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
-    held_out = held_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
-    known = bool(np.isfinite(held_out).all())
-    sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
-    missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
-    fitted_n = model.evaluate(fit.theta, factors)
-    return {
-        **asdict(fit),
-        "about": model.about,
-        "expression": model.expression,
-        "parameters": list(model.parameter_names),
-        "parameter_units": list(model.parameter_units),
-        "force_unit": "N",
-        "ranges": {
-            name: [float(np.min(values)), float(np.max(values))]
-            for name in (*model.factor_names, *position, *model.column_names)
-            for values in [factors.column(name)]
-        },
-        "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
-        "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
-        "error_scale": list(error_scale(missed_n, force_n)),
-        "profile_uncertainty": profile_uncertainty,
-    }
 
 
 def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:

@@ -24,9 +24,8 @@ another plan may give an interval that does not overlap with it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -205,28 +204,6 @@ def fit_by(
             ways, searches, tried, leading, ends, strict=True
         )
     ]
-
-
-def fits_from_seeds(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: ArrayLike,
-    settings: Mapping[str, Any],
-    *,
-    processes: int = 1,
-) -> list[Fit]:
-    """Every seed with every bound, and a differential evolution with every bound as a check.
-
-    settings is the section ``fit`` of a study.
-    """
-    first_seed = settings["first_seed"]
-    count = settings["seeds"]["two_factor" if model.is_centred else "four_factor"]
-    searches = [(genetic, first_seed + number) for number in range(count)]
-    ways = [
-        (bound, *search)
-        for bound, search in product(settings["bounds"], [*searches, (evolution, first_seed)])
-    ]
-    return fit_by(ways, model, factors, force_n, processes=processes)
 
 
 def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Objective:

@@ -8,6 +8,7 @@ lines through the box, for over the position it bends as often as the profile.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from math import prod
 from typing import Literal
@@ -85,9 +86,8 @@ class LimitTable(BaseModel):
             name: np.where(inside, factors.epsilon**2 * _sums(table, places), np.nan)
             for name, table in self.tables.items()
         }
-        sigma = self.sigma_h0_square_m2 / factors.h0_m**2
-        own = {name: factors.column(name) for name in ("h0_m", "hv_m", *factors.position)}
-        return Factors.of(**own, **columns, sigma=sigma)
+        columns["sigma"] = self.sigma_h0_square_m2 / factors.h0_m**2
+        return replace(factors, columns=columns)
 
 
 def _sums(table: Array, places: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +14,29 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, describe, fit_of, number
-from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
+from squeezefilm.models.data import POSITION, Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, fit_of
+from squeezefilm.models.fitting import Fit, check_identifiable, evolution, fit_by, genetic
 from squeezefilm.models.force_model import ExpressionModel, check_columns
-from squeezefilm.models.prediction_interval import error_sizes, relative_errors
-from squeezefilm.solution import as_in
+from squeezefilm.models.prediction_interval import (
+    error_scale,
+    error_sizes,
+    film_folds,
+    held_out_predictions,
+    measured_interval,
+    relative_errors,
+)
+from squeezefilm.solution import POLAR, as_in
 from squeezefilm.studies.space import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits, with_physics
 from squeezefilm.studies.tasks.scan_errors import errors_in_study
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
+
+FOLDS, FOLD_SEED = 5, 1
+"""Of the cross-validation that gives a fit's error at points it was not fitted to."""
+TABLE_SHARE = 0.1
+"""Largest error of a table of asymptotic forces over that of a model that uses it."""
 
 
 def profile_uncertainty(config: Config, *, summary: Path | str | None = None) -> float:
@@ -33,7 +46,7 @@ def profile_uncertainty(config: Config, *, summary: Path | str | None = None) ->
         summary: what is known of the scan, as its fit wrote it; simulated where it is not given.
     """
     if summary:
-        return number(read_json(summary), "largest_force_error_share", summary)
+        return float(read_json(summary)["largest_force_error_share"])
     scan = smoothed_scan_of(config)
     if scan is None:
         return 0.0
@@ -67,6 +80,8 @@ def fit_to_forces(
 ) -> tuple[FittedModel, pd.DataFrame]:
     """Fit a model to forces, every one of which is known.
 
+    By every seed with every bound, and a differential evolution with every bound as a check.
+
     Args:
         limit_table: a table of the physics limits over the space with which the fit's file can be
             used alone: computed, if left out, for a model that uses them.
@@ -81,8 +96,6 @@ def fit_to_forces(
     Raises InputError where the model cannot be fitted to these points.
     """
     settings = config["fit"]
-    if seeds is not None:
-        settings = settings | {"seeds": dict.fromkeys(settings["seeds"], seeds)}
     if model.column_names and limit_table is None:
         limit_table = limit_table_values(config)
     if uncertainty is None:
@@ -91,7 +104,12 @@ def fit_to_forces(
     check_columns(model, factors)
     if len(factors) >= len(model.parameter_names):
         check_identifiable(model, factors)
-    runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
+    if seeds is None:
+        seeds = settings["seeds"]["two_factor" if model.is_centred else "four_factor"]
+    first = settings["first_seed"]
+    searches = [*((genetic, first + number) for number in range(seeds)), (evolution, first)]
+    ways = [(bound, *search) for bound, search in product(settings["bounds"], searches)]
+    runs = fit_by(ways, model, factors, force_n, processes=processes)
     best = min(runs, key=lambda run: run.sum_of_squares)
     simplifications = forces["simplifications"]
     about = fit_values(
@@ -116,23 +134,67 @@ def fit_values(
     *,
     uncertainty: float,
 ) -> dict[str, Any]:
-    """A fit as its file holds it, with the study's film and symmetry."""
+    """A fit as its file holds it: formula, units, ranges, errors, and the study's film."""
+    # A model that knows no position was fitted at some all the same.
+    position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
+    folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
+    held_out = held_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
+    known = bool(np.isfinite(held_out).all())
+    sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
+    missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
+    fitted_n = model.evaluate(fit.theta, factors)
     return {
-        **describe(model, factors, force_n, fit, profile_uncertainty=uncertainty),
+        **asdict(fit),
+        "about": model.about,
+        "expression": model.expression,
+        "parameters": list(model.parameter_names),
+        "parameter_units": list(model.parameter_units),
+        "force_unit": "N",
+        "ranges": {
+            name: [float(np.min(values)), float(np.max(values))]
+            for name in (*model.factor_names, *position, *model.column_names)
+            for values in [factors.column(name)]
+        },
+        "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
+        "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
+        "error_scale": list(error_scale(missed_n, force_n)),
+        "profile_uncertainty": uncertainty,
         "directions": symmetry_of(config).to_dict(),
         "film": film_of(config, simplifications=simplifications),
     }
 
 
 def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> FittedModel:
-    """A fit with the prediction interval that a validation sample gives."""
-    factors = factors_of(with_physics(fit.force_model, sample, config))
-    return fit.validated(
+    """The same fit with the prediction interval that a validation sample gives.
+
+    Raises InputError where the fit's table of physics limits errs by more than a tenth of the
+    model, against the limits at the sample's points.
+    """
+    model = fit.force_model
+    factors = factors_of(with_physics(model, sample, config))
+    force = sample["force_n"].where(sample["status"] == "ok").to_numpy()
+    exact_n = model_n = model.evaluate(fit.theta, factors)
+    if model.column_names and fit.limit_table is not None:
+        model_n = model.evaluate(fit.theta, fit.limit_table.complete(factors))
+        errors = exact_n - np.stack([force, model_n])
+        errors = errors[:, np.isfinite(errors).all(axis=0)]
+        own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
+        if table > TABLE_SHARE * own:
+            raise InputError(
+                f"the table of asymptotic forces is too coarse for the study's space: it errs "
+                f"by {table:.2g} N (root mean square over the validation sample) and the model "
+                f"{fit.model} by {own:.2g} N; a tenth of that is allowed"
+            )
+    interval = measured_interval(
         factors,
-        force_n=sample["force_n"].where(sample["status"] == "ok"),
+        model_n=model_n,
+        force_n=force,
         force_error_n=sample["force_error_n"],
+        scale=fit.error_scale,
         ranges=declared_ranges(config, centred=not factors.phi_r_m.any()),
+        profile_uncertainty=fit.profile_uncertainty,
     )
+    return fit.model_copy(update={"interval": interval})
 
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config.loading import Config
-from squeezefilm.designs.box import corners
+from squeezefilm.designs.box import grid
 from squeezefilm.designs.optimal import (
     ContinuousDesign,
     exchange,
@@ -21,7 +21,7 @@ from squeezefilm.designs.optimal import (
     sensitivity,
 )
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import RANGES_NOTE, local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
@@ -41,15 +41,17 @@ class FittedSpace:
     candidates for points, each scene once; everywhere all combinations of factors, with which no
     plan can be better than the best design.
 
-    Raises InputError for a model without parameters, or points that do not bound them.
+    Raises InputError for a model without parameters, and where it cannot be used on the points of
+    forces, to which it was fitted, or these do not bound the parameters.
     """
 
-    def __init__(
-        self, fit: FittedModel, factors: Factors, force_n: np.ndarray, *, config: Config
-    ) -> None:
+    def __init__(self, fit: FittedModel, config: Config, *, forces: pd.DataFrame) -> None:
         self.model, self.config = fit.force_model, config
+        factors = factors_of(with_physics(self.model, forces, config))
+        check_columns(self.model, factors)
         if not fit.theta:
             raise InputError(f"the model {fit.model} has no parameters; nothing is to be designed")
+        force_n = forces["force_n"].to_numpy()
         theta = local_fit(self.model, factors, force_n, np.array(fit.theta))
         self.ranges = parameter_ranges(self.model, factors, force_n, theta)
         lower = [(each.theta_lower, each.lower) for each in self.ranges]
@@ -112,7 +114,7 @@ def _anywhere(study: FittedSpace, layers: slice) -> ContinuousDesign:
     def gradients(points: np.ndarray) -> np.ndarray:
         return study.derivatives(points, layers=layers)
 
-    if not study.model.column_names and study.space.allowed(corners(study.space.box)).all():
+    if not study.model.column_names and study.space.allowed(grid(study.space.box, levels=2)).all():
         return optimal_in_box(gradients, study.space.box, study.everywhere, gap=1e-8)
     return optimal_weights(gradients(study.everywhere)).on(study.everywhere)
 
@@ -234,9 +236,7 @@ def designs_of_fit(
 
     Raises InputError where the model cannot be used on these points, or has no parameters.
     """
-    factors = factors_of(with_physics(fit.force_model, forces, config))
-    check_columns(fit.force_model, factors)
-    study = FittedSpace(fit, factors, forces["force_n"].to_numpy(), config=config)
+    study = FittedSpace(fit, config, forces=forces)
     others = {name: study.space.points(scenes) for name, scenes in (plans or {}).items()}
     for kind in ("scalings", "forms"):
         for search, found in (patterns or {}).get(kind, {}).items():

@@ -56,7 +56,7 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
             regions = augment(criterion, find_regions(patterns, box), settings["points"])
     points = np.array([region.point for region in regions])
     design = plan(_factors(points, box), position=fit.position)
-    design["origin"] = [region.origin for region in regions]
+    design["origin"] = [" and ".join(region.origins) for region in regions]
     optimal = determinant.derivatives(best.points)
     about = {
         "scaling": settings["scaling"],
@@ -129,7 +129,7 @@ def _patterns(
             "pattern": pattern.name,
             "count": len(pattern.members),
             "objective": pattern.design.value,
-            "objective_excess": pattern.excess,
+            "objective_excess": pattern.design.value - patterns[0].design.value,
             "inverse_determinant": pattern.design.inverse_determinant,
             "d_efficiency": d_efficiency(criterion.derivatives(pattern.design.points), optimal),
             "points": _factors(pattern.design.points, box).to_dict("records"),
