@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from reporting.figures import parts, style
 from reporting.notes import percent, reynolds_limit, signed
-from reporting.results import Results
+from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.solution import form_of
 
 EFFECTS = {
@@ -60,10 +60,9 @@ def budget(results: Results) -> Figure:
 def _budgets(results: Results, plan: str) -> pd.DataFrame:
     table = results.budget(plan)
     lengths = [name for name in form_of(table) if name.endswith("_m")]
-    ends = ["modelling_error_lower_percent", "modelling_error_upper_percent"]
     return parts.in_micrometres(table).assign(
         **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
-        modelling_error_percent=table[ends].mean(axis="columns", skipna=False),
+        modelling_error_percent=table[MODELLING_ERROR].mean(axis="columns", skipna=False),
     )
 
 
