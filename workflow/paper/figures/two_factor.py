@@ -20,8 +20,7 @@ def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The screen: one dot per simulation."""
     screen = results.scenes("screen")
     data = parts.plane_table(screen, layer="screen")
-    figure = style.new_figure()
-    axes = figure.subplots()
+    figure, axes = style.subplots()
     parts.dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
     parts.set_up_plane(axes, screen)
     gaps, amplitudes = screen["h0_m"].nunique(), screen["hv_m"].nunique()
@@ -45,8 +44,7 @@ def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
     labels = design["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
     points = parts.plane_table(design, layer="design").assign(label=labels)
     data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
-    figure = style.new_figure()
-    axes = figure.subplots()
+    figure, axes = style.subplots()
     label = f"screen, {len(screen)} points"
     white = style.rows(data, "screen")
     parts.dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
@@ -93,8 +91,7 @@ def _model_and_points(
 def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     """Error over amplitude, a line per gap; dots white inside the band and black outside."""
     data = parts.error_table(results, "two_factor_design", "screen", layer="control")
-    figure = style.new_figure(height_in=2.9)
-    axes = figure.subplots()
+    figure, axes = style.subplots(height_in=2.9)
     band = float(data["band_percent"].iloc[0])
     axes.axhspan(-band, band, color="0.94", zorder=0)
     for edge in (-band, band):

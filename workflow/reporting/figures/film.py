@@ -180,8 +180,7 @@ def levitation(results: Results) -> Figure:
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
     gaps_um = parts.micrometres(results.scenes("screen")["h0_m"])
     data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
-    gap, stiffness = figure.subplots(1, 2)
+    figure, (gap, stiffness) = style.subplots(1, 2, width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
     gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
     for amplitude, colour in zip(sorted(data["hv_um"].unique()), COLOURS, strict=False):
         rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")
