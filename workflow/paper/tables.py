@@ -1,11 +1,11 @@
 """Tables I to III of the paper, with our values: the paper's own are not legible to us."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import pandas as pd
 
 from reporting.notes import five_digits, simulations_note
+from reporting.pages import Page
 from reporting.results import Results
 
 SYMBOLS = {"theta0": "θ0", "theta1": "θ1", "theta2": "θ2", "theta3": "θ3", "theta4": "θ4"}
@@ -13,24 +13,14 @@ UNITS = {"theta2": "N", "theta4": "1/m"}
 ASSUMED = "our assumption: the paper's table is not legible to us"
 
 
-@dataclass(frozen=True)
-class PaperTable:
-    """A table: its title, one row per value (tidy), the same for people, and a note below."""
-
-    title: str
-    data: pd.DataFrame
-    shown: pd.DataFrame
-    note: str
-
-
-def table1(results: Results) -> PaperTable:
+def table1(results: Results) -> Page:
     """Parameters of the two-factor model, from the screen and from the optimal design alone."""
     fits = (("screen", "screen"), ("optimal design", "two_factor_design"))
     title = "Table I. Parameters of the two-factor model"
     return _parameters(results, fits, plan="screen", title=title)
 
 
-def table2(results: Results) -> PaperTable:
+def table2(results: Results) -> Page:
     """The space of four factors: gap and amplitude are the paper's, positions our assumption."""
     screen, plan = results.scenes("screen"), results.scenes("four_factor")
     rows = [
@@ -46,15 +36,15 @@ def table2(results: Results) -> PaperTable:
     ).round(9)
     positions = len(plan[["phi_r_m", "phi_deg"]].drop_duplicates())
     limits = {name: data[name].map("{:g}".format) for name in ("minimum", "maximum")}
-    return PaperTable(
-        title="Table II. Space of the experiment with four factors",
-        data=data,
-        shown=data.assign(**limits),
-        note=f"{len(plan)} simulations at {positions} positions of the pad's centre.",
-    )
+    values = {
+        "title": "Table II. Space of the experiment with four factors",
+        "shown": data.assign(**limits),
+        "note": f"{len(plan)} simulations at {positions} positions of the pad's centre.",
+    }
+    return Page(values, {"csv": data})
 
 
-def table3(results: Results) -> PaperTable:
+def table3(results: Results) -> Page:
     """Parameters of the four-factor model, from the plan and from two optimal designs alone."""
     fits = (
         ("plan", "four_factor"),
@@ -65,12 +55,12 @@ def table3(results: Results) -> PaperTable:
     return _parameters(results, fits, plan="four_factor", title=title)
 
 
-TABLES: dict[str, Callable[[Results], PaperTable]] = {"1": table1, "2": table2, "3": table3}
+TABLES: dict[str, Callable[[Results], Page]] = {"1": table1, "2": table2, "3": table3}
 
 
 def _parameters(
     results: Results, fits: Sequence[tuple[str, str]], *, plan: str, title: str
-) -> PaperTable:
+) -> Page:
     """The parameters of fits and their errors on the points of a plan, to which the first is."""
     rows = []
     judged_on = f"{results.fit(fits[0][1]).points} points of the {fits[0][0]}"
@@ -84,7 +74,7 @@ def _parameters(
     note = simulations_note(results.forces(plan))
     if plan == "four_factor":
         note += " φφ in degrees, φr in metres."
-    return PaperTable(title, data, _side_by_side(data), note)
+    return Page({"title": title, "shown": _side_by_side(data), "note": note}, {"csv": data})
 
 
 def _side_by_side(data: pd.DataFrame) -> pd.DataFrame:

@@ -5,7 +5,8 @@ difference if a plausible value of it brings the force to the paper's, as far as
 tell it. What is plausible was set from what the paper states, with how many digits, and from air.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import reduce
@@ -32,17 +33,6 @@ Forces = Callable[[Sequence[Scene]], np.ndarray]
 
 SEARCH_POINTS = 13
 PLAUSIBLE_POINTS = 5
-
-
-@dataclass(frozen=True)
-class Difference:
-    """A force of the paper in newtons, half a unit of its last digit, and where it is taken."""
-
-    claim_id: str
-    claim: str
-    paper_n: float
-    half_digit_n: float
-    point: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -75,20 +65,20 @@ _TABLE = Path(__file__).with_name("assumptions.yaml").read_text(encoding="utf-8"
 ASSUMPTIONS = tuple(Assumption(**entry) for entry in yaml.safe_load(_TABLE))
 
 
-def differences(config: Config) -> tuple[Difference, ...]:
-    """The forces in which the paper's simulations and ours differ."""
+def _differences(config: Config) -> Iterator[tuple[dict[str, Any], float, dict[str, float]]]:
+    """The forces in which the paper's simulations and ours differ.
+
+    For each how its rows begin, half a unit of the last digit of the paper's, and the point.
+    """
     beyond, screen = config["extrapolation"], config["screen"]
     operating = {name: beyond[name] for name in ("h0_m", "hv_m")}
     smallest = {"h0_m": screen["h0_m"]["stop"], "hv_m": screen["hv_m"]["start"]}
-    least = f"smallest force of the screen, at {_place(smallest)}"
-    return (
-        Difference("simulation_at_2.2", f"force at {_place(operating)}", 0.99, 0.005, operating),
-        Difference("smallest_force", least, 90e-6, 5e-6, smallest),
-    )
-
-
-def _place(point: Mapping[str, float]) -> str:
-    return f"h0 = {1e6 * point['h0_m']:g} µm, hv = {1e6 * point['hv_m']:g} µm"
+    for claim_id, force, paper_n, half_digit_n, point in (
+        ("simulation_at_2.2", "force", 0.99, 0.005, operating),
+        ("smallest_force", "smallest force of the screen,", 90e-6, 5e-6, smallest),
+    ):
+        claim = f"{force} at h0 = {1e6 * point['h0_m']:g} µm, hv = {1e6 * point['hv_m']:g} µm"
+        yield {"claim_id": claim_id, "claim": claim, "paper_n": paper_n}, half_digit_n, point
 
 
 def uncertainty_page(results: Results) -> Page:
@@ -116,51 +106,54 @@ def compare(config: Config, *, forces: Forces) -> pd.DataFrame:
     Raises RunError when a film cannot be simulated even with everything as assumed.
     """
     rows = []
-    for difference in differences(config):
-        (ours_n,) = forces([scene_of(config, **difference.point)])
+    for claim, half_n, point in _differences(config):
+        (ours_n,) = forces([scene_of(config, **point)])
         if not np.isfinite(ours_n):
-            raise RunError(f"{difference.claim_id}: the film could not be simulated")
-        for assumption in ASSUMPTIONS:
-            rows += _rows(config, difference, assumption, float(ours_n), forces)
+            raise RunError(f"{claim['claim_id']}: the film could not be simulated")
+        study = Config(path=config.path, sections={**config.sections, "point": point})
+        begin = {**claim, "ours_n": float(ours_n)}
+        rows += [row for each in ASSUMPTIONS for row in _rows(study, begin, half_n, each, forces)]
     return pd.DataFrame(rows)
 
 
 def _rows(
-    config: Config, difference: Difference, assumption: Assumption, ours_n: float, forces: Forces
-) -> list[dict[str, Any]]:
-    """The row; none where the study's film does not know the assumption."""
-    sections: Any = {**config.sections, "point": difference.point}
-    paper_n, half_n = difference.paper_n, difference.half_digit_n
-    assumed = assumption.rest
+    study: Config, begin: Mapping[str, Any], half_n: float, assumption: Assumption, forces: Forces
+) -> Iterator[dict[str, Any]]:
+    """The row; none where the study's film does not know the assumption.
+
+    Args:
+        study: with the point as a section.
+        begin: how the row begins, the paper's and our force in it.
+        half_n: how far the paper's may be off by its digits.
+    """
+    sections: Any = study.sections
+    paper_n, assumed = begin["paper_n"], assumption.rest
     if assumed is None:
         *path, key = assumption.places[0].split(".")
         if key not in (section := reduce(getitem, path, sections)):
-            return []
+            return
         assumed = float(section[key])
 
-    def scene_with(value: float) -> Scene | None:
-        """The film with another value of the assumption; None where there is no such film."""
-        changed: Any = deepcopy(sections)
-        settings: dict[str, Any] = {**dict.fromkeys(assumption.places, value), **assumption.switch}
-        for place, setting in () if value == assumption.rest else settings.items():
-            *path, key = place.split(".")
-            reduce(getitem, path, changed)[key] = setting
-        point = changed.pop("point")
-        try:
-            return scene_of(Config(path=config.path, sections=changed), **point)
-        except InputError:
-            return None
-
     def forces_n(values: np.ndarray) -> np.ndarray:
-        """The forces with other values; NaN where there is no such film."""
-        scenes = {k: scene for k, value in enumerate(values) if (scene := scene_with(float(value)))}
+        """The forces with other values of the assumption; NaN where there is no such film."""
+        scenes = {}
+        for k, value in enumerate(values.tolist()):
+            changed: Any = deepcopy(sections)
+            settings: dict[str, Any] = dict.fromkeys(assumption.places, value)
+            for place, setting in {**settings, **assumption.switch}.items():
+                *path, key = place.split(".")
+                if value != assumption.rest:
+                    reduce(getitem, path, changed)[key] = setting
+            point = changed.pop("point")
+            with suppress(InputError):
+                scenes[k] = scene_of(Config(path=study.path, sections=changed), **point)
         found = np.full(len(values), np.nan)
         found[list(scenes)] = forces(list(scenes.values()))
         return found
 
     low, high = assumption.plausible or _rounding(assumed, assumption.scale)
     values = np.linspace(low, high, PLAUSIBLE_POINTS if high > low else 1)
-    plausible = np.append(forces_n(values), ours_n)
+    plausible = np.append(forces_n(values), begin["ours_n"])
     low_n, high_n = np.nanmin(plausible), np.nanmax(plausible)
     # From small to large, with that assumed among them.
     values = np.linspace(*assumption.search, SEARCH_POINTS)
@@ -177,11 +170,8 @@ def _rows(
     ]
     nearest = min(needed, key=lambda value: abs(value - assumed), default=np.nan)
     explains = low_n <= paper_n + half_n and high_n >= paper_n - half_n
-    row = {
-        "claim_id": difference.claim_id,
-        "claim": difference.claim,
-        "paper_n": paper_n,
-        "ours_n": ours_n,
+    yield {
+        **begin,
         "assumption": assumption.name,
         "unit": assumption.unit,
         "assumed": assumed / assumption.scale,
@@ -196,7 +186,6 @@ def _rows(
         "verdict": "explains" if explains else "cannot explain",
         "because": assumption.because,
     }
-    return [row]
 
 
 def _rounding(value: float, scale: float) -> tuple[float, float]:

@@ -90,8 +90,7 @@ def draw_sheet(field: Dataset) -> Figure:
 
 def save_animation(field: Dataset, path: Path | str) -> None:
     """The whole period as a GIF, which goes round without a jump."""
-    figure = style.new_figure(height_in=3.2)
-    axes = figure.subplots()
+    figure, axes = style.subplots(height_in=3.2)
     pressure = field["overpressure"]
     image = _picture(axes, pressure[0], reach=_reach(pressure))
     figure.colorbar(image, ax=axes, label="overpressure (kPa)")

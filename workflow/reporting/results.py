@@ -21,6 +21,9 @@ from squeezefilm.tables import (
     read_scenes,
 )
 
+MODELLING_ERROR = [f"modelling_error_{end}_percent" for end in ("lower", "upper")]
+"""Columns of a budget: the ends of what the equation leaves out in all."""
+
 
 @dataclass(frozen=True)
 class Results:
@@ -76,12 +79,7 @@ class Results:
 
     def budget(self, plan: str) -> pd.DataFrame:
         """Return the neglected effects on the forces of a plan."""
-        columns = (
-            "modelling_error_lower_percent",
-            "modelling_error_upper_percent",
-            "first_order_invalid",
-            "included_effects",
-        )
+        columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects")
         table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns)
         return table.assign(first_order_invalid=table["first_order_invalid"].fillna(""))
 

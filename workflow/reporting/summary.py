@@ -8,7 +8,7 @@ import pandas as pd
 
 from reporting.notes import largest_error, percent, rounded_up, signed
 from reporting.pages import Page, front_page, render
-from reporting.results import Results
+from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
@@ -142,9 +142,7 @@ def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
 def _neglected(results: Results) -> dict[str, Any] | None:
     """The ends of what is left out in all over the screen; None where they are not known."""
     table = results.budget("screen")
-    ends = table[["modelling_error_lower_percent", "modelling_error_upper_percent"]].to_numpy(
-        dtype=float
-    )
+    ends = table[MODELLING_ERROR].to_numpy(dtype=float)
     if not np.isfinite(ends).all():
         return None
     return {

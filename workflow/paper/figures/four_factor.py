@@ -28,8 +28,7 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
             "phi_r_limit_mm": centre_limit_mm(results.config),
         }
     )
-    figure = style.new_figure()
-    axes = figure.subplots()
+    figure, axes = style.subplots()
     axes.axhline(
         data["phi_r_limit_mm"].iloc[0],
         color=style.VERMILLION,
@@ -67,8 +66,7 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
         for form, design in designs.items()
     ]
     data = pd.concat(tables, ignore_index=True)
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = style.subplots(1, 2, width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
     for look, (form, points) in zip(_LOOKS, data.groupby("form", sort=False), strict=True):
         for axes, x, y in ((left, "h0_um", "hv_um"), (right, "phi_deg", "phi_r_mm")):
             label = form if axes is left else None

@@ -81,8 +81,7 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     """
     screen, summary = results.scenes("screen"), results.searches()
     number, patterns = summary["searches"], summary["scalings"][summary["scaling"]]
-    figure = style.new_figure()
-    axes = figure.subplots()
+    figure, axes = style.subplots()
     parts.set_up_plane(axes, screen, headroom=0.3)
     if order >= len(patterns):
         found = ", ".join(f"{each['pattern']} ({each['count']})" for each in patterns)

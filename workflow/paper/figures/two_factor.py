@@ -20,8 +20,7 @@ def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The screen: one dot per simulation."""
     screen = results.scenes("screen")
     data = parts.plane_table(screen, layer="screen")
-    figure = style.new_figure()
-    axes = figure.subplots()
+    figure, axes = style.subplots()
     parts.dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
     parts.set_up_plane(axes, screen)
     gaps, amplitudes = screen["h0_m"].nunique(), screen["hv_m"].nunique()
@@ -33,9 +32,9 @@ def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
 def fig08(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the screen (mesh) and the simulations (dots)."""
     fit = results.fit("screen")
-    looks = {"simulation": {"color": style.VERMILLION, "label": "simulation"}}
+    layers = {"simulation": ("screen", {"color": style.VERMILLION, "label": "simulation"})}
     note = f"Fit on {fit.points} points: global error {percent(fit.global_error)}."
-    return _model_and_points(results, fit, {"simulation": "screen"}, looks, note)
+    return _model_and_points(results, fit, layers, note)
 
 
 def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -45,8 +44,7 @@ def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
     labels = design["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
     points = parts.plane_table(design, layer="design").assign(label=labels)
     data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
-    figure = style.new_figure()
-    axes = figure.subplots()
+    figure, axes = style.subplots()
     label = f"screen, {len(screen)} points"
     white = style.rows(data, "screen")
     parts.dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
@@ -63,42 +61,37 @@ def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
 def fig13(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the design (mesh, black dots) and the control points (white dots)."""
     fit = results.fit("two_factor_design")
-    looks: dict[str, dict[str, Any]] = {
-        "control": {"color": "white", "label": "control point"},
-        "design": {"color": "black", "label": "design point", "s": 26},
+    black = {"color": "black", "label": "design point", "s": 26}
+    layers = {
+        "control": ("screen", {"color": "white", "label": "control point"}),
+        "design": ("two_factor_design", black),
     }
     errors = parts.error_note(results, "two_factor_design", "screen")
     note = f"Fit on {fit.points} points; on {errors}."
-    plans = {"control": "screen", "design": "two_factor_design"}
-    return _model_and_points(results, fit, plans, looks, note)
+    return _model_and_points(results, fit, layers, note)
 
 
 def _model_and_points(
-    results: Results,
-    fit: FittedModel,
-    plans: Mapping[str, str],
-    looks: Mapping[str, Mapping[str, Any]],
-    note: str,
+    results: Results, fit: FittedModel, layers: Mapping[str, tuple[str, Any]], note: str
 ) -> tuple[Figure, pd.DataFrame]:
     """A fit as a mesh, and layers of simulations as dots, each of a plan and with a look."""
-    mesh = parts.model_mesh(fit, results.scenes("screen"))
-    forces = {layer: results.forces(plan) for layer, plan in plans.items()}
-    layers = [parts.plane_table(table, layer=layer) for layer, table in forces.items()]
+    tables = [parts.model_mesh(fit, results.scenes("screen"))]
+    forces = [results.forces(plan) for plan, _ in layers.values()]
     figure = style.new_figure(height_in=3.1)
-    notes = (note, simulations_note(*forces.values()), results.beyond)
+    notes = (note, simulations_note(*forces), results.beyond)
     axes = parts.add_space(figure, bottom=style.add_note(figure, *notes))
-    parts.force_mesh(axes, mesh)
-    for points, look in zip(layers, looks.values(), strict=True):
-        parts.force_points(axes, points, **look)
+    parts.force_mesh(axes, tables[0])
+    for (layer, (_, look)), simulated in zip(layers.items(), forces, strict=True):
+        tables.append(parts.plane_table(simulated, layer=layer))
+        parts.force_points(axes, tables[-1], **look)
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
-    return figure, pd.concat([mesh, *layers], ignore_index=True)
+    return figure, pd.concat(tables, ignore_index=True)
 
 
 def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     """Error over amplitude, a line per gap; dots white inside the band and black outside."""
     data = parts.error_table(results, "two_factor_design", "screen", layer="control")
-    figure = style.new_figure(height_in=2.9)
-    axes = figure.subplots()
+    figure, axes = style.subplots(height_in=2.9)
     band = float(data["band_percent"].iloc[0])
     axes.axhspan(-band, band, color="0.94", zorder=0)
     for edge in (-band, band):

@@ -26,8 +26,7 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     surface = profile_table(config, radii=41, angles=61)
     layers = {"surface": surface, "centre_limit": circle, "pad": outline}
     data = pd.concat([table.assign(layer=layer) for layer, table in layers.items()])
-    figure = style.new_figure(height_in=3.5)
-    axes = figure.subplots()
+    figure, axes = style.subplots(height_in=3.5)
     x, y, amplitude = _polar_grid(surface)
     levels = np.linspace(-1, 1, 41)
     levels = levels[(levels >= amplitude.min() - 0.05) & (levels <= amplitude.max() + 0.01)]

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from reporting.figures import parts, style
 from reporting.notes import percent, reynolds_limit, signed
-from reporting.results import Results
+from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.solution import form_of
 
 EFFECTS = {
@@ -60,10 +60,9 @@ def budget(results: Results) -> Figure:
 def _budgets(results: Results, plan: str) -> pd.DataFrame:
     table = results.budget(plan)
     lengths = [name for name in form_of(table) if name.endswith("_m")]
-    ends = ["modelling_error_lower_percent", "modelling_error_upper_percent"]
     return parts.in_micrometres(table).assign(
         **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
-        modelling_error_percent=table[ends].mean(axis="columns", skipna=False),
+        modelling_error_percent=table[MODELLING_ERROR].mean(axis="columns", skipna=False),
     )
 
 
@@ -181,8 +180,7 @@ def levitation(results: Results) -> Figure:
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
     gaps_um = parts.micrometres(results.scenes("screen")["h0_m"])
     data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
-    gap, stiffness = figure.subplots(1, 2)
+    figure, (gap, stiffness) = style.subplots(1, 2, width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
     gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
     for amplitude, colour in zip(sorted(data["hv_um"].unique()), COLOURS, strict=False):
         rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")

@@ -23,8 +23,7 @@ def error_map(results: Results) -> Figure:
     """Relative error of the model fitted to the design, over the whole space."""
     grid = parts.error_table(results, "two_factor_design", "error_map", layer="map")
     design = parts.plane_table(results.forces("two_factor_design"), layer="design")
-    figure = style.new_figure(height_in=3.2)
-    axes = figure.subplots()
+    figure, axes = style.subplots(height_in=3.2)
     filled, lines = parts.error_contours(
         axes, grid, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
     )

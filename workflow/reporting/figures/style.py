@@ -87,6 +87,12 @@ def new_figure(*, width_in: float = SINGLE_COLUMN_IN, height_in: float = 2.7) ->
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
+def subplots(*shape: int, width_in: float = SINGLE_COLUMN_IN, height_in: float = 2.7) -> Any:
+    """A new figure and its axes: one, or an array of so many rows and columns."""
+    figure = new_figure(width_in=width_in, height_in=height_in)
+    return figure, figure.subplots(*shape)
+
+
 def add_note(figure: Figure, *lines: str) -> float:
     """Write lines below the figure; returns the share of the height they take.
 
