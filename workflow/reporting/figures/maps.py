@@ -107,6 +107,7 @@ def profile(results: Results) -> Figure:
     data = results.table("figures/profile.csv", "layer", "noise_um")
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
     amplitude, residual = figure.subplots(1, 2)
+    residual.set_title("(b) what the profile leaves")
     if "map" in set(data["layer"]):
         _draw_profile(figure, amplitude, residual, data)
     else:
@@ -128,7 +129,6 @@ def _draw_profile(figure: Figure, amplitude: Axes, residual: Axes, data: pd.Data
     amplitude.contourf(*grid, levels=levels, cmap=style.DIVERGING)
     amplitude.contour(*grid, levels=[0.0], colors="black", linewidths=1.6)
     amplitude.set_title("(a) measured (dots) and smoothed")
-    residual.set_title("(b) what the profile leaves")
     for axes, column, label, limit in (
         (amplitude, "amplitude_um", "amplitude (µm)", float(levels[-1])),
         (residual, "residual_um", "residual (µm)", largest_residual),
@@ -173,5 +173,4 @@ def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> No
     residual.axhspan(-2 * noise, 2 * noise, color="0.9", zorder=0, label="± 2 σ of the noise")
     reach = max(3.5 * noise, 1.3 * float(data["residual_um"].abs().max()))
     residual.set(ylim=(-reach, 1.25 * reach), ylabel="residual (µm)")
-    residual.set_title("(b) what the profile leaves")
     residual.legend(loc="upper right")
