@@ -73,8 +73,6 @@ BY_HAND = {
 
 PARTS = {
     "snakemake --report",
-    "squeezefilm simulate --derivatives",
-    "squeezefilm simulate --dry-run",
     "squeezefilm simulate --outputs",
 }
 """Named for an option of theirs: no whole commands."""
