@@ -18,8 +18,8 @@ EFFECTS = {
     "inertia": (style.BLUE, "inertia"),
     "slip": (style.VERMILLION, "slip"),
     "heat": (style.ORANGE, "heat"),
-    "edge_loss": (style.GREEN, "rim, C = 1"),
-    "modelling_error": (style.GREY, "modelling error"),
+    "edge_loss": (style.GREEN, "edge loss, C = 1"),
+    "modelling_error": (style.GREY, "total"),
 }
 EDGE = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
