@@ -38,10 +38,11 @@ def copy_checkout(source: Path, target: Path, *more: str) -> Path:
 
 def copy_with_results(repository: Path, target: Path, *more: str) -> Path:
     """A checkout with what is made of the quick study already; Snakemake makes the rest."""
-    made = ("results/quick", ".snakemake/metadata")
-    return copy_checkout(
-        repository, target, *more, *(name for name in made if (repository / name).is_dir())
-    )
+    folder = copy_checkout(repository, target, *more)
+    for name in ("results/quick", ".snakemake/metadata"):
+        if (repository / name).is_dir():
+            shutil.copytree(repository / name, folder / name)  # with their times
+    return folder
 
 
 def snakemake(
