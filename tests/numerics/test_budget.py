@@ -21,8 +21,8 @@ from squeezefilm.quantities.model_error import (
     NAMES,
     ErrorBudget,
     budget_text,
+    edge_loss_remainder,
     error_budgets,
-    rim_missed,
 )
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
@@ -55,7 +55,7 @@ def test_the_rim_misses_less_than_is_said(uneven: float, epsilon: float, sigma: 
     for share in (0.02, 0.1, 0.4):
         loss = share / per_loss
         missed = 1 - (1 - strip.mean_overpressure(loss) / without) / share
-        assert 0.05 < missed / rim_missed(24 * sigma * loss, epsilon) < 1
+        assert 0.05 < missed / edge_loss_remainder(24 * sigma * loss, epsilon) < 1
 
 
 def test_the_rims_first_order_is_that_of_a_strip() -> None:

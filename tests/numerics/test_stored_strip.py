@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stored_strip import TABLE
 
-from squeezefilm.quantities.model_error import HEAT_MISSED, INERTIA_MISSED, OFF_ON_GRIDS
+from squeezefilm.quantities.model_error import HEAT_REMAINDER, INERTIA_REMAINDER, OFF_ON_GRIDS
 
 
 def missed(first: str, without: str, effect: "np.ndarray") -> "np.ndarray":
@@ -16,8 +16,8 @@ def missed(first: str, without: str, effect: "np.ndarray") -> "np.ndarray":
 @pytest.mark.parametrize(
     ("stated", "first", "without", "effect"),
     [
-        (INERTIA_MISSED, "first_order", "reynolds_equation", ("resolved", "reynolds_equation")),
-        (HEAT_MISSED, "one_mode_first_order_heat", "one_mode", ("resolved_heat", "resolved")),
+        (INERTIA_REMAINDER, "first_order", "reynolds_equation", ("resolved", "reynolds_equation")),
+        (HEAT_REMAINDER, "one_mode_first_order_heat", "one_mode", ("resolved_heat", "resolved")),
     ],
     ids=["inertia", "heat"],
 )

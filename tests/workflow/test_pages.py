@@ -117,7 +117,7 @@ four_factor,bump,3,30,0.16,100,0.25,5e-6,5e-3,0,0.3,,,,no amplitude gives it
 """
 
 
-def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(
+def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     study, repository, tmp_path
 ):
     shutil.copytree(study.root, tmp_path, dirs_exist_ok=True)
@@ -128,11 +128,13 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(
     )
     results = Results.of(tmp_path, repository / "config/plate.yaml")
     text = render("in_short.md", **headline_values(results))
-    assert "limit_1, 0.9 % off over 32 points of the validation sample" in text
-    assert "25 %. No model compared holds the study's ±15 %" in text
+    assert "limit_1, global error 0.9 % on 32 points of the validation sample" in text
+    assert "simulations). No model compared is within the study's ±15 %" in text
     assert "| limit_1 | 0 | 0 | 1.33 | 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
-    assert "by −2 to +11 % in all (first order and what higher ones may add; somewhere" in text
+    assert (
+        "−2 to +11 % of the force, by neglected effects (first-order estimates with bounds" in text
+    )
 
 
 def explorer(study, **models: list[str]) -> tuple[str, dict]:

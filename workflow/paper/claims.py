@@ -167,7 +167,7 @@ def _extrapolated_values(results: Results) -> Values:
         "point": point,
         "wanted": wanted,
         "budget": budget,
-        "equation": included if present else "Eq. (1) leaves out",
+        "equation": included if present else "Eq. (1) neglects",
         "effects": ", ".join(
             f"{name} {budget[f'{name}_percent']:+.1f} %"
             for name in ("inertia", "slip", "heat")

@@ -22,7 +22,7 @@ from squeezefilm.tables import (
 )
 
 MODELLING_ERROR = [f"modelling_error_{end}_percent" for end in ("lower", "upper")]
-"""Columns of a budget: the ends of what the equation leaves out in all."""
+"""Columns of a budget: the bounds of the modelling error."""
 
 
 @dataclass(frozen=True)

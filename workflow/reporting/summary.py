@@ -98,7 +98,9 @@ def headline_values(results: Results) -> dict[str, Any]:
         "claims": _claims(results) if config["paper"] else None,
         "recommended": recommended,
         "band": config["validation"]["relative_error_band"],
-        "amplitudes": None if recommended is None else _amplitudes(recommended),
+        "amplitudes": None
+        if recommended is None or recommended.empty
+        else _amplitudes(recommended),
         "wanted": config["extrapolation"],
         "neglected": _neglected(results),
         "beyond": results.beyond,
@@ -140,7 +142,7 @@ def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
 
 
 def _neglected(results: Results) -> dict[str, Any] | None:
-    """The ends of what is left out in all over the screen; None where they are not known."""
+    """Return the bounds of the modelling error over the screen; None where they are not known."""
     table = results.budget("screen")
     ends = table[MODELLING_ERROR].to_numpy(dtype=float)
     if not np.isfinite(ends).all():

@@ -36,7 +36,7 @@ def relative(path):
 def config_path():
     """The one configuration file: the paper's, unless --configfile names another.
 
-    Several files would be merged key by key, and a key left out would silently be the paper's. As a
+    Several files would be merged key by key, and a missing key would silently be the paper's. As a
     module of another workflow: the file into which the module's config is written.
     """
     if IS_MODULE:

@@ -43,19 +43,19 @@ def explorer_page(
 
     Raises InputError for a fit that is missing or that the page cannot compute with.
     """
-    config, simplifications = results.config, {}
+    config, not_available = results.config, {}
     models = {name: (results.fit(name), name) for name in fits}
     for name in candidates:
         path = results.folder / f"models/four_factor/{name}.json"
         values = read_json(path)
         if "refused" in values:
-            simplifications[name] = str(values["refused"])
+            not_available[name] = str(values["refused"])
         else:
             models[f"{name} on four_factor"] = fit_of(values, place=path), "four_factor"
     start = config["extrapolation"]
     data = {
         "fits": [_fit(name, fit, plan) for name, (fit, plan) in models.items()],
-        "simplifications": simplifications,
+        "not_available": not_available,
         "plans": list(forces),
         "simulations": [
             [index, *(float(value) for value in row)]

@@ -235,9 +235,9 @@
     const source = films.length > 1 ? `between the ${films.length} films examined around this point`
       : "of this very film";
     about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz: `
-      + `${source}.${moved} By the slow film equation, which is good to ${share(error)} of its gains, `
-      + "without inertia and heat of the gas: what those change is not known."
-      + (byId("validity").hidden ? "" : " At this gap that leaves out what rules the film.");
+      + `${source}.${moved} By the period-averaged equation, accurate to ${share(error)} of its gains, `
+      + "which neglects inertia and heat of the gas."
+      + (byId("validity").hidden ? "" : " At this gap the neglected effects rule the film.");
     return films;
   }
 
@@ -529,8 +529,8 @@
   });
 
   byId("modulated").hidden = !data.modulation;
-  for (const [name, reason] of Object.entries(data.simplifications)) {
-    byId("left-out").append(`Not here: ${name}, for ${reason}. `);
+  for (const [name, reason] of Object.entries(data.not_available)) {
+    byId("not-available").append(`Not here: ${name}, for ${reason}. `);
   }
   showFactors();
   update();

@@ -1,4 +1,4 @@
-"""What films do besides giving a force: what the equation leaves out of it, loads, modulation."""
+"""What films do besides giving a force: effects that the equation neglects, loads, modulation."""
 
 from functools import partial
 from typing import Any
@@ -41,10 +41,8 @@ def budget(results: Results) -> Figure:
     *panels, last = figure.subplots(2, 3).flat
     too_large = "; ".join(screen["first_order_invalid"]).split("; ")
     for letter, axes, (name, (colour, label)) in zip("abcde", panels, EFFECTS.items(), strict=True):
-        look: dict[str, Any] = {
-            "colors": colour,
-            "linestyles": "dashed" if name in too_large else "solid",
-        }
+        beyond = any(too_large) if name == "modelling_error" else name in too_large
+        look: dict[str, Any] = {"colors": colour, "linestyles": "dashed" if beyond else "solid"}
         look["levels"] = _inner_levels(screen[f"{name}_percent"])
         title = f"({letter}) {label} (%)"
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
@@ -92,7 +90,7 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
             )
             axes.plot(along[place], values, marker + "-", color=colour, **look)
             if marker == "s" and np.isfinite(values.iloc[-1]):
-                text = label.removesuffix(", C = 1").removesuffix(" in all")
+                text = label.removesuffix(", C = 1")
                 ends.append((float(values.iloc[-1]), text, colour))
     # From the lowest up and none over another.
     low, high = axes.get_ylim()
@@ -110,18 +108,17 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
 
 def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
-    table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
-    table = pd.DataFrame(
-        {"corner_hz": np.nan, "instantaneous_fraction": np.nan} | dict(table.items())
+    table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "corner_hz")
+    maps = parts.in_micrometres(table).assign(
+        instantaneous_percent=100 * table["instantaneous_fraction"]
     )
-    maps = parts.in_micrometres(table).assign(prompt_percent=100 * table["instantaneous_fraction"])
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
     lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.6)
     (corner, prompt), (gain, phase) = figure.subplots(2, 2)
     _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
-    _draw_map(prompt, maps, "prompt_percent", "(b) force at once (%)")
+    _draw_map(prompt, maps, "instantaneous_percent", "(b) instantaneous fraction (%)")
     _draw_lines(gain, lines, "gain", "(c) gain")
     gain.set_ylabel("change of the force, relative,\nper that of the amplitude (–)")
     _draw_lines(phase, lines, "phase_deg", "(d) phase")

@@ -123,7 +123,7 @@ class Film:
 
     A quantity is a number in SI units or a text with its unit, ``"5 um"``; the place is that of
     the pad's centre from the actuator's, Cartesian (``x``, ``y``) or polar (``phi_r``,
-    ``phi`` in degrees), the centre if left out.
+    ``phi`` in degrees), the centre by default.
 
     Attributes:
         config: the sections ``gas``, ``actuator``, ``pad`` and ``solver`` of a study.
@@ -190,7 +190,7 @@ class Film:
         outputs: Sequence[str] | None = None,
         **position: Unpack[Position],
     ) -> Force:
-        """The mean force at one operating point, with its error and what its equation leaves out.
+        """The mean force at one operating point, with its numerical and modelling error.
 
         Args:
             tolerance: wanted relative error, instead of the film's own.

@@ -57,14 +57,14 @@ ALIKE = ["method", "domain", "terms", "simplifications"]
 
 @dataclass(frozen=True)
 class Force:
-    """The mean force of one scene, its error, and what its equation leaves out.
+    """The mean force of one scene, its error, and the effects that its equation neglects.
 
     ``print(force)`` says all of it in words, ``float(force)`` is the force in newtons.
 
     Attributes:
         scene: what was solved.
         solution: the force and how it was obtained; its error is the solver's alone.
-        budget: what the film equation leaves out of the force, effect by effect; its
+        budget: the effects that the film equation neglects, one by one; its
             status says where it was not asked for.
         scan: what the scan of a measured profile leaves open: ``noise_n``, half of the interval
             that holds the noise's part in 95 % of all scans; ``out_of_phase_n``, by what the force
@@ -91,13 +91,13 @@ class Force:
     def error_n(self) -> float:
         """The solver's error estimate and what a scan leaves open, in newtons.
 
-        What the film equation itself leaves out is not in it: see ``modelling_error_percent``.
+        The modelling error is not in it: see ``modelling_error_percent``.
         """
         return self.solution.force_error_n + (self.scan["scan_error_n"] if self.scan else 0.0)
 
     @property
     def modelling_error_percent(self) -> tuple[float, float]:
-        """What the equation leaves out of the force, least and most, in per cent.
+        """Return the bounds of the modelling error in per cent of the force.
 
         First orders, and what higher ones may add. NaN where an effect is not known or the budget
         was not asked for; ``print(force)`` says where a first order is not enough.
@@ -170,7 +170,7 @@ def forces_of(
 
     Args:
         smoothed: the scan that their profile was measured in.
-        budget: whether what the film equation leaves out is asked for too: states of their own.
+        budget: whether to estimate the modelling error too, from states of its own.
     """
     notes = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
     scenes = settings.resolved(scenes, device)
@@ -251,7 +251,7 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
 def budget_table(
     table: pd.DataFrame, config: Config, *, device_name: str | None = None
 ) -> pd.DataFrame:
-    """A table of scenes with what the film equation leaves out of each force."""
+    """Return a table of scenes with the modelling error of each force."""
     device = device_of(config, option=device_name)
     scenes = solver_settings(config, outputs=()).resolved(scenes_in(table, config), device)
     rows = [

@@ -106,7 +106,7 @@ class Fit:
 
         Args:
             force: wanted, in newtons or with its unit.
-            h0: gaps; evenly spaced over the range of the fit if left out.
+            h0: gaps; evenly spaced over the range of the fit by default.
 
         ``hv_error_95_m`` is the 95 % error of the force over its slope, ``error_95_percent`` that
         of the force; empty where the point is not validated, and ``note`` says why.

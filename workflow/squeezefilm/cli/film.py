@@ -1,4 +1,4 @@
-"""Commands that solve the film equation: forces, what it leaves out of them, pressure fields."""
+"""Commands that solve the film equation: forces, modelling errors, pressure fields."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ from squeezefilm.tables import read_scenes, write_table
     *(CONFIG, TOLERANCE, METHOD, DEVICE),
     flag("--dry-run", "show how scenes would be solved, and solve nothing"),
     flag("--derivatives", "of the force too, to each number of a scene"),
-    flag("--budget", "what the film equation leaves out, as columns of several points"),
+    flag("--budget", "the modelling error too, as columns of several points"),
     option("--outputs", "NAME,…", f"answers beside the force, of {', '.join(OUTPUTS)}, or all"),
     points(),
 )
@@ -176,7 +176,7 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
     DEVICE,
 )
 def budget(options: argparse.Namespace) -> None:
-    """What the film equation leaves out of each force: inertia, heat, slip, rim, sliding, in %.
+    """Estimate the modelling error of each force: inertia, heat, slip, edge loss, sliding, in %.
 
       squeezefilm budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
 

@@ -71,7 +71,7 @@ def fit(options: argparse.Namespace) -> None:
     SciPy's differential evolution checks them. A model that is linear in its parameters is solved
     at once. RUNS.csv has every run, FIT.json the run with the least sum of squares and all that is
     needed to use the model: formula, parameters and their units, ranges of the factors, errors on
-    the points and on points left out, and the prediction interval that the sample gives
+    the points and on held-out points, and the prediction interval that the sample gives
     (`squeezefilm predict`).
     """
     config = load_config(options.config)

@@ -95,7 +95,7 @@ Name = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
 Different = AfterValidator(_different)
 UpTo100 = Field(min_length=1, max_length=100)
 DERIVED: Any = Field(default=None)
-"""Of a key that may be left out: ``default:`` in the docstring says what follows from others."""
+"""Of an optional key: ``default:`` in the docstring says what follows from others."""
 Names = Annotated[list[Name], UpTo100, Different]
 Term = Literal["none", "included", "auto"]
 
@@ -131,8 +131,8 @@ class Gas:
 
     The film's own type: in Python its numbers may be any, in a study they are within limits. The
     density follows the pressure as ρ ~ p^(1/n), the mean free path goes like 1/ρ, as for molecules
-    of a fixed size; ``auto`` is decided before a scene is solved, and what the equation of a scene
-    leaves out enters its budget alone (quantities/model_error.py).
+    of a fixed size; ``auto`` is decided before a scene is solved, and the effects that the
+    equation of a scene neglects enter its error budget alone (quantities/model_error.py).
 
     Attributes:
         viscosity_pa_s: dynamic viscosity μ; default: that of `name` at 20 °C, 1.81e-5 of air
@@ -390,7 +390,7 @@ class GapShape:
         tilt_x_m: gap at the middle of the side at +x less that at −x
         tilt_y_m: gap at the middle of the side at +y less that at −y
         crown_m: gap at the middle of a side less that at the centre, growing with the square of the
-            distance; positive for a pad that bulges towards the surface
+            distance; positive for a pad whose crown is towards the surface
     """
 
     __pydantic_config__ = KEYS

@@ -48,7 +48,7 @@ def schema(model: type[FilmSections] = Study) -> Part:
 def part_at(part: Part, steps: Place, values: Any) -> tuple[Place, Part]:
     """The place that some steps lead to in values, and its part of a schema; empty if it has none.
 
-    What an error of pydantic says among its steps of the choices of a union is left out.
+    What an error of pydantic says among its steps of the choices of a union is dropped.
     """
     place: Place = ()
     for step in steps:

@@ -240,8 +240,8 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
     """The whole study as YAML that reads as the same study; what was not written says so.
 
     Args:
-        folder: where the text will lie, for the paths of a scan and an outline; beside the study
-            if left out.
+        folder: where the text will lie, for the paths of a scan and an outline; by default
+            beside the study.
     """
     assert config.model is not None
     sections = config.model.model_dump(exclude_none=True, by_alias=True)

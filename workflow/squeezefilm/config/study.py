@@ -57,7 +57,7 @@ class Sweep(Section):
 
     Attributes:
         points: how many
-        first: how many points of the sequence to leave out: sweeps with `first` 0, 1000, 2000 … and
+        first: how many points of the sequence to skip: sweeps with `first` 0, 1000, 2000 … and
             1000 `points` each are one sweep in parts, each a study of its own
         seed: of the sequence's scrambling; the same for all parts
     """

@@ -95,7 +95,7 @@ def stacked_derivatives(derivatives: ArrayLike) -> Array:
 def log_determinant(derivatives: ArrayLike, weights: ArrayLike | None = None) -> Array:
     """log det M, shape (K,), of a design with derivatives (n, p) or (K, n, p).
 
-    Equal weights if left out. Minus infinity where M is singular.
+    Equal weights by default. Minus infinity where M is singular.
     """
     pivots = np.diagonal(_roots(stacked_derivatives(derivatives), weights), axis1=1, axis2=2)
     with np.errstate(divide="ignore"):
@@ -107,7 +107,7 @@ def sensitivity(
 ) -> Array:
     """Mean of f' M^-1 f / p of a design with derivatives (K, s, p), at others (K, n, p).
 
-    Equal weights if left out. Undefined derivatives give zero. Infinite where M is singular.
+    Equal weights by default. Undefined derivatives give zero. Infinite where M is singular.
     """
     roots, other = _roots(stacked_derivatives(design), weights), stacked_derivatives(derivatives)
     if not roots.any(axis=(1, 2)).all():
@@ -141,7 +141,7 @@ def optimal_weights(
     until the equivalence theorem holds for all.
 
     derivatives are those of the candidates, shape (n, p) or (K, n, p); prior, shape (K,), are the
-    weights of the parameter vectors, equal if left out.
+    weights of the parameter vectors, equal by default.
     Raises InputError where the candidates cannot tell the parameters apart.
     """
     f = stacked_derivatives(derivatives)

@@ -248,7 +248,7 @@ def refused(scene: Scene) -> str:
     if scene.pad.shape != "rectangle":
         return "the response was derived for rectangular pads"
     if not scene.pad.gap.flat:
-        return "the response was derived for a gap that is even at rest, not tilted or bulging"
+        return "the response was derived for a gap that is uniform at rest, not tilted or crowned"
     if scene.epsilon == 0:
         return "the surface is at rest"
     terms = terms_of(scene)

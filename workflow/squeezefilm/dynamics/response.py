@@ -23,7 +23,7 @@ from squeezefilm.reynolds.device import Device
 
 # Relative error of the settled force up to which the slow film's numbers are given.
 SLOW_ERROR = 0.03
-# What the slow film leaves out of a gain, per square of the modulation over the vibration: about
+# Error of a gain by the period-averaged equation, per square of the frequencies' ratio: about
 # twice what the worst of 19 random films needed (ε 0.05–0.85, σ 130–8000, aspects 0.6–2.5).
 AVERAGING_ERROR = 2.0
 # Modulations are slow up to this share of the vibration's frequency.
@@ -56,8 +56,9 @@ class Response(NamedTuple):
             ``release_s`` are the phase in which the vibration starts or stops, two periods.
         lasting_fraction: of the settled force, that is left when the surface stops.
         release_s: until 5 % of the settled force is left.
-        error: relative, of the static gain, which is that of the settled force. Corner, shares and
-            prompt gain are those of the slow equation; times are known to two periods at best.
+        error: relative, of the static gain, which is that of the settled force. Corner, fractions
+            and instantaneous gain are those of the period-averaged equation; times are accurate to
+            two periods at best.
     """
 
     static_gain: float

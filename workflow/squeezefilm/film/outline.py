@@ -51,7 +51,7 @@ class Outline:
         aspect: length along y.
         turned: the longer side lies along y: ν = 0 is at the end of the y axis.
         even_x, even_y: whether the outline is even about its middle along x, y.
-        exact: what the coefficients left out are, over the outline's size.
+        exact: what the truncated coefficients are, over the outline's size.
         scatter: how far the points of its file lie off it.
     """
 
@@ -316,7 +316,7 @@ def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np
         )
     waves = waves.copy()
     waves[len(waves) // 2] -= complex(*(f.max() + f.min() for f in (rim.real, rim.imag))) / 2
-    # What the study's digits leave out of the sides is taken up, so that both are the same pad.
+    # The sides are rounded to the digits of the study; both are the same pad after this.
     mirrored, aspect = waves[::-1].conj(), sides_m[1] / sides_m[0]
     along_x, along_y = (waves + mirrored) / 2 / extents[0], (waves - mirrored) / 2 / extents[1]
     return np.asarray(along_x + along_y * aspect)

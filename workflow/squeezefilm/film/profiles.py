@@ -262,7 +262,7 @@ FOLLOWED = 16
 
 @lru_cache(maxsize=16)
 def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
-    """Points x_m, y_m that a sampling of the profile should not leave out; none but for formulas.
+    """Points x_m, y_m that a sampling of the profile should include; none but for formulas.
 
     They are where it differs most from its neighbourhood. A spot narrower than a five-hundredth of
     half the surface, with no trace beyond, can be missed.

@@ -77,7 +77,7 @@ class OperatingPoints:
 
     @cached_property
     def modified_reynolds(self) -> Any:
-        """Modified Reynolds number ρ ω h0² / μ: the inertia that eq. (1) leaves out."""
+        """Modified Reynolds number ρ ω h0² / μ: the inertia that eq. (1) neglects."""
         omega = self.actuator.angular_frequency_rad_per_s
         return self.gas.density_kg_per_m3 * omega * self.h0_m**2 / self.gas.viscosity_pa_s
 
@@ -240,25 +240,25 @@ def rows_alike(values: np.ndarray) -> list[np.ndarray]:
 class Places(NamedTuple):
     """The pad's positions among scenes of one film, each once: x_m, y_m, shape (positions,)."""
 
-    pad: PadProfile
+    under: PadProfile
     x_m: np.ndarray
     y_m: np.ndarray
 
     @property
     def key(self) -> tuple[PadProfile, bytes, bytes]:
         """Equal for the same positions, to keep what is known of them by."""
-        return self.pad, self.x_m.tobytes(), self.y_m.tobytes()
+        return self.under, self.x_m.tobytes(), self.y_m.tobytes()
 
     def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's real and, of a complex one, imaginary part at points across the pad.
 
         Shape (parts, positions, points).
         """
-        s = self.pad.amplitude(x, y, x_m=self.x_m[:, None], y_m=self.y_m[:, None])
+        s = self.under.amplitude(x, y, x_m=self.x_m[:, None], y_m=self.y_m[:, None])
         return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
 
     def some(self, rows: Rows) -> Places:
-        return Places(self.pad, self.x_m[rows], self.y_m[rows])
+        return Places(self.under, self.x_m[rows], self.y_m[rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,7 +411,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         places, which = self.places
-        moves, rises_m = _moves(*places.key), _rises_m(places.pad.pad)
+        moves, rises_m = _moves(*places.key), _rises_m(places.under.pad)
         parts = []
         for some in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
             rest = 1 + rises_m / self.h0_m[some, None]
@@ -441,8 +441,8 @@ def _rises(pad: Pad) -> tuple[float, float, float, float]:
 
 
 @lru_cache(maxsize=64)
-def _moves(pad: PadProfile, x_m: bytes, y_m: bytes) -> np.ndarray:
+def _moves(under: PadProfile, x_m: bytes, y_m: bytes) -> np.ndarray:
     """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
-    x, y = (each.ravel() for each in net(pad.pad))
+    x, y = (each.ravel() for each in net(under.pad))
     at_x_m, at_y_m = (np.frombuffer(each)[:, None] for each in (x_m, y_m))
-    return np.abs(pad.amplitude(x, y, x_m=at_x_m, y_m=at_y_m))
+    return np.abs(under.amplitude(x, y, x_m=at_x_m, y_m=at_y_m))

@@ -209,7 +209,7 @@ def _axes(pad: Pad, profile: Profile) -> Iterator[float]:
 def _keeps(
     turn_deg: float, pad: Pad, profile: Profile, surface: Surface, *, mirror: bool = False
 ) -> bool:
-    """Return whether a turn leaves outline, gap at rest, velocity and vibration as they are.
+    """Return whether a turn keeps outline, gap at rest, velocity and vibration as they are.
 
     With ``mirror`` they are mirrored at the x axis before, so that the axis lies at half the turn.
     A crown has the outline's symmetry: it grows as the same squares.

@@ -185,5 +185,5 @@ def check_scene(scene: Scene) -> None:
     refuse(place, {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + SLACK})
     contact = "they touch within the noise of the measured profile"
     if not scene.pad.gap.flat:
-        contact = "the tilted or bulging pad touches the surface; pad.gap leaves too little"
+        contact = "the tilted or crowned pad touches the surface; pad.gap leaves too little"
     refuse(place, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})

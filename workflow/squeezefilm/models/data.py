@@ -54,7 +54,7 @@ class Factors:
     def of(cls, *, h0_m: ArrayLike, hv_m: ArrayLike, **others: ArrayLike) -> Factors:
         """Factors from numbers or sequences, brought to one length, and results of physics.
 
-        The position is given in polar or in Cartesian form, or left out for a centred pad.
+        The position is given in polar or in Cartesian form, or none for a centred pad.
         Raises InputError where a value is not finite, a gap is not positive, the lengths differ or
         both forms are given.
         """

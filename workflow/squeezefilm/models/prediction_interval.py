@@ -201,7 +201,7 @@ def error_sizes(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, flo
 def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float]:
     """Constant a in newtons and share b of a scale a + b·|force| of a model's errors.
 
-    From the residuals at points left out of the fit, shape (n,), by non-negative least squares on
+    From the residuals at held-out points, shape (n,), by non-negative least squares on
     their magnitudes. Without any (NaN) the share is 1 and the constant FLAT of the mean force.
     """
     from scipy.optimize import nnls  # slow to import

@@ -182,7 +182,7 @@ def by_passing(films: list[Fields], bearing: np.ndarray) -> tuple[np.ndarray, np
 
     The bearing number Λ has the speed of the surface past the pad, whose place c on the surface
     therefore falls, by 2Λ/σ per T. ∂/∂T of the film seen from the pad is then ∂/∂T − (2Λ/σ)
-    ∂/∂c, the second part of which is left out for a profile that stands. To second order, since at
+    ∂/∂c, the second part of which is neglected for a profile that stands. To second order, since at
     the middle of a symmetric profile the first vanishes:
 
         J w1 = −2Λ ∂(Hρ)/∂c,     J w2 = −2Λ ∂w1/∂c − ½ R''(w1, w1).

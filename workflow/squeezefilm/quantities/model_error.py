@@ -37,28 +37,28 @@ ADJOINT_TOLERANCE = 3e-5
 OFF_ON_GRIDS = 1 / 50
 # Numbers of a field, all scenes together: more fall out of the caches. Scenes solved together.
 MOST_NUMBERS, MOST_SCENES = 2**15, 1024
-# What the first order misses, as a share of it for each unit of the modified Reynolds number, and
-# the growth of that with ε²: of strips with velocity and temperature resolved, ε 0.05 to 0.8
+# Remainder of the first order, as a fraction of it per unit of the modified Reynolds number, and
+# its growth with ε²: of strips with velocity and temperature resolved, ε 0.05 to 0.8
 # (tests/numerics/test_stored_strip.py).
-INERTIA_MISSED = (0.12, 0.13)
-HEAT_MISSED = (0.33, 0.58)
+INERTIA_REMAINDER = (0.12, 0.13)
+HEAT_REMAINDER = (0.33, 0.58)
 # Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
-SLIP_MISSED = 1.2
-# Of the rim, for each unit of C Re, and of that times ε: the lesser (strips with the rim's loss at
+SLIP_REMAINDER = 1.2
+# Of the edge loss, for each unit of C Re, and of that times ε: the lesser (strips with the loss at
 # every order, σ 2–2e4, ε 0.05–0.95, up to 0.4 of the force).
-RIM_MISSED, RIM_MISSED_PER_EPSILON = 0.022, 0.04
-# Of the profile that passes, for each unit of the squared bearing number (marched on a strip).
-PASSING_MISSED = 4.0
+EDGE_LOSS_REMAINDER, EDGE_LOSS_PER_EPSILON = 0.022, 0.04
+# Of the convected profile, for each unit of the squared bearing number (marched on a strip).
+CONVECTED_REMAINDER = 4.0
 # The effects, by their names in tables, and in words.
 CALLED = {
     "inertia": "inertia",
     "heat": "heat",
     "depth_averaged": "the error of depth-averaged terms",
     "slip": "slip",
-    "flow_factor": "what first-order slip lacks",
+    "flow_factor": "slip beyond first order",
     "edge_loss": "inlet loss at the film edge",
     "bearing": "sliding",
-    "convected": "the profile that passes a sliding pad",
+    "convected": "convection of the mode shape past a sliding pad",
 }
 NAMES = tuple(CALLED)
 
@@ -67,7 +67,7 @@ class Effect(NamedTuple):
     """One effect on the mean force.
 
     Attributes:
-        percent: of the force, at first order, that of a passing profile at second; NaN where it is
+        percent: of the force, at first order, of a convected profile at second; NaN where it is
             not known.
         remainder_percent: size of what higher orders add; NaN where that is not known.
         included: the force has it already.
@@ -105,12 +105,11 @@ class ErrorBudget:
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``heat`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as the scene has them;
-            ``slip``, by Fukui and Kaneko's flow factor, or as the scene has it; ``kinetic``, what
-            slip of first order lacks of that factor; ``rim``, entrance loss for the coefficient
-            C = 1, what its first order misses the share at the largest C; ``bearing`` of a pad
-            that slides, for a profile that stands under it; ``passing``, of the profile moving past
-            it.
-        basis: what the numbers are of, if not of the scene itself.
+            ``slip``, by Fukui and Kaneko's flow factor, or as the scene has it; ``flow_factor``,
+            the difference of first-order slip from that factor; ``edge_loss``, inlet loss for the
+            coefficient C = 1, with the remainder at the largest C; ``bearing`` of a sliding pad,
+            for a profile at rest under it; ``convected``, of the profile moving past it.
+        basis: the geometry that was evaluated, if not the scene's own.
         status: ``ok``, or why there are none.
     """
 
@@ -217,12 +216,12 @@ def _shares(group: Solved, device: Device | None) -> dict[str, np.ndarray]:
     films = fields_of(scenes, solutions, grid=0)
     with np.errstate(all="ignore"):
         answers = Answers(films, sensitivity(films, tolerance=ADJOINT_TOLERANCE))
-        slip, kinetic = first_order.by_slip(scenes, films, answers)
+        slip, flow_factor = first_order.by_slip(scenes, films, answers)
         changes = {
             "inertia": first_order.by_inertia(scenes, films, answers),
             "heat": first_order.by_heat(scenes, films, answers),
             "slip": slip,
-            "flow_factor": kinetic,
+            "flow_factor": flow_factor,
             "edge_loss": first_order.by_entrance(scenes, films, answers),
         }
         force = films.mean(films.overpressure)
@@ -239,28 +238,28 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
     if not all(map(isfinite, percent.values())):
         return ErrorBudget(status=NOT_FOUND)
     reynolds, isothermal = scene.modified_reynolds, scene.gas.polytropic_exponent == 1
-    missed = {
-        "inertia": (INERTIA_MISSED[0] + INERTIA_MISSED[1] * scene.epsilon**2) * reynolds,
-        "heat": (HEAT_MISSED[0] + HEAT_MISSED[1] * scene.epsilon**2) * reynolds,
-        "slip": SLIP_MISSED * 6 * scene.knudsen,
-        "flow_factor": SLIP_MISSED * 6 * scene.knudsen,
-        "edge_loss": rim_missed(ENTRANCE_MOST * reynolds, scene.epsilon),
+    remainder = {
+        "inertia": (INERTIA_REMAINDER[0] + INERTIA_REMAINDER[1] * scene.epsilon**2) * reynolds,
+        "heat": (HEAT_REMAINDER[0] + HEAT_REMAINDER[1] * scene.epsilon**2) * reynolds,
+        "slip": SLIP_REMAINDER * 6 * scene.knudsen,
+        "flow_factor": SLIP_REMAINDER * 6 * scene.knudsen,
+        "edge_loss": edge_loss_remainder(ENTRANCE_MOST * reynolds, scene.epsilon),
         "bearing": 0.0,
-        "convected": PASSING_MISSED * scene.bearing_number**2,
+        "convected": CONVECTED_REMAINDER * scene.bearing_number**2,
     }
     included = {"slip": scene.gas.rarefaction != "none", "bearing": True}
     effects = dict.fromkeys(NAMES, NONE) | {
-        name: Effect(each, missed[name] * abs(each), included.get(name, False))
+        name: Effect(each, remainder[name] * abs(each), included.get(name, False))
         for name, each in percent.items()
     }
-    if not isothermal:  # an exponent stands for heat; a passing profile's is that of such a gas
+    if not isothermal:  # an exponent stands for heat; a convected profile's is that of such a gas
         effects |= {name: UNKNOWN for name in ("heat", "convected") if name in percent}
     return ErrorBudget(effects)
 
 
-def rim_missed(coefficient_reynolds: float, epsilon: float) -> float:
+def edge_loss_remainder(coefficient_reynolds: float, epsilon: float) -> float:
     """Return the remainder of the edge loss as a fraction of its first order, for C Re."""
-    return coefficient_reynolds * min(RIM_MISSED, RIM_MISSED_PER_EPSILON * epsilon)
+    return coefficient_reynolds * min(EDGE_LOSS_REMAINDER, EDGE_LOSS_PER_EPSILON * epsilon)
 
 
 # Mean force of a square piston at second order of small motion, over ε² and p0 times the pad's

@@ -254,7 +254,7 @@ class SampledProfiles:
         """Width of what the coarsest samples miss most at a position, at half of its height."""
         first = self._samples[0]
         assert first is not None
-        place, pad = self.places.some(slice(position, position + 1)), self.places.pad.pad
+        place, pad = self.places.some(slice(position, position + 1)), self.places.under.pad
         x, y = first.worst[position]
         angle = np.pi / 4 * np.arange(8)
         way_m = pad.length_x_m * np.geomspace(1e-6, 1, 300)
@@ -271,7 +271,7 @@ class SampledProfiles:
         """Sample a level at some positions, together as many as fit the caches."""
         if not rows.size:
             return
-        sampler = _sampler(LEVELS[level], self.places.pad.pad.smooth_outline)
+        sampler = _sampler(LEVELS[level], self.places.under.pad.smooth_outline)
         step = max(1, TOGETHER // (sampler.grid_x.size + sampler.x.size))
         alone = np.isin(rows, list(self._landmarks))
         plain = rows[~alone]
@@ -292,7 +292,7 @@ class SampledProfiles:
         """Find symmetries from the values of the first level, at the nodes and between them."""
         self._largest[rows] = _largest(s, between)
         same = SYMMETRIC * self._largest[rows]
-        outline = self.places.pad.pad.smooth_outline
+        outline = self.places.under.pad.smooth_outline
         # Else what the nodes show holds between them.
         look_closer = (first.missed > SYMMETRIC) | (outline is not None)
         for even, axis_ in ((self.even_x, 2), (self.even_y, 3)):
@@ -314,8 +314,8 @@ def sampled_profiles(places: Places) -> SampledProfiles:
 
 
 @lru_cache(maxsize=256)
-def _kept(pad: PadProfile, x_m: bytes, y_m: bytes) -> SampledProfiles:
-    return SampledProfiles(Places(pad, np.frombuffer(x_m), np.frombuffer(y_m)))
+def _kept(under: PadProfile, x_m: bytes, y_m: bytes) -> SampledProfiles:
+    return SampledProfiles(Places(under, np.frombuffer(x_m), np.frombuffer(y_m)))
 
 
 def joined_samples(parts: Sequence[Samples]) -> Samples:
@@ -339,7 +339,7 @@ def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:
 
 def _mirrored(places: Places, *, along_x: bool) -> np.ndarray:
     """Largest difference to the mirror image, between the nodes, (positions,)."""
-    sampler = _sampler(LEVELS[1], places.pad.pad.smooth_outline)
+    sampler = _sampler(LEVELS[1], places.under.pad.smooth_outline)
     x, y = sampler.x, sampler.y
     mirrored = (1 - x, y) if along_x else (x, 1 - y)
     return np.abs(places.parts(*mirrored) - places.parts(x, y)).max(axis=(0, 2))
@@ -358,7 +358,7 @@ def _sampled(
     x, y, to_x, to_y = sampler.x, sampler.y, sampler.to_x, sampler.to_y
     if landmarks:
         u, v = landmarks
-        if outline := places.pad.pad.smooth_outline:
+        if outline := places.under.pad.smooth_outline:
             u, v = outline.coordinates(u, v)
             landmarks = outline.positions(u, v)
         x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
@@ -466,10 +466,10 @@ def _sampler(points: int, outline: Outline | None) -> _Sampler:
 
 def _landmarks_under(places: Places) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """The profile's landmarks under the pad, in [0, 1] across it, where there are any."""
-    x_m, y_m = landmarks_of(places.pad.profile)
+    x_m, y_m = landmarks_of(places.under.profile)
     if not len(x_m):
         return {}
-    pad = places.pad.pad
+    pad = places.under.pad
     along_x, along_y = pad.turned_back(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
     x, y = 0.5 + along_x / pad.length_x_m, 0.5 + along_y / pad.length_y_m
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)

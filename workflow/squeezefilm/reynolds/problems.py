@@ -117,7 +117,7 @@ def _kind_of_numbers(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
 def _gap_parts(places: Places, grid: Grid) -> np.ndarray:
     """The gap's parts at each place on all nodes of a grid, as of ``Problems``."""
     x, y = grid.positions
-    values, gap = places.parts(x, y), places.pad.pad.gap
+    values, gap = places.parts(x, y), places.under.pad.gap
     if not gap.flat or len(values) == 2:
         second = values[1] if len(values) == 2 else np.zeros_like(values[0])
         values = np.stack([values[0], second, np.broadcast_to(gap.rise_m(x, y), second.shape)])
@@ -148,11 +148,11 @@ def profiles_at(
 
 
 def _profiles(
-    pad: PadProfile, x_m: bytes, y_m: bytes, grids: tuple[Grid, ...], terms: Terms
+    under: PadProfile, x_m: bytes, y_m: bytes, grids: tuple[Grid, ...], terms: Terms
 ) -> tuple[Packed, np.ndarray]:
-    places = Places(pad, np.frombuffer(x_m), np.frombuffer(y_m))
+    places = Places(under, np.frombuffer(x_m), np.frombuffer(y_m))
     parts = [_gap_parts(places, grid) for grid in grids]
-    aspect = pad.pad.length_y_m / pad.pad.length_x_m
+    aspect = under.pad.length_y_m / under.pad.length_x_m
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
     return packed(fields), mean_parts(parts[-1], grids[-1])

@@ -156,14 +156,14 @@ class Space:
         """A fair sample of the space: every place is as likely as any other.
 
         From a scrambled Halton sequence, whose points keep out of each other's way: means over a
-        few of them scatter less than over independent points. Those not allowed are left out.
+        few of them scatter less than over independent points. Those not allowed are excluded.
         """
         from scipy.stats import qmc  # slow to import, and only needed here
 
         return self._drawn(points, qmc.Halton(len(self.box.names), rng=seed).random)
 
     def independent_sample(self, points: int, *, seed: int) -> Array:
-        """Independent points, uniform over the factors' ranges; those not allowed are left out."""
+        """Independent points, uniform over the factors' ranges; those not allowed are excluded."""
         random = np.random.default_rng(seed)
         return self._drawn(points, lambda count: random.random((count, len(self.box.names))))
 

@@ -213,7 +213,7 @@ def read_points(
         frequency_hz: by which velocities become displacements.
 
     Returns: the quantities, in SI units and radians; the line of the header; the lines of points
-    that lack an amplitude, which are left out; and notes on how the file was read.
+    that lack an amplitude, which are excluded; and notes on how the file was read.
 
     Raises:
         InputError: naming the line or column that is wrong.

@@ -244,7 +244,7 @@ class Points:
 class Fit:
     """Least squares on the modes up to one degree.
 
-    ``score`` is the least rms error, over degrees, at points left out, and ``root`` (modes, modes)
+    ``score`` is the least rms error, over degrees, at held-out points, and ``root`` (modes, modes)
     the factor by which the points' noise enters the coefficients: their covariance is
     noise² root rootᵀ.
     """

@@ -146,7 +146,7 @@ def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
     if not missed < inf:
         return "the profile has no finite value at some place under the pad"
     sampled, position = needs.position(row)
-    pad = sampled.places.pad.pad
+    pad = sampled.places.under.pad
     side_m = max(pad.length_x_m, pad.length_y_m)
     apart_m = pi / 2 * side_m / (MOST_SPACE + 1)
     return (

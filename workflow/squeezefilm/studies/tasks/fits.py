@@ -84,10 +84,9 @@ def fit_to_forces(
 
     Args:
         limit_table: a table of the physics limits over the space with which the fit's file can be
-            used alone: computed, if left out, for a model that uses them.
+            used alone: computed by default for a model that uses them.
         sample: forces of a validation sample, NaN where there is none.
-        uncertainty: share of a force that the scan of a measured profile leaves open, the study's
-            if left out.
+        uncertainty: fraction of a force, by the scan of a measured profile; the study's by default.
         seeds: of the search, instead of the study's.
         source: where the forces come from, for the fit's file.
 

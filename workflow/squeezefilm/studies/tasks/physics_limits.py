@@ -1,7 +1,7 @@
 """The physics limits of a study's scenes: forces without solving in time or fitting, and a table.
 
 `fast_limit_n` is the force at infinite squeeze number, `limit_n` the same with the boundary layer
-at the pad's rim, correct to 1/√σ, `limit_error_n` the estimate of what that leaves out. With the
+at the pad's rim, correct to 1/√σ, `limit_error_n` the estimate of its error. With the
 gas' inertia the next order is ε²/σ, without it ε²/σ^(3/2): there `limit_n` is the composite that
 is exact to ε². A scene whose inertia is `auto` counts as having it, for limits cost the same.
 """
@@ -41,7 +41,7 @@ from squeezefilm.studies.space import box_of, plan
 from squeezefilm.studies.study import scenes_in
 
 TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
-"""Of the limits' grids, which are cheap: far below what the limits leave out."""
+"""Of the limits' grids, which are cheap: far below the error of the limits."""
 EXPANSIONS = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansion}
 EXPANSIONS_WITH_INERTIA = EXPANSIONS | {"limit_n": composite_expansion}
 DOES_NOT_HOLD = "the limit of large squeeze numbers does not hold for this scene"
