@@ -16,7 +16,7 @@ force = study.force(h0="5 um", hv="2.2 um")
 field = study.pressure(h0="5 um", hv="2.2 um", places=5, instants=4, tolerance=1e-2)
 fit = study.fit("two_factor")
 print(json.dumps({
-    "place": sf.__file__, "force_n": force.force_n, "units": field.overpressure.attrs["units"],
+    "place": sf.__file__, "force_n": force.force_n, "units": field.gauge_pressure.attrs["units"],
     "theta": list(fit.theta.values()), "snakemake": "snakemake" in sys.modules,
 }))
 """

@@ -20,7 +20,7 @@ def field():
     gap = 5e-6 * inside * (1 + 0.4 * np.sin(np.radians(phase)))[:, None, None]
     axes = ("phase", "y", "x")
     return xarray.Dataset(
-        {"overpressure": (axes, 1e5 * (5e-6 / gap - 1)), "gap": (axes, gap)},
+        {"gauge_pressure": (axes, 1e5 * (5e-6 / gap - 1)), "gap": (axes, gap)},
         coords={"phase": phase, "y": line, "x": line},
         attrs={"h0_m": 5e-6, "hv_m": 2e-6, "frequency_hz": 43270.0},
     )

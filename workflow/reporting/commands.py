@@ -49,7 +49,7 @@ def plot_pressure(options: argparse.Namespace) -> None:
       squeezefilm plot-pressure field.nc --output sheet.png film.gif
 
     A name that ends in .gif makes the animation, one in .png, .svg or .pdf a sheet: the
-    overpressure at eight phases and in the mean, and its mean over the pad beside the gap there.
+    gauge pressure at eight phases and in the mean, and its mean over the pad beside the gap there.
     The same field gives the same files. Both need xarray: the extra `fields`.
     """
     check_formats(options.output, (".png", ".svg", ".pdf", ".gif"))

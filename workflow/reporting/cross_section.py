@@ -28,9 +28,9 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
     pad = scene.h0_m + scene.pad.gap.rise_m(x, middle)
     # The gap widens while the surface goes down.
     surface = pad - scene.h0_m * scene.gap(x, middle, phase).T
-    overpressure = np.full(surface.shape, np.nan)
+    values = np.full(surface.shape, np.nan)
     with suppress(RunError):
-        overpressure = pressure(
+        values = pressure(
             scene, x=x, y=middle[:1], instants=TIMES, tolerance=TOLERANCE, device=device
         ).values[:, 0]
     shape = np.ones_like(surface)
@@ -41,6 +41,6 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
             "x_mm": (1e3 * scene.pad.length_x_m * (x - 0.5) * shape).ravel(),
             "surface_um": 1e6 * surface.ravel(),
             "pad_um": (1e6 * pad * shape).ravel(),
-            "gauge_pressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * overpressure).ravel(),
+            "gauge_pressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * values).ravel(),
         }
     )

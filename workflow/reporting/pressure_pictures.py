@@ -40,7 +40,7 @@ def draw(path: Path | str, files: Sequence[Path]) -> None:
 
 
 def read_field(path: Path | str) -> Dataset:
-    """A field as `squeezefilm pressure` writes it, the overpressure in kPa.
+    """A field as `squeezefilm pressure` writes it, the gauge pressure in kPa.
 
     Raises InputError naming the file, where it cannot be read or holds something else.
     """
@@ -53,23 +53,23 @@ def read_field(path: Path | str) -> Dataset:
     except Exception as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: not readable as NetCDF: {reason}") from None
-    for name in ("overpressure", "gap"):
+    for name in ("gauge_pressure", "gap"):
         if name not in field or field[name].dims != AXES:
             raise InputError(
                 f"{path}: no {name} over {', '.join(AXES)}, as `squeezefilm pressure` writes it"
             )
     if missing := {"h0_m", "hv_m", "frequency_hz"} - set(field.attrs):
         raise InputError(f"{path}: the attribute {min(missing)} is missing")
-    if not np.isfinite(field["overpressure"]).any():
+    if not np.isfinite(field["gauge_pressure"]).any():
         raise InputError(f"{path}: there is no pressure in it")
-    return field.assign(overpressure=1e-3 * field["overpressure"])
+    return field.assign(gauge_pressure=1e-3 * field["gauge_pressure"])
 
 
 def draw_sheet(field: Dataset) -> Figure:
-    """The overpressure at SHOWN phases and in the mean; means over the pad, over the period."""
+    """The gauge pressure at SHOWN phases and in the mean; means over the pad, over the period."""
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=6.0)
     upper, lower = figure.subfigures(2, 1, height_ratios=(2, 1.1), squeeze=False).ravel()
-    pressure = field["overpressure"]
+    pressure = field["gauge_pressure"]
     shown = pressure[:: max(1, pressure.sizes["phase"] // SHOWN)][:SHOWN]
     pictures = upper.subplots(2, SHOWN // 2)
     for axes in pictures.flat[len(shown) :]:
@@ -77,7 +77,7 @@ def draw_sheet(field: Dataset) -> Figure:
     for axes, values in zip(pictures.flat, shown, strict=False):
         image = _picture(axes, values, reach=_reach(pressure))
         axes.set_title(f"{float(values['phase']):.0f}°")
-    upper.colorbar(image, ax=pictures, label="overpressure (kPa)", shrink=0.8)
+    upper.colorbar(image, ax=pictures, label="gauge pressure (kPa)", shrink=0.8)
     middle, period = lower.subplots(1, 2, width_ratios=(1, 1.8))
     mean = pressure.mean("phase")
     image = _picture(middle, mean, reach=_reach(mean))
@@ -91,9 +91,9 @@ def draw_sheet(field: Dataset) -> Figure:
 def save_animation(field: Dataset, path: Path | str) -> None:
     """The whole period as a GIF, which goes round without a jump."""
     figure, axes = style.subplots(height_in=3.2)
-    pressure = field["overpressure"]
+    pressure = field["gauge_pressure"]
     image = _picture(axes, pressure[0], reach=_reach(pressure))
-    figure.colorbar(image, ax=axes, label="overpressure (kPa)")
+    figure.colorbar(image, ax=axes, label="gauge pressure (kPa)")
     title = axes.set_title("")
     figure.suptitle(_title(field))
 
@@ -131,7 +131,7 @@ def _over_the_period(axes: Axes, field: Dataset) -> None:
     ends = [np.where(np.arange(n) % (n - 1) == 0, 0.5, 1) for n in field["gap"].shape[1:]]
     weights = field["gap"][0].copy(data=np.outer(*ends))
     for target, name, factor, label, colour in (
-        (axes, "overpressure", 1.0, "mean overpressure (kPa)", style.BLUE),
+        (axes, "gauge_pressure", 1.0, "mean gauge pressure (kPa)", style.BLUE),
         (axes.twinx(), "gap", 1e6, "mean gap (µm)", style.VERMILLION),
     ):
         mean = factor * field[name].weighted(weights).mean(("x", "y")).to_numpy()

@@ -62,7 +62,8 @@ for space in FITS:
     OTHERS[f"models/{space}_errors"] = [f"models/{space}.csv", f"models/{space}_errors.csv"]
     table = f"designs/optimal_{space}_sensitivity"
     OTHERS[table] = [f"{table}.csv"]
-    OTHERS[f"refine/{space}_figure"] = [f"refine/{space}.csv"]
+    refined = [file.removeprefix("<results>/") for file in refined_files(space)]
+    OTHERS[f"refine/{space}_figure"] = [f"refine/{space}.csv", *refined]
 # Tables and claims of the paper rest on nearly everything.
 OF_THE_PAPER = [
     *expand("simulations/{plan}/forces.csv", plan=["screen", "four_factor", "extrapolation"]),

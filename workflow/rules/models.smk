@@ -72,6 +72,9 @@ rule recommend:
     input:
         expand("<results>/models/{space}.csv", space=FITS),
         expand("<results>/simulations/{plan}/forces.csv", plan=RECOMMENDED_BY),
+        # The model that is recommended is one of these.
+        [candidate_files(space) for space in FITS],
+        [f"<results>/fits/{plan}.json" for plan, *_ in FITS.values()],
     output:
         "<results>/models/recommended.csv",
     params:

@@ -106,7 +106,7 @@ def levels(values: Values, *, called: str, unit: str) -> list[float]:
 LEAST_PLACES, MOST_PLACES = 3, 1001
 LEAST_INSTANTS, MOST_INSTANTS = 4, 1024
 DESCRIBED = {
-    "overpressure": ("Pa", "pressure above ambient"),
+    "gauge_pressure": ("Pa", "pressure above ambient"),
     "gap": ("m", "gap between surface and pad"),
     "phase": ("degree", "phase"),
     "y": ("m", "from the pad's centre along its own y axis"),
@@ -114,7 +114,7 @@ DESCRIBED = {
     "time": ("s", "time"),
 }
 TOLERANCE = 1e-4
-"""Of the largest overpressure, where none is given."""
+"""Of the largest gauge pressure, where none is given."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -299,7 +299,7 @@ class Film:
         ambient, pad, axes = scene.gas.ambient_pressure_pa, scene.pad, ("phase", "y", "x")
         field = xarray.Dataset(
             {
-                "overpressure": (axes, ambient * found.values),
+                "gauge_pressure": (axes, ambient * found.values),
                 "gap": (axes, np.where(np.isnan(found.values), np.nan, gap_m)),
             },
             coords={

@@ -79,7 +79,7 @@ def simulate(options: argparse.Namespace) -> None:
     with 0.
 
     Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
-    largest overpressure times the pad's area. The exit status is 1 when a scene has no force;
+    largest gauge pressure times the pad's area. The exit status is 1 when a scene has no force;
     all rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is
     the solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
     `--derivatives` adds those of the force to h0, hv, the pad's place (x, y) and each number of
@@ -225,6 +225,6 @@ def pressure(options: argparse.Namespace) -> None:
             field.to_netcdf(path, engine="scipy")
         return
     names = {"phase": "phase_deg", "time": "time_s", "x": "x_m", "y": "y_m"}
-    names |= {"overpressure": "gauge_pressure_pa", "gap": "gap_m"}
+    names |= {"gauge_pressure": "gauge_pressure_pa", "gap": "gap_m"}
     table = field.to_dataframe().reset_index().dropna()
     write_table(table.rename(columns=names)[list(names.values())], options.output)
