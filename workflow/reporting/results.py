@@ -79,7 +79,7 @@ class Results:
 
     def budget(self, plan: str) -> pd.DataFrame:
         """Return the neglected effects on the forces of a plan."""
-        columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects")
+        columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects", "geometry")
         table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns)
         return table.assign(first_order_invalid=table["first_order_invalid"].fillna(""))
 

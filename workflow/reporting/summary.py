@@ -71,6 +71,7 @@ def summary_values(
         "profile_uncertainty": profile_uncertainty,
         "errors": pd.DataFrame([_errors(results, pair) for pair in pairs]),
         "effects": _effects(results),
+        "geometry": results.budget("screen")["geometry"].iloc[0],
     }
 
 
@@ -195,7 +196,7 @@ def _errors(results: Results, pair: str) -> dict[str, str]:
     inside, band = 100 * errors["share_within_band"], 100 * errors["band"]
     return {
         "model fitted on": f"{fit} ({results.fit(fit).points} points)",
-        "judged on": f"{plan} ({errors['points']:g} points)",
+        "validated on": f"{plan} ({errors['points']:g} points)",
         "global error": percent(errors["global_error"]),
         "worst": percent(errors["worst_relative_error"]),
         "within the band": f"{inside:.3g} % within ±{band:g} %",

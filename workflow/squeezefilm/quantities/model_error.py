@@ -150,7 +150,7 @@ class ErrorBudget:
 
 
 NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
-BASIS = "the flat rectangle inside, not of this pad"
+BASIS = "the inscribed rectangle with a uniform gap"
 
 
 def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
