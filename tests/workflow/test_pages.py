@@ -101,7 +101,7 @@ def test_the_summary_says_what_how_accurate_and_where_it_differs(study):
     values = summary_values(study.results, plans=["screen", "error_map"], fits=fits, pairs=pairs)
     summary = render("summary.md", **values)
     assert "43.27 kHz" in summary
-    assert "Made were 48 simulations" in summary
+    assert "The study has 48 simulations" in summary
     assert "| screen | 12 | 5 – 10 | 0.2 – 2 | 0 | 0 | 0.00183 – 0.784 |" in summary
     assert "| gas: viscosity_pa_s | 1.81e-05 |" in summary
     assert "| two_factor_design (5 points) | screen (12 points) | " in summary
@@ -123,8 +123,8 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     shutil.copytree(study.root, tmp_path, dirs_exist_ok=True)
     (tmp_path / "models/recommended.csv").write_text(RECOMMENDED)
     (tmp_path / "simulations/screen/budget.csv").write_text(
-        "h0_m,hv_m,modelling_error_lower_percent,modelling_error_upper_percent,first_order_invalid,included_effects\n"
-        "5e-6,1e-6,-1.2,0.5,,\n6e-6,1e-6,-2,11,inertia,\n"
+        "h0_m,hv_m,modelling_error_lower_percent,modelling_error_upper_percent,first_order_invalid,"
+        "included_effects,geometry\n5e-6,1e-6,-1.2,0.5,,,pad\n6e-6,1e-6,-2,11,inertia,,pad\n"
     )
     results = Results.of(tmp_path, repository / "config/plate.yaml")
     text = render("in_short.md", **headline_values(results))
