@@ -9,7 +9,7 @@ import sys
 import time
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from itertools import pairwise, product
+from itertools import product
 from pathlib import Path
 from statistics import median
 
@@ -29,20 +29,8 @@ from squeezefilm.studies.plans import random_plan
 PAPER = "config/paper.yaml"
 USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
 """The last line of a job's log, which `scripts/job.py` writes."""
-PARTS = {
-    "Python": ["-c", "pass"],
-    "NumPy and PyOpenCL": ["-c", "import numpy, pyopencl"],
-    "library": ["-c", "import numpy, pyopencl, squeezefilm.cli.film"],
-    "configuration": [
-        "-c",
-        f"import pyopencl, squeezefilm.cli.film as film; film.film_at('{PAPER}')",
-    ],
-    "kernels, first solve, report": [
-        *("-m", "squeezefilm", "simulate", "--h0", "5um", "--hv", "2.2um"),
-        *("--config", PAPER),
-    ],
-}
-"""What a process does; each includes all above it."""
+ONE_FORCE = ("-m", "squeezefilm", "simulate", "--config", PAPER, "--h0", "5um", "--hv", "2.2um")
+DEVICE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
 MANY = 10_000
 """Scenes of a batch."""
 SPACE = {
@@ -121,14 +109,26 @@ def paper_times(logs: Path, *, repeats: int) -> pd.DataFrame:
 
 def force_times(*, repeats: int) -> pd.DataFrame:
     """Processor time of one force from the shell by what the process does, kernels in the cache."""
-    until = [child_seconds(words, repeats=repeats) for words in PARTS.values()]
-    parts = [after - before for before, after in pairwise([0.0, *until])]
-    return pd.DataFrame(
-        {
-            "part": [*PARTS, "all"],
-            "processor time (ms)": [round(1e3 * seconds) for seconds in [*parts, until[-1]]],
-        }
+    python, numpy, device, options, force = (
+        child_seconds(words, repeats=repeats)
+        for words in (
+            ("-c", "pass"),
+            ("-c", "import numpy"),
+            ("-c", DEVICE),
+            (*ONE_FORCE, "--help"),
+            ONE_FORCE,
+        )
     )
+    parts = {
+        "Python": python,
+        "NumPy": numpy - python,
+        "PyOpenCL and device": device - numpy,
+        "library and options": options - numpy,
+        "configuration, kernels from the cache, solution": force - device - options + numpy,
+        "all": force,
+    }
+    milliseconds = [round(1e3 * seconds) for seconds in parts.values()]
+    return pd.DataFrame({"part": [*parts], "processor time (ms)": milliseconds})
 
 
 def batch_times(*, repeats: int) -> pd.DataFrame:
