@@ -30,6 +30,7 @@ PAPER = "config/paper.yaml"
 USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
 """The last line of a job's log, which `scripts/job.py` writes."""
 ONE_FORCE = ("-m", "squeezefilm", "simulate", "--config", PAPER, "--h0", "5um", "--hv", "2.2um")
+NOTHING = ("-m", "snakemake", "-n", "--quiet", "all")
 DEVICE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
 MANY = 10_000
 """Scenes of a batch."""
@@ -65,7 +66,9 @@ def run_times(options: argparse.Namespace) -> None:
         "date": f"{now.day} {now:%B %Y}",
     }
     tables = {
-        "paper": lambda: paper_times(Path(options.logs), repeats=options.repeats),
+        "paper": lambda: paper_times(
+            Path(options.logs), nothing_s=child_seconds(NOTHING, repeats=options.repeats)
+        ),
         "force": lambda: force_times(repeats=options.repeats),
         "batch": lambda: batch_times(repeats=options.repeats),
     }
@@ -76,8 +79,11 @@ def run_times(options: argparse.Namespace) -> None:
         write_text(head + rows, options.output / f"{name}_times.csv")
 
 
-def paper_times(logs: Path, *, repeats: int) -> pd.DataFrame:
+def paper_times(logs: Path, *, nothing_s: float) -> pd.DataFrame:
     """Processor time and memory by rule, from the logs of a finished run, the largest first.
+
+    Args:
+        nothing_s: seconds that Snakemake takes to see that nothing is to be done.
 
     Raises InputError where no log of the folder is one of a job that ended.
     """
@@ -95,8 +101,7 @@ def paper_times(logs: Path, *, repeats: int) -> pd.DataFrame:
     rules = grouped.agg({"seconds": "sum", "memory": "max"}).assign(jobs=grouped.size())
     rules = rules.sort_values("seconds", ascending=False)
     rules.loc["all jobs"] = jobs["seconds"].sum(), jobs["memory"].max(), len(jobs)
-    nothing = child_seconds(["-m", "snakemake", "-n", "--quiet", "all"], repeats=repeats)
-    rules.loc["Snakemake with nothing to do"] = nothing, float("nan"), float("nan")
+    rules.loc["Snakemake with nothing to do"] = nothing_s, float("nan"), float("nan")
     return pd.DataFrame(
         {
             "rule": rules.index,
