@@ -5,6 +5,7 @@ import pytest
 
 from squeezefilm.api import forces as simulation
 from squeezefilm.config.loading import Config
+from squeezefilm.studies import plans
 from squeezefilm.studies.plans import chunk_counts, expected_seconds
 
 
@@ -30,6 +31,7 @@ def test_neither_chunks_nor_pieces_change_a_row(repository, tmp_path, monkeypatc
     names = ("scenes", "forces", "timings")
     whole = {name: str(tmp_path / f"{name}.{suffix}") for name in names}
     settings = {"params": {"keep_failed": False}, "plan": "sweep"}
+    monkeypatch.setattr(plans, "PIECE", 8)
     script("simulate", config, input={"sources": []}, output=whole, **settings)
     monkeypatch.setattr(simulation, "PIECE", 4)
     parts = [
