@@ -426,32 +426,26 @@ def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
 def merge_forces(
     scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
 ) -> None:
-    """Put the forces of a plan's parts together, one part held at a time.
+    """Put the forces of a plan's parts together, one part and its rows of the plan held at a time.
 
     Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
     points without a force unless these may stay; then nothing is written.
     """
-    plan_rows = read_scenes(scenes)
-    columns = as_in(SCENE_COLUMNS, plan_rows)
     failures: list[str] = []
-    first = 0
     with table_writer(output) as write:
-        for part in parts:
+        for number, part in enumerate(parts, start=1):
+            planned = read_scenes(scenes, rows=partial(chunk_rows, number, len(parts)))
             rows = read_forces(part, whole=True)
-            planned = plan_rows.iloc[first : first + len(rows)].reset_index(drop=True)
-            if not planned.equals(rows.reindex(columns=columns)):
+            if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
                 raise InputError(
-                    f"{part}: its points are not those of {scenes} from row {first + 1} on; "
-                    "simulate it again"
+                    f"{part}: its points are not those of part {number} of {len(parts)} of "
+                    f"{scenes}; simulate it again"
                 )
             failed = rows[rows["status"] != "ok"]
             failures += [
                 f"point {row.point_id}: {row.status} ({part})" for row in failed.itertuples()
             ]
-            first += len(rows)
             write(rows)
-        if first < len(plan_rows):
-            raise InputError(f"{scenes}: point {plan_rows['point_id'].iloc[first]} is in no part")
         if failures and not keep_failed:
             raise RunError(no_force(failures, scenes))
 
