@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.errors import InputError, needing
 from squeezefilm.files import read_text, whole_file, write_text
+from squeezefilm.lazy import pd
 from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)

@@ -10,18 +10,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError, naming
-from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK, validity
+from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_bar
-from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
     budget_row,
@@ -29,7 +27,6 @@ from squeezefilm.quantities.model_error import (
     error_budgets,
     excluded_terms,
 )
-from squeezefilm.quantities.outputs import refusals, with_outputs
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
 from squeezefilm.reynolds.periodic.launch import warm
@@ -38,7 +35,6 @@ from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import film_in, scenes_in
-from squeezefilm.studies.tasks.scan_errors import scan_errors
 from squeezefilm.tables import (
     SCENE_COLUMNS,
     TIMING_COLUMNS,
@@ -48,6 +44,9 @@ from squeezefilm.tables import (
     table_writer,
 )
 from squeezefilm.units import in_lines
+
+if TYPE_CHECKING:
+    from squeezefilm.film.measured.smooth import SmoothedScan
 
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
@@ -184,6 +183,8 @@ def forces_of(
     scans: dict[int, Mapping[str, float]] = {}
     warnings: tuple[str, ...] = ()
     if smoothed is not None and known:
+        from squeezefilm.studies.tasks.scan_errors import scan_errors
+
         errors = scan_errors(with_force, smoothed, device=device).to_dict("records")
         scans = dict(zip(known, errors, strict=True))  # type: ignore[arg-type]
         warnings = smoothed.warnings
@@ -204,6 +205,9 @@ def solved_with(
     """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
     if not (derivatives or settings.outputs):
         return solve(scenes, **settings.how(device), report=report)
+    from squeezefilm.quantities.derivatives import with_derivatives
+    from squeezefilm.quantities.outputs import with_outputs
+
     found: list[Solution] = []
     how: dict[str, Any] = {"tolerance": settings.tolerance, "device": device}
     for first in range(0, len(scenes), WITH_STATES):
@@ -222,6 +226,8 @@ def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[
     """What a scan leaves open in a scene's force, in newtons: nothing where there is none."""
     if smoothed is None:
         return lambda scene: 0.0
+    from squeezefilm.studies.tasks.scan_errors import scan_errors
+
     return lambda scene: float(
         scan_errors([scene], smoothed, device=device)["scan_error_n"].iloc[0]
     )
@@ -293,6 +299,8 @@ def _preview_row(scene: Scene, preview: Preview, *, settings: SolverSettings) ->
     }
     if not settings.outputs:
         return row
+    from squeezefilm.quantities.outputs import refusals
+
     refused = refusals(scene, tolerance=settings.tolerance)
     lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
     return row | {"outputs_refused": "; ".join(lacking)}
