@@ -133,7 +133,7 @@ def settle(figure: Figure) -> None:
 
 
 def _laid_out(figure: Figure) -> bool:
-    """Lay a figure out, if an engine does; without it the figure is drawn once for a file, not twice."""
+    """Lay a figure out, if an engine does; without one it is drawn once for a file, not twice."""
     engine = figure.get_layout_engine()
     if engine is not None:
         engine.execute(figure)
