@@ -7,7 +7,6 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
 from datetime import UTC, datetime
 from itertools import product
 from pathlib import Path
@@ -25,6 +24,7 @@ from squeezefilm.provenance import provenance
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.plans import random_plan
+from squeezefilm.studies.space import box_of
 
 PAPER = "config/paper.yaml"
 USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
@@ -32,28 +32,19 @@ USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTI
 ONE_FORCE = ("-m", "squeezefilm", "simulate", "--config", PAPER, "--h0", "5um", "--hv", "2.2um")
 NOTHING = ("-m", "snakemake", "-n", "--quiet", "all")
 DEVICE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
-MANY = 10_000
-"""Scenes of a batch."""
-SPACE = {
-    "h0_m": (5e-6, 10e-6),
-    "hv_m": (0.2e-6, 2.2e-6),
-    "phi_r_m": (0.0, 2.8e-3),
-    "phi_deg": (0.0, 45.0),
-}
-"""The four-factor space, without the places at which gaps close."""
+MANY, REPEATS = 10_000, 5
+"""Scenes of a batch; of a time, whose median counts."""
 
 
 @command(
     option("--output", "FOLDER", "for the tables", required=True, type=Path),
-    option("--logs", "FOLDER", "of a run of the paper; default logs/paper", default="logs/paper"),
-    option("--repeats", help="of a time; the median counts; default 5", type=int, default=5),
 )
 def run_times(options: argparse.Namespace) -> None:
     """Where run time goes on this machine: three tables.
 
       make paper && python -m verification run-times --output docs/data
 
-    `paper_times.csv`: processor time of `make paper` by rule, from the ends of the jobs' logs;
+    `paper_times.csv`: processor time by rule, of every job that has left a log in logs/paper;
     `force_times.csv`: of one force from the shell by part; `batch_times.csv`: of random scenes of
     the four-factor space, on host and device. Nothing else should run meanwhile.
     """
@@ -65,25 +56,14 @@ def run_times(options: argparse.Namespace) -> None:
         "machine": f"{device.name}, {os.cpu_count()} cores",
         "date": f"{now.day} {now:%B %Y}",
     }
-    tables = {
-        "paper": lambda: paper_times(
-            Path(options.logs), nothing_s=child_seconds(NOTHING, repeats=options.repeats)
-        ),
-        "force": lambda: force_times(repeats=options.repeats),
-        "batch": lambda: batch_times(repeats=options.repeats),
-    }
-    for name, measured in tables.items():
+    head = "".join(f"# {key}: {value}\n" for key, value in origin.items())
+    for name, measured in (("paper", paper_times), ("force", force_times), ("batch", batch_times)):
         say(f"{name}: measuring")
-        head = "".join(f"# {key}: {value}\n" for key, value in origin.items())
-        rows = measured().to_csv(index=False)
-        write_text(head + rows, options.output / f"{name}_times.csv")
+        write_text(head + measured().to_csv(index=False), options.output / f"{name}_times.csv")
 
 
-def paper_times(logs: Path, *, nothing_s: float) -> pd.DataFrame:
+def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
     """Processor time and memory by rule, from the logs of a finished run, the largest first.
-
-    Args:
-        nothing_s: seconds that Snakemake takes to see that nothing is to be done.
 
     Raises InputError where no log of the folder is one of a job that ended.
     """
@@ -97,33 +77,20 @@ def paper_times(logs: Path, *, nothing_s: float) -> pd.DataFrame:
     )
     if jobs.empty:
         raise InputError(f"{logs}: has no log of a finished job; run `make paper` first")
-    grouped = jobs.groupby("rule")
-    rules = grouped.agg({"seconds": "sum", "memory": "max"}).assign(jobs=grouped.size())
+    rules = jobs.groupby("rule").agg(
+        jobs=("seconds", "size"), seconds=("seconds", "sum"), memory=("memory", "max")
+    )
     rules = rules.sort_values("seconds", ascending=False)
-    rules.loc["all jobs"] = jobs["seconds"].sum(), jobs["memory"].max(), len(jobs)
-    rules.loc["Snakemake with nothing to do"] = nothing_s, float("nan"), float("nan")
-    return pd.DataFrame(
-        {
-            "rule": rules.index,
-            "jobs": rules["jobs"].astype("Int64"),
-            "processor time (s)": rules["seconds"].round(1),
-            "largest memory (MB)": rules["memory"].astype("Int64"),
-        }
-    )
+    rules.loc["all jobs"] = len(jobs), jobs["seconds"].sum(), jobs["memory"].max()
+    names = {"seconds": "processor time (s)", "memory": "largest memory (MB)"}
+    return rules.astype({"jobs": int, "memory": int}).round(1).rename(columns=names).reset_index()
 
 
-def force_times(*, repeats: int) -> pd.DataFrame:
+def force_times() -> pd.DataFrame:
     """Processor time of one force from the shell by what the process does, kernels in the cache."""
-    python, numpy, device, options, force = (
-        child_seconds(words, repeats=repeats)
-        for words in (
-            ("-c", "pass"),
-            ("-c", "import numpy"),
-            ("-c", DEVICE),
-            (*ONE_FORCE, "--help"),
-            ONE_FORCE,
-        )
-    )
+    python, numpy = child_seconds("-c", "pass"), child_seconds("-c", "import numpy")
+    device, options = child_seconds("-c", DEVICE), child_seconds(*ONE_FORCE, "--help")
+    force, nothing = child_seconds(*ONE_FORCE), child_seconds(*NOTHING)
     parts = {
         "Python": python,
         "NumPy": numpy - python,
@@ -131,24 +98,25 @@ def force_times(*, repeats: int) -> pd.DataFrame:
         "library and options": options - numpy,
         "configuration, kernels from the cache, solution": force - device - options + numpy,
         "all": force,
+        "for comparison: Snakemake with nothing to do": nothing,
     }
     milliseconds = [round(1e3 * seconds) for seconds in parts.values()]
     return pd.DataFrame({"part": [*parts], "processor time (ms)": milliseconds})
 
 
-def batch_times(*, repeats: int) -> pd.DataFrame:
+def batch_times() -> pd.DataFrame:
     """Times per scene of random scenes in one batch and of one scene, warm.
 
     The host is the main thread; on a processor kernels run on others.
     """
     study, rows = load(PAPER), []
-    points = random_plan(points=MANY, seed=1, **SPACE)
+    points = random_plan(points=MANY, seed=1, **box_of(study.config).ranges)
     for count, tolerance in product((1, MANY), (1e-4, 1e-6)):
         scenes = study.scenes(points[:count])
         solve(scenes, tolerance=tolerance)
         clocks = time.perf_counter, time.process_time, time.thread_time
         taken = []
-        for _ in range(repeats):
+        for _ in range(REPEATS):
             before = [clock() for clock in clocks]
             solve(scenes, tolerance=tolerance)
             taken.append([clock() - start for clock, start in zip(clocks, before, strict=True)])
@@ -160,13 +128,13 @@ def batch_times(*, repeats: int) -> pd.DataFrame:
     return table.assign(**times).rename(columns={name: f"{name} (ms a scene)" for name in times})
 
 
-def child_seconds(words: Sequence[str], *, repeats: int) -> float:
+def child_seconds(*words: str) -> float:
     """Return the median of the processor seconds of a Python process, which has run once before.
 
     Raises subprocess.CalledProcessError where it fails.
     """
     taken = []
-    for _ in range(repeats + 1):
+    for _ in range(REPEATS + 1):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run([sys.executable, *words], check=True, capture_output=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -124,7 +124,7 @@ def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
 
 def settle(figure: Figure) -> None:
     """Lay the figure out once, in places of nine digits: the last ones differ from run to run."""
-    if _laid_out(figure):
+    if _lay_out(figure):
         for part in figure.subfigs:
             part.bbox_relative.set_points(part.bbox_relative.get_points().round(9))
         for axes in figure.axes:
@@ -132,8 +132,11 @@ def settle(figure: Figure) -> None:
             axes.set_position((*(round(place, 9) for place in places),), which="both")
 
 
-def _laid_out(figure: Figure) -> bool:
-    """Lay a figure out, if an engine does; without one it is drawn once for a file, not twice."""
+def _lay_out(figure: Figure) -> bool:
+    """Lay a figure out and drop its engine, which would draw it twice for a file.
+
+    Returns whether it was a constrained layout.
+    """
     engine = figure.get_layout_engine()
     if engine is not None:
         engine.execute(figure)
@@ -149,7 +152,7 @@ def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
     for part in (*figure.findobj(Text), *figure.findobj(Legend)):
         part.set_visible(False)
     figure.set_dpi(CHECK_DPI)
-    _laid_out(figure)
+    _lay_out(figure)
     for path in paths:
         with whole_file(path) as name:
             figure.savefig(name, format="png", dpi=CHECK_DPI, metadata=_NO_METADATA[".png"])
