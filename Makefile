@@ -144,7 +144,7 @@ clean:
 
 # The packages as pinned, checked by their hashes; the library itself in place.
 $(VENV)/.run: requirements.lock pyproject.toml | $(BIN)/python
-	@echo "Setting up $(VENV): 1 GB, a minute or two, once; pip's words are in $(PIP_LOG)"
+	@echo "Setting up $(VENV): 0.8 GB, a minute or two, once; pip's words are in $(PIP_LOG)"
 	@$(call quietly,$(BIN)/python -m pip install --require-hashes --requirement requirements.lock)
 	@$(call quietly,$(BIN)/python -m pip install --no-deps --no-build-isolation --editable .)
 	@touch $@

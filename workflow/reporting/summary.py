@@ -12,6 +12,7 @@ from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
+from squeezefilm.tables import THIS_SCENE
 from squeezefilm.units import to_its_error, with_error
 
 EFFECTS = {
@@ -71,7 +72,7 @@ def summary_values(
         "profile_uncertainty": profile_uncertainty,
         "errors": pd.DataFrame([_errors(results, pair) for pair in pairs]),
         "effects": _effects(results),
-        "geometry": results.budget("screen")["geometry"].iloc[0],
+        "geometry": results.budget("screen")["geometry"].iloc[0].removeprefix(THIS_SCENE),
     }
 
 
