@@ -7,8 +7,6 @@ import sys
 from contextlib import nullcontext
 from typing import Any
 
-import pandas as pd
-
 from squeezefilm.api.film import (
     LEAST_INSTANTS,
     LEAST_PLACES,
@@ -46,6 +44,7 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
+from squeezefilm.lazy import pd
 from squeezefilm.solution import OUTPUTS
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table

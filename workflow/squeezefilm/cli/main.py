@@ -13,8 +13,7 @@ import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import ModuleType
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
@@ -92,7 +91,6 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
     # of a small command.
     gc.disable()
     with _ending_at_once():
-        sys.modules.setdefault("pandas", _LoadedWhenUsed("pandas"))
         command = getattr(importlib.import_module(commands[chosen]), chosen.replace("-", "_"))
     gc.freeze()
     gc.enable()
@@ -136,16 +134,6 @@ def _nearest(word: str, known: Iterable[str]) -> str:
 
     near = difflib.get_close_matches(word, [*known], n=1)
     return f"did you mean {near[0]!r}? " if near else ""
-
-
-class _LoadedWhenUsed(ModuleType):
-    """A package whose import waits for its first use: one force needs no tables."""
-
-    def __getattr__(self, name: str) -> Any:
-        if sys.modules[self.__name__] is self:
-            del sys.modules[self.__name__]
-        with _ending_at_once():
-            return getattr(importlib.import_module(self.__name__), name)
 
 
 @contextmanager

@@ -11,12 +11,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import pandas as pd
-
 from squeezefilm.api.film import Film, columns_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import write_table
 from squeezefilm.units import error_column, in_lines, to_its_error
