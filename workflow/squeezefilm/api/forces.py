@@ -35,14 +35,7 @@ from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import film_in, scenes_in
-from squeezefilm.tables import (
-    SCENE_COLUMNS,
-    TIMING_COLUMNS,
-    read_forces,
-    read_scenes,
-    read_timings,
-    table_writer,
-)
+from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_scenes, read_timings, table_writer
 from squeezefilm.units import in_lines
 
 if TYPE_CHECKING:
@@ -468,4 +461,4 @@ def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
     """Put the run times of a plan's parts together."""
     with table_writer(output) as write:
         for part in parts:
-            write(read_timings(part)[list(TIMING_COLUMNS)])
+            write(read_timings(part))

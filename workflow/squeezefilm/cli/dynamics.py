@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from contextlib import nullcontext
 
 import numpy as np
 
@@ -153,7 +152,7 @@ def response(options: argparse.Namespace) -> None:
         if options.output is options.gains is options.steps is None:
             raise InputError("a table of scenes needs --output, --gains or --steps")
         table = read_scenes(options.scenes)
-    with nullcontext() if alone else naming(options.scenes):
+    with naming(options.scenes):
         scenes = film.scenes(table)
     if alone or options.gains is not None:
         gained = all_gains(table, scenes, frequency_hz)

@@ -4,16 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from contextlib import nullcontext
 from typing import Any
 
-from squeezefilm.api.film import (
-    LEAST_INSTANTS,
-    LEAST_PLACES,
-    MOST_INSTANTS,
-    MOST_PLACES,
-    Film,
-)
+from squeezefilm.api.film import INSTANTS, PLACES, Film
 from squeezefilm.api.forces import (
     budget_table,
     force_of,
@@ -100,7 +93,7 @@ def simulate(options: argparse.Namespace) -> None:
     if path is None and not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give both --h0 and --hv")
     if options.dry_run:
-        with naming(path) if path else nullcontext():
+        with naming(path):
             scenes = film.scenes(read_scenes(path) if path else points)
         device = device_of(film.config, option=options.device)
         table = preview_table(scenes, settings=settings, device=device)
@@ -198,8 +191,8 @@ def budget(options: argparse.Namespace) -> None:
 @command(
     CONFIG,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
-    option("--places", None, f"each way, {LEAST_PLACES} to {MOST_PLACES}", type=int, default=41),
-    option("--instants", help=f"even, {LEAST_INSTANTS} to {MOST_INSTANTS}", type=int, default=32),
+    option("--places", None, "each way, {} to {}".format(*PLACES), type=int, default=41),
+    option("--instants", help="even, {} to {}".format(*INSTANTS), type=int, default=32),
     points(many=False),
 )
 def pressure(options: argparse.Namespace) -> None:

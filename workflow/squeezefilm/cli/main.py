@@ -102,7 +102,8 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser._negative_number_matcher = NEGATIVE  # for values such as that of --x -2mm
-    command.add_arguments(parser)
+    for add in command.options:
+        add(parser)
     options, unknown = parser.parse_known_args(words[1:])
     if unknown:
         known = [name for action in parser._actions for name in action.option_strings]

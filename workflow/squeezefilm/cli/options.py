@@ -38,12 +38,7 @@ Run = Callable[[argparse.Namespace], int | None]
 
 def command(*options: OptionAdder) -> Callable[[Run], SimpleNamespace]:
     """Make a function a command that has some options."""
-
-    def add_arguments(parser: argparse.ArgumentParser) -> None:
-        for add in options:
-            add(parser)
-
-    return lambda run: SimpleNamespace(run=run, add_arguments=add_arguments)
+    return lambda run: SimpleNamespace(run=run, options=options)
 
 
 def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> OptionAdder:
