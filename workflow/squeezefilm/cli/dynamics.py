@@ -9,9 +9,8 @@ from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
-    METHOD,
     SCENES,
-    TOLERANCE,
+    SOLVER,
     command,
     film_at,
     option,
@@ -37,7 +36,7 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10"),
     option("--mass", "QUANTITY", "that floats, e.g. 50g, for a resonance"),
     option("--output", "LEVITATION.csv", "table to write, a row a load, else it is shown"),
-    *(CONFIG, DEVICE, TOLERANCE, METHOD),
+    *SOLVER,
     points("h0"),
 )
 def levitate(options: argparse.Namespace) -> None:

@@ -20,11 +20,10 @@ from squeezefilm.api.forces import (
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
-    METHOD,
     POINTS,
     SCENES,
+    SOLVER,
     STUDY,
-    TOLERANCE,
     columns_in,
     command,
     film_at,
@@ -46,7 +45,7 @@ from squeezefilm.tables import read_scenes, write_table
 @command(
     SCENES,
     option("--output", "FORCES.csv", "table of forces to write"),
-    *(CONFIG, TOLERANCE, METHOD, DEVICE),
+    *SOLVER,
     flag("--dry-run", "show how scenes would be solved, and solve nothing"),
     flag("--derivatives", "of the force too, to each number of a scene"),
     flag("--budget", "the modelling error too, as columns of several points"),

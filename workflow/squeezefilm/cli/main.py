@@ -163,8 +163,7 @@ def overview(groups: Groups) -> str:
         there = [name for names in places.values() for name in names.split() if name in known]
         lines += [title] if there else []
         for name in there:
-            first, *rest = textwrap.wrap(summary_of(name, known[name]), WIDTH - NAME_WIDTH - 2)
-            lines.append(f"  {name:{NAME_WIDTH}}{first}")
-            lines += [f"{'':{NAME_WIDTH + 2}}{line}" for line in rest]
+            text = f"  {name:{NAME_WIDTH}}{summary_of(name, known[name])}"
+            lines.append(textwrap.fill(text, WIDTH, subsequent_indent=" " * (NAME_WIDTH + 2)))
         lines += [""] if there else []
     return "\n".join([*lines, "`squeezefilm COMMAND --help` explains a command."])

@@ -82,11 +82,9 @@ def _different(values: Items) -> Items:
     return values
 
 
-FilmLength = Annotated[float, Number("m", 1e-9, 1e-3)]  # below a nanometre there is no film of gas
 Length = Annotated[float, Number("m", 1e-6, 10)]
 Rise = Annotated[float, Number("m", -1e-3, 1e-3)]
 Direction = Annotated[float, Number("°", -360, 360)]
-WaveNumber = Annotated[float, Number("1/m", 0, 1e6, open=True)]
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
 Different = AfterValidator(_different)
 DERIVED: Any = Field(default=None)
@@ -239,7 +237,7 @@ class Sinc(Section):
     """
 
     kind: Literal["sinc"]
-    wave_number_per_m: WaveNumber
+    wave_number_per_m: Annotated[float, Number("1/m", 0, 1e6, open=True)]
 
 
 class Piston(Section):

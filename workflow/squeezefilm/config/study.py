@@ -13,7 +13,6 @@ from pydantic import Field, StrictBool, model_validator
 from squeezefilm.config.film import (
     DERIVED,
     Different,
-    FilmLength,
     FilmSections,
     Number,
     Pad,
@@ -33,6 +32,7 @@ FARTHER, FARTHEST = 1.1, 1.5
 """An amplitude beyond the screen at which its models are tried, over the screen's largest: the
 default, and the most."""
 
+FilmLength = Annotated[float, Number("m", 1e-9, 1e-3)]  # below a nanometre there is no film of gas
 Separation = Annotated[float, Number("1", 0, 0.5, open=True)]
 Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
 Seed = Annotated[int, Field(strict=True, ge=0, le=10**9)]
