@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -336,11 +335,6 @@ def compile_kernels(config: Config) -> dict[str, Any]:
     return facts
 
 
-def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
-    """The rows of one of several chunks: contiguous parts that differ by at most one row."""
-    return slice(count * (chunk - 1) // chunks, count * chunk // chunks)
-
-
 def simulate_table(
     scenes: Path | str,
     config: Config,
@@ -366,7 +360,7 @@ def simulate_table(
 
     Raises InputError, before anything is solved, for a scene that cannot be.
     """
-    table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
+    table = read_scenes(scenes, chunk=chunk)
     with naming(scenes):
         planned = scenes_in(table, config)
     chosen = device_ready(config, option=device, scene=planned[0])
@@ -426,7 +420,7 @@ def merge_forces(
     failures: list[str] = []
     with table_writer(output) as write:
         for number, part in enumerate(parts, start=1):
-            planned = read_scenes(scenes, rows=partial(chunk_rows, number, len(parts)))
+            planned = read_scenes(scenes, chunk=(number, len(parts)))
             rows = read_forces(part, whole=True)
             if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
                 raise InputError(
