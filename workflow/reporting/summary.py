@@ -12,8 +12,9 @@ from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
+from squeezefilm.solution import POLAR, form_of
 from squeezefilm.tables import THIS_SCENE
-from squeezefilm.units import to_its_error, with_error
+from squeezefilm.units import to_its_error
 
 EFFECTS = {
     "inertia": "inertia",
@@ -93,7 +94,7 @@ def headline_values(results: Results) -> dict[str, Any]:
     return {
         "study": config["study"],
         "point": point,
-        "force": with_error(point["force_n"], point["force_error_n"]),
+        "force": "{} N ± {} N".format(*to_its_error(point["force_n"], point["force_error_n"])),
         "noise": noise,
         "fitted": results.fit("two_factor_design").points,
         "judged": results.validation("two_factor_design", "screen"),

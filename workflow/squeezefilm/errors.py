@@ -30,11 +30,14 @@ def refuse(place: object, problems: Mapping[str, object]) -> None:
 
 @contextmanager
 def naming(place: object) -> Iterator[None]:
-    """Put a place, such as a file's name, before the message of an InputError from within."""
+    """Put a place, such as a file's name, before the message of an InputError from within.
+
+    Without a place, None, the message stays.
+    """
     try:
         yield
     except InputError as error:
-        raise InputError(f"{place}: {error}") from None
+        raise InputError(f"{place}: {error}" if place else str(error)) from None
 
 
 @contextmanager

@@ -83,8 +83,12 @@ class Solutions(Sequence[Solution]):
     @classmethod
     def of_method(cls, method: str, count: int) -> Solutions:
         """Solutions that are not known yet."""
-        columns = {name: value.repeat(count) for name, value in UNKNOWN.items()}
-        columns["method"].fill(method)
+        columns = {}
+        for name, value in (DEFAULTS | {"method": method}).items():
+            # Numbers as such; texts and what has parts as objects.
+            kind = type(value) if isinstance(value, (int, float)) else object
+            columns[name] = np.empty(count, dtype=kind)
+            columns[name].fill(value)
         return cls(columns)
 
     @classmethod
@@ -133,13 +137,6 @@ class Solutions(Sequence[Solution]):
 DEFAULTS: dict[str, object] = {
     each.name: "" if each.default is MISSING else each.default for each in fields(Solution)
 }
-# Columns of that for one scene: numbers as such; texts and what has parts as objects.
-UNKNOWN = {
-    name: np.empty(1, dtype=type(value) if isinstance(value, (int, float)) else object)
-    for name, value in DEFAULTS.items()
-}
-for _name, _column in UNKNOWN.items():
-    _column.fill(DEFAULTS[_name])
 SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )
@@ -151,13 +148,11 @@ DERIVATIVES = {
     "ambient_pressure_pa": ("ambient_pressure", "n_per_pa"),
     "density_kg_per_m3": ("density", "n_m3_per_kg"),
     "mean_free_path_m": ("mean_free_path", "n_per_m"),
-    **{
-        name: (name, "n")
-        for name in (
-            *("polytropic_exponent", "prandtl", "heat_capacity_ratio"),
-            *("viscosity_exponent", "slip_coefficient"),
-        )
-    },
+    "polytropic_exponent": ("polytropic_exponent", "n"),
+    "prandtl": ("prandtl", "n"),
+    "heat_capacity_ratio": ("heat_capacity_ratio", "n"),
+    "viscosity_exponent": ("viscosity_exponent", "n"),
+    "slip_coefficient": ("slip_coefficient", "n"),
 }
 
 

@@ -45,19 +45,22 @@ FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 
 Others = Literal["refused", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read."""
-Rows = Callable[[int], slice]
-"""Which rows of a table, given how many there are; ``slice`` is all of them."""
 
 
-def read_scenes(path: Path | str, *, rows: Rows = slice) -> pd.DataFrame:
+def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
+    """The rows of one of several chunks: contiguous parts that differ by at most one row."""
+    return slice(count * (chunk - 1) // chunks, count * chunk // chunks)
+
+
+def read_scenes(path: Path | str, *, chunk: tuple[int, int] = (1, 1)) -> pd.DataFrame:
     """Read a plan: ``point_id`` as text, the four factors as finite numbers, order kept.
 
     Args:
-        rows: which of them, given how many there are.
+        chunk: which of how many parts of it.
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, rows=rows)
+    return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, chunk=chunk)
 
 
 def read_design(path: Path | str) -> pd.DataFrame:
@@ -115,7 +118,7 @@ def _read(
     columns: Sequence[str],
     numbers: Sequence[str],
     others: Others = "refused",
-    rows: Rows = slice,
+    chunk: tuple[int, int] = (1, 1),
 ) -> pd.DataFrame:
     """The columns of a table, and what becomes of others that it has."""
     path = Path(path)
@@ -127,7 +130,7 @@ def _read(
         return [*named, *(name for name in header if others == "kept" and name not in named)]
 
     table, lines = (
-        _parquet_rows(path, wanted=wanted, rows=rows)
+        _parquet_rows(path, wanted=wanted, chunk=chunk)
         if path.suffix == PARQUET
         else _csv_rows(path, wanted=wanted, needs=", ".join(columns))
     )
@@ -150,7 +153,7 @@ def _read(
         raise InputError(
             f"{place} {lines[row]}: point_id {ids.iloc[row]!r} stands in {word} {first} already"
         )
-    return table if path.suffix == PARQUET else table.iloc[rows(len(table))]
+    return table if path.suffix == PARQUET else table.iloc[chunk_rows(*chunk, len(table))]
 
 
 def _csv_rows(
@@ -176,7 +179,7 @@ def _csv_rows(
 
 
 def _parquet_rows(
-    path: Path, *, wanted: Callable[[Sequence[str]], list[str]], rows: Rows
+    path: Path, *, wanted: Callable[[Sequence[str]], list[str]], chunk: tuple[int, int]
 ) -> tuple[pd.DataFrame, list[int]]:
     """Some rows of a Parquet file, and their numbers; no others are held."""
     with needing("parquet", what="a table in Parquet"):
@@ -188,7 +191,7 @@ def _parquet_rows(
             columns, about = wanted(file.schema_arrow.names), file.metadata
             sizes = [about.row_group(group).num_rows for group in range(about.num_row_groups)]
             ends = np.cumsum(sizes, dtype=int)
-            asked = range(about.num_rows)[rows(about.num_rows)]
+            asked = range(about.num_rows)[chunk_rows(*chunk, about.num_rows)]
             groups = np.flatnonzero((ends > asked.start) & (ends - sizes < asked.stop))
             read = file.read_row_groups(groups.tolist(), columns=columns)
     except FileNotFoundError:

@@ -32,19 +32,8 @@ FACTOR = re.compile(
 )
 PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "m": 1e-3, "c": 1e-2, "h": 1e2, "k": 1e3, "M": 1e6}
 PREFIXES |= dict.fromkeys("µμu", 1e-6)
-IN_NAMES = {
-    "n": "N",
-    "m": "m",
-    "m3": "m³",
-    "s": "s",
-    "hz": "Hz",
-    "deg": "°",
-    "rad": "rad",
-    "pa": "Pa",
-    "w": "W",
-    "kg": "kg",
-    "percent": "%",
-}
+IN_NAMES = {unit.lower(): unit for unit in ("N", "m", "s", "Hz", "rad", "Pa", "W", "kg")}
+IN_NAMES |= {"m3": "m³", "deg": "°", "percent": "%"}
 """How units are called at the end of a column's name: ``stiffness_n_per_m``."""
 _SEVERAL = rf"(?:{'|'.join(IN_NAMES)})(?:_(?:{'|'.join(IN_NAMES)}))*"
 WITH_UNIT = re.compile(rf"(.+?)_({_SEVERAL}(?:_per_{_SEVERAL})?)")
@@ -156,12 +145,6 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
     first, last = (quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in ends)
     step = (last - first) / (int(count) - 1)
     return [float(f"{first + step * number:.12g}") for number in range(int(count))]
-
-
-def with_error(force_n: float, error_n: float) -> str:
-    """A force and its error, both to the first digit of the error."""
-    force, error = to_its_error(force_n, error_n)
-    return f"{force} N ± {error} N"
 
 
 def to_its_error(value: float, error: float) -> tuple[str, str]:

@@ -103,8 +103,8 @@ def levels(values: Values, *, called: str, unit: str) -> list[float]:
     return [float(value) for value in numbers]
 
 
-LEAST_PLACES, MOST_PLACES = 3, 1001
-LEAST_INSTANTS, MOST_INSTANTS = 4, 1024
+PLACES, INSTANTS = (3, 1001), (4, 1024)
+"""The least and most of a pressure field, along a side and over a period."""
 DESCRIBED = {
     "gauge_pressure": ("Pa", "pressure above ambient"),
     "gap": ("m", "gap between surface and pad"),
@@ -276,8 +276,8 @@ class Film:
         with needing("fields", what="a pressure field"):
             import xarray
         for name, value, least, most in (
-            ("places", places, LEAST_PLACES, MOST_PLACES),
-            ("instants", instants, LEAST_INSTANTS, MOST_INSTANTS),
+            ("places", places, *PLACES),
+            ("instants", instants, *INSTANTS),
             ("tolerance", tolerance, 1e-8, 0.1),
         ):
             if not least <= value <= most:

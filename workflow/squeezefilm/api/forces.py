@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,19 +29,12 @@ from squeezefilm.quantities.model_error import (
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.reynolds.solver import Preview, previews
+from squeezefilm.reynolds.solver import previews
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import film_in, scenes_in
-from squeezefilm.tables import (
-    SCENE_COLUMNS,
-    TIMING_COLUMNS,
-    read_forces,
-    read_scenes,
-    read_timings,
-    table_writer,
-)
+from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_scenes, read_timings, table_writer
 from squeezefilm.units import in_lines
 
 if TYPE_CHECKING:
@@ -275,35 +267,31 @@ def preview_table(
     But for what decides on terms that are ``auto``: a state on a coarse grid.
     """
     scenes = settings.resolved(scenes, device)
-    found = previews(scenes, tolerance=settings.tolerance, method=settings.method)
-    return pd.DataFrame(
-        [_preview_row(*each, settings=settings) for each in zip(scenes, found, strict=True)]
-    )
-
-
-def _preview_row(scene: Scene, preview: Preview, *, settings: SolverSettings) -> dict[str, object]:
     numbers = ("point_id", "epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
-    row = {
-        **{name: getattr(scene, name) for name in numbers},
-        "method": preview.method,
-        "status": preview.status,
-        "validity": validity(scene),
-        "domain": preview.domain,
-        "terms": "; ".join(preview.terms),
-        **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
-        "simplifications": "; ".join(part.what for part in preview.simplifications),
-        "why": "; ".join(f"{part.what}: {part.why}" for part in preview.simplifications),
-        "expected_error": preview.expected_error,
-        "expected_mflop": preview.expected_mflop,
-        "notes": "; ".join(notes_of(scene)),
-    }
-    if not settings.outputs:
-        return row
-    from squeezefilm.quantities.outputs import refusals
+    found, rows = previews(scenes, tolerance=settings.tolerance, method=settings.method), []
+    for scene, preview in zip(scenes, found, strict=True):
+        row = {
+            **{name: getattr(scene, name) for name in numbers},
+            "method": preview.method,
+            "status": preview.status,
+            "validity": validity(scene),
+            "domain": preview.domain,
+            "terms": "; ".join(preview.terms),
+            **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
+            "simplifications": "; ".join(part.what for part in preview.simplifications),
+            "why": "; ".join(f"{part.what}: {part.why}" for part in preview.simplifications),
+            "expected_error": preview.expected_error,
+            "expected_mflop": preview.expected_mflop,
+            "notes": "; ".join(notes_of(scene)),
+        }
+        if settings.outputs:
+            from squeezefilm.quantities.outputs import refusals
 
-    refused = refusals(scene, tolerance=settings.tolerance)
-    lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
-    return row | {"outputs_refused": "; ".join(lacking)}
+            refused = refusals(scene, tolerance=settings.tolerance)
+            lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
+            row["outputs_refused"] = "; ".join(lacking)
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def preview_text(table: pd.DataFrame, *, tolerance: float) -> str:
@@ -347,11 +335,6 @@ def compile_kernels(config: Config) -> dict[str, Any]:
     return facts
 
 
-def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
-    """The rows of one of several chunks: contiguous parts that differ by at most one row."""
-    return slice(count * (chunk - 1) // chunks, count * chunk // chunks)
-
-
 def simulate_table(
     scenes: Path | str,
     config: Config,
@@ -377,7 +360,7 @@ def simulate_table(
 
     Raises InputError, before anything is solved, for a scene that cannot be.
     """
-    table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
+    table = read_scenes(scenes, chunk=chunk)
     with naming(scenes):
         planned = scenes_in(table, config)
     chosen = device_ready(config, option=device, scene=planned[0])
@@ -401,7 +384,9 @@ def simulate_table(
                 report=bar.update,
             )
             wall = time.perf_counter() - start
-            write(_forces(rows, solutions))
+            solved = Solutions.of(solutions).to_frame(rows.index)
+            asked = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
+            write(pd.concat([rows[as_in(SCENE_COLUMNS, rows)], solved, asked], axis=1))
             # By floating-point operations, of which closed forms need none worth counting.
             work = np.array([solution.work for solution in solutions])
             shares = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
@@ -413,8 +398,8 @@ def simulate_table(
                     missing.append(f"point {point_id}: {reason}")
     for note in excluded_terms(planned[0], method=settings.method):
         print(note, file=sys.stderr)
-    solved = len(table) - len(failures)
-    print(f"{solved} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)
+    count = len(table) - len(failures)
+    print(f"{count} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)
     return failures, incomplete
 
 
@@ -422,13 +407,6 @@ def missing_of(solution: Solution) -> str:
     """Why there is no force, or not what was asked for beside it; empty if all is there."""
     asked = (solution, solution.derivatives, solution.outputs)
     return next((each.status for each in asked if each and each.status != "ok"), "")
-
-
-def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
-    """The rows of a plan with what was solved for them."""
-    found = Solutions.of(solutions).to_frame(rows.index)
-    asked = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
-    return pd.concat([rows[as_in(SCENE_COLUMNS, rows)], found, asked], axis=1)
 
 
 def merge_forces(
@@ -442,7 +420,7 @@ def merge_forces(
     failures: list[str] = []
     with table_writer(output) as write:
         for number, part in enumerate(parts, start=1):
-            planned = read_scenes(scenes, rows=partial(chunk_rows, number, len(parts)))
+            planned = read_scenes(scenes, chunk=(number, len(parts)))
             rows = read_forces(part, whole=True)
             if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
                 raise InputError(
@@ -468,4 +446,4 @@ def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
     """Put the run times of a plan's parts together."""
     with table_writer(output) as write:
         for part in parts:
-            write(read_timings(part)[list(TIMING_COLUMNS)])
+            write(read_timings(part))

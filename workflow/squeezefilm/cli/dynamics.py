@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from contextlib import nullcontext
 
 import numpy as np
 
@@ -10,9 +9,8 @@ from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
-    METHOD,
     SCENES,
-    TOLERANCE,
+    SOLVER,
     command,
     film_at,
     option,
@@ -38,7 +36,7 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10"),
     option("--mass", "QUANTITY", "that floats, e.g. 50g, for a resonance"),
     option("--output", "LEVITATION.csv", "table to write, a row a load, else it is shown"),
-    *(CONFIG, DEVICE, TOLERANCE, METHOD),
+    *SOLVER,
     points("h0"),
 )
 def levitate(options: argparse.Namespace) -> None:
@@ -153,7 +151,7 @@ def response(options: argparse.Namespace) -> None:
         if options.output is options.gains is options.steps is None:
             raise InputError("a table of scenes needs --output, --gains or --steps")
         table = read_scenes(options.scenes)
-    with nullcontext() if alone else naming(options.scenes):
+    with naming(options.scenes):
         scenes = film.scenes(table)
     if alone or options.gains is not None:
         gained = all_gains(table, scenes, frequency_hz)

@@ -4,18 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from contextlib import nullcontext
 from typing import Any
 
-import pandas as pd
-
-from squeezefilm.api.film import (
-    LEAST_INSTANTS,
-    LEAST_PLACES,
-    MOST_INSTANTS,
-    MOST_PLACES,
-    Film,
-)
+from squeezefilm.api.film import INSTANTS, PLACES, Film
 from squeezefilm.api.forces import (
     budget_table,
     force_of,
@@ -29,11 +20,10 @@ from squeezefilm.api.forces import (
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
-    METHOD,
     POINTS,
     SCENES,
+    SOLVER,
     STUDY,
-    TOLERANCE,
     columns_in,
     command,
     film_at,
@@ -46,6 +36,7 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
+from squeezefilm.lazy import pd
 from squeezefilm.solution import OUTPUTS
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
@@ -54,7 +45,7 @@ from squeezefilm.tables import read_scenes, write_table
 @command(
     SCENES,
     option("--output", "FORCES.csv", "table of forces to write"),
-    *(CONFIG, TOLERANCE, METHOD, DEVICE),
+    *SOLVER,
     flag("--dry-run", "show how scenes would be solved, and solve nothing"),
     flag("--derivatives", "of the force too, to each number of a scene"),
     flag("--budget", "the modelling error too, as columns of several points"),
@@ -101,7 +92,7 @@ def simulate(options: argparse.Namespace) -> None:
     if path is None and not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give both --h0 and --hv")
     if options.dry_run:
-        with naming(path) if path else nullcontext():
+        with naming(path):
             scenes = film.scenes(read_scenes(path) if path else points)
         device = device_of(film.config, option=options.device)
         table = preview_table(scenes, settings=settings, device=device)
@@ -199,8 +190,8 @@ def budget(options: argparse.Namespace) -> None:
 @command(
     CONFIG,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
-    option("--places", None, f"each way, {LEAST_PLACES} to {MOST_PLACES}", type=int, default=41),
-    option("--instants", help=f"even, {LEAST_INSTANTS} to {MOST_INSTANTS}", type=int, default=32),
+    option("--places", None, "each way, {} to {}".format(*PLACES), type=int, default=41),
+    option("--instants", help="even, {} to {}".format(*INSTANTS), type=int, default=32),
     points(many=False),
 )
 def pressure(options: argparse.Namespace) -> None:

@@ -13,8 +13,7 @@ import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import ModuleType
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
@@ -92,7 +91,6 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
     # of a small command.
     gc.disable()
     with _ending_at_once():
-        sys.modules.setdefault("pandas", _LoadedWhenUsed("pandas"))
         command = getattr(importlib.import_module(commands[chosen]), chosen.replace("-", "_"))
     gc.freeze()
     gc.enable()
@@ -104,7 +102,8 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser._negative_number_matcher = NEGATIVE  # for values such as that of --x -2mm
-    command.add_arguments(parser)
+    for add in command.options:
+        add(parser)
     options, unknown = parser.parse_known_args(words[1:])
     if unknown:
         known = [name for action in parser._actions for name in action.option_strings]
@@ -138,16 +137,6 @@ def _nearest(word: str, known: Iterable[str]) -> str:
     return f"did you mean {near[0]!r}? " if near else ""
 
 
-class _LoadedWhenUsed(ModuleType):
-    """A package whose import waits for its first use: one force needs no tables."""
-
-    def __getattr__(self, name: str) -> Any:
-        if sys.modules[self.__name__] is self:
-            del sys.modules[self.__name__]
-        with _ending_at_once():
-            return getattr(importlib.import_module(self.__name__), name)
-
-
 @contextmanager
 def _ending_at_once() -> Iterator[None]:
     """Ctrl-C ends the process: a C extension that loads may turn its exception into another."""
@@ -174,8 +163,7 @@ def overview(groups: Groups) -> str:
         there = [name for names in places.values() for name in names.split() if name in known]
         lines += [title] if there else []
         for name in there:
-            first, *rest = textwrap.wrap(summary_of(name, known[name]), WIDTH - NAME_WIDTH - 2)
-            lines.append(f"  {name:{NAME_WIDTH}}{first}")
-            lines += [f"{'':{NAME_WIDTH + 2}}{line}" for line in rest]
+            text = f"  {name:{NAME_WIDTH}}{summary_of(name, known[name])}"
+            lines.append(textwrap.fill(text, WIDTH, subsequent_indent=" " * (NAME_WIDTH + 2)))
         lines += [""] if there else []
     return "\n".join([*lines, "`squeezefilm COMMAND --help` explains a command."])

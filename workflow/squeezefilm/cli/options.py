@@ -11,12 +11,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import pandas as pd
-
 from squeezefilm.api.film import Film, columns_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import write_table
 from squeezefilm.units import error_column, in_lines, to_its_error
@@ -39,12 +38,7 @@ Run = Callable[[argparse.Namespace], int | None]
 
 def command(*options: OptionAdder) -> Callable[[Run], SimpleNamespace]:
     """Make a function a command that has some options."""
-
-    def add_arguments(parser: argparse.ArgumentParser) -> None:
-        for add in options:
-            add(parser)
-
-    return lambda run: SimpleNamespace(run=run, add_arguments=add_arguments)
+    return lambda run: SimpleNamespace(run=run, options=options)
 
 
 def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> OptionAdder:
@@ -75,6 +69,7 @@ STUDY = option("--config", "CONFIG.yaml", "the study", required=True)
 DEVICE = option("--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device")
 TOLERANCE = option("--tolerance", help="instead of the config's solver.tolerance", type=float)
 METHOD = option("--method", help="instead of the config's solver.method", choices=METHODS)
+SOLVER = (CONFIG, TOLERANCE, METHOD, DEVICE)
 FIT = option("fit", "FIT.json", "the fitted model")
 FORCES = option("forces", "FORCES.csv", "simulated forces")
 SCENES = option("scenes", "SCENES.csv", "table of scenes", nargs="?")

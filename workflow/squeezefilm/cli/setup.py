@@ -14,13 +14,7 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
 from squeezefilm.models.force_model import check_models
 from squeezefilm.provenance import versions
-from squeezefilm.reynolds.device import (
-    DEVICE_VARIABLE,
-    choose_device,
-    describe,
-    device_name,
-    list_devices,
-)
+from squeezefilm.reynolds.device import choose_device, describe, device_name, list_devices
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
 from squeezefilm.units import in_lines
@@ -114,7 +108,7 @@ def doctor(options: argparse.Namespace) -> None:
     except InputError as error:
         raise RunError(
             f"{error}. A device is chosen by --device, by the environment variable "
-            f"{DEVICE_VARIABLE}, or by solver.device of the configuration"
+            "SQUEEZEFILM_DEVICE, or by solver.device of the configuration"
         ) from None
     check_device(device)
     print("self-test: forces of stored films, with every term, are right to 1e-9")

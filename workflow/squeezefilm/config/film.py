@@ -82,21 +82,13 @@ def _different(values: Items) -> Items:
     return values
 
 
-FilmLength = Annotated[float, Number("m", 1e-9, 1e-3)]  # below a nanometre there is no film of gas
 Length = Annotated[float, Number("m", 1e-6, 10)]
 Rise = Annotated[float, Number("m", -1e-3, 1e-3)]
 Direction = Annotated[float, Number("°", -360, 360)]
-WaveNumber = Annotated[float, Number("1/m", 0, 1e6, open=True)]
-Separation = Annotated[float, Number("1", 0, 0.5, open=True)]
-Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
-Seed = Annotated[int, Field(strict=True, ge=0, le=10**9)]
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
-Name = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
 Different = AfterValidator(_different)
-UpTo100 = Field(min_length=1, max_length=100)
 DERIVED: Any = Field(default=None)
 """Of an optional key: ``default:`` in the docstring says what follows from others."""
-Names = Annotated[list[Name], UpTo100, Different]
 Term = Literal["none", "included", "auto"]
 
 
@@ -245,7 +237,7 @@ class Sinc(Section):
     """
 
     kind: Literal["sinc"]
-    wave_number_per_m: WaveNumber
+    wave_number_per_m: Annotated[float, Number("1/m", 0, 1e6, open=True)]
 
 
 class Piston(Section):

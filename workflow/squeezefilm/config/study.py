@@ -12,18 +12,11 @@ from pydantic import Field, StrictBool, model_validator
 
 from squeezefilm.config.film import (
     DERIVED,
-    Count,
     Different,
-    FilmLength,
     FilmSections,
-    Name,
-    Names,
     Number,
     Pad,
     Section,
-    Seed,
-    Separation,
-    UpTo100,
     key_of,
     mistake,
 )
@@ -38,6 +31,14 @@ POSITIONS = 25
 FARTHER, FARTHEST = 1.1, 1.5
 """An amplitude beyond the screen at which its models are tried, over the screen's largest: the
 default, and the most."""
+
+FilmLength = Annotated[float, Number("m", 1e-9, 1e-3)]  # below a nanometre there is no film of gas
+Separation = Annotated[float, Number("1", 0, 0.5, open=True)]
+Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
+Seed = Annotated[int, Field(strict=True, ge=0, le=10**9)]
+Name = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
+UpTo100 = Field(min_length=1, max_length=100)
+Names = Annotated[list[Name], UpTo100, Different]
 
 
 class Simulation(Section):

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
+from squeezefilm.lazy import pd
 from squeezefilm.solution import CARTESIAN, POLAR, as_in, cartesian
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 

@@ -23,11 +23,11 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, computed_field, model_validator
 
 from squeezefilm.errors import InputError
+from squeezefilm.lazy import pd
 from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.fitting import local_fit
 from squeezefilm.models.force_model import ExpressionModel

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, naming
+from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.solver import previews
 from squeezefilm.solution import POLAR, as_in, form_of

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from squeezefilm.config.loading import Config
@@ -20,6 +19,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Film
 from squeezefilm.film.symmetry import Symmetry
 from squeezefilm.film.validity import exist
+from squeezefilm.lazy import pd
 from squeezefilm.solution import POLAR, cartesian, form_of
 from squeezefilm.studies.study import film_in, surface_of, symmetry_of
 from squeezefilm.tables import FACTOR_COLUMNS
