@@ -12,7 +12,6 @@ from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
-from squeezefilm.solution import POLAR, form_of
 from squeezefilm.tables import THIS_SCENE
 from squeezefilm.units import to_its_error
 
