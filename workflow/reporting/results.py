@@ -60,8 +60,8 @@ class Results:
 
     def candidate(self, space: str, model: str) -> Path:
         """The fit of a model that is compared in a space; of its own that to all its points."""
-        own = {"two_factor": "screen", "four_factor": "four_factor"}
-        file = f"fits/{own[space]}" if model == space else f"models/{space}/{model}"
+        own = "screen" if space == "two_factor" else space
+        file = f"fits/{own}" if model == space else f"models/{space}/{model}"
         return self.folder / f"{file}.json"
 
     def design(self, name: str) -> pd.DataFrame:
@@ -106,6 +106,6 @@ class Results:
         """Return a note on films outside the equation's validity range; empty where they do not."""
         return beyond_note(self.config)
 
-    def exists(self, *files: str) -> bool:
-        """Return whether all these files are among the results."""
-        return all((self.folder / file).exists() for file in files)
+    def exists(self, file: str) -> bool:
+        """Return whether a file is among the results."""
+        return (self.folder / file).exists()

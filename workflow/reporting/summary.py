@@ -99,9 +99,7 @@ def headline_values(results: Results) -> dict[str, Any]:
         "claims": _claims(results) if config["paper"] else None,
         "recommended": recommended,
         "band": config["validation"]["relative_error_band"],
-        "amplitudes": None
-        if recommended is None or recommended.empty
-        else _amplitudes(recommended),
+        "amplitudes": _amplitudes,
         "wanted": config["extrapolation"],
         "neglected": _neglected(results),
         "beyond": results.beyond,

@@ -37,8 +37,8 @@ def budget(results: Results) -> Figure:
     positions = _budgets(results, "four_factor")
     largest = positions["hv_um"] / positions["h0_um"]
     along = positions[largest >= largest.max() * (1 - 1e-9)]
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.3)
-    *panels, last = figure.subplots(2, 3).flat
+    figure, grid = style.subplots(2, 3, wide=True, height_in=4.3)
+    *panels, last = grid.flat
     too_large = "; ".join(screen["first_order_invalid"]).split("; ")
     for letter, axes, (name, (colour, label)) in zip("abcde", panels, EFFECTS.items(), strict=True):
         beyond = any(too_large) if name == "modelling_error" else name in too_large
@@ -115,8 +115,7 @@ def response(results: Results) -> Figure:
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
     lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.6)
-    (corner, prompt), (gain, phase) = figure.subplots(2, 2)
+    figure, ((corner, prompt), (gain, phase)) = style.subplots(2, 2, wide=True, height_in=4.6)
     _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
     _draw_map(prompt, maps, "instantaneous_percent", "(b) instantaneous fraction (%)")
     _draw_lines(gain, lines, "gain", "(c) gain")
@@ -177,7 +176,7 @@ def levitation(results: Results) -> Figure:
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
     gaps_um = parts.micrometres(results.scenes("screen")["h0_m"])
     data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
-    figure, (gap, stiffness) = style.subplots(1, 2, width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
+    figure, (gap, stiffness) = style.subplots(1, 2, wide=True, height_in=2.6)
     gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
     for amplitude, colour in zip(sorted(data["hv_um"].unique()), COLOURS, strict=False):
         rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")
