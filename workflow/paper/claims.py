@@ -147,13 +147,9 @@ def _extrapolated_values(results: Results) -> Values:
     wanted = results.row(table, "two_factor_design", file)
     fit = results.fit("two_factor_design")
     expected_n = _expected_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
-    file = "simulations/extrapolation/budget.csv"
-    columns = ("point_id", "edge_loss_percent", "edge_loss_upper_percent", "included_effects")
-    budgets = results.table(file, *columns).set_index("point_id")
-    budget = results.row(budgets, "operating_point", file)
-    present = (
-        str(budget["included_effects"]).split("; ") if pd.notna(budget["included_effects"]) else []
-    )
+    budgets = results.budget("extrapolation").set_index("point_id")
+    budget = results.row(budgets, "operating_point", "simulations/extrapolation/budget.csv")
+    present = [name for name in budget["included_effects"].split("; ") if name]
     included = f"With {' and '.join(present)} in it, which eq. (1) neglects; still neglected are"
     return {
         "model_at_2.2": expected_n,

@@ -49,7 +49,7 @@ def budget(results: Results) -> Figure:
     _draw_effects(last, along)
     present = screen["included_effects"].iloc[0]
     note = f"(f): h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm."
-    if isinstance(present, str):
+    if present:
         note += f" In the forces already: {present}."
     style.add_note(figure, note, results.beyond)
     return figure
@@ -80,16 +80,15 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
     off = rows[rows[place] != 0]
     least, farthest = min(0.0, float(rows[place].min())), float(rows[place].max())
     ends: list[tuple[float, str, str]] = []
-    for marker, value in (("o", off[other].min()), ("s", off[other].max())):
+    hollow: dict[str, Any] = {"marker": "o", "mfc": "white", "ms": 6}
+    full: dict[str, Any] = {"marker": "s", "ms": 3}
+    for look, value in ((hollow, off[other].min()), (full, off[other].max())):
         centre = on_disc & (rows[place] == 0)
         along = rows[centre | (rows[other] == value)].drop_duplicates(place)
         for name, (colour, label) in EFFECTS.items():
             values = along[f"{name}_percent"]
-            look: dict[str, Any] = (
-                {"mfc": "white", "ms": 6} if marker == "o" else {"mfc": colour, "ms": 3}
-            )
-            axes.plot(along[place], values, marker + "-", color=colour, **look)
-            if marker == "s" and np.isfinite(values.iloc[-1]):
+            axes.plot(along[place], values, color=colour, **look)
+            if look is full and np.isfinite(values.iloc[-1]):
                 text = label.removesuffix(", C = 1")
                 ends.append((float(values.iloc[-1]), text, colour))
     # From the lowest up and none over another.
@@ -109,9 +108,8 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
 def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
     table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "corner_hz")
-    maps = parts.in_micrometres(table).assign(
-        instantaneous_percent=100 * table["instantaneous_fraction"]
-    )
+    table["instantaneous_percent"] = 100 * table["instantaneous_fraction"]
+    maps = parts.in_micrometres(table)
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
     lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
