@@ -81,7 +81,8 @@ class Results:
         """Return the neglected effects on the forces of a plan."""
         columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects", "geometry")
         table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns)
-        return table.fillna({"first_order_invalid": "", "included_effects": ""})
+        texts = ("first_order_invalid", "included_effects")
+        return table.assign(**{name: table[name].fillna("") for name in texts})
 
     def table(self, file: str, *columns: str) -> pd.DataFrame:
         """Any table of the results, which has at least these columns."""
