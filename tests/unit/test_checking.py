@@ -31,7 +31,7 @@ def quantities(table: pd.DataFrame) -> list[Quantity]:
 
 
 def stored(found: list[Quantity]) -> dict[tuple[str, str, str], dict[str, str]]:
-    return {each.key: dict(each.cells) for each in found}
+    return {each[:3]: dict(each.cells) for each in found}
 
 
 def failed(table: pd.DataFrame) -> list[str]:

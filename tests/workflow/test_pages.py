@@ -12,7 +12,7 @@ from paper.figures import FIGURES as OF_THE_PAPER
 from reporting.explorer import explorer_page
 from reporting.figures import FIGURES as OF_ANY_STUDY
 from reporting.figures import save, style
-from reporting.pages import render, to_html
+from reporting.pages import body_of, render
 from reporting.results import Results
 from reporting.summary import headline_values, summary_values
 from squeezefilm.config.loading import load_config
@@ -85,8 +85,8 @@ def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path,
 
 
 def test_a_page_shows_tables_text_and_verdicts_and_needs_nothing_else():
-    rows = "| 1 \\| 2 | <b>x</b> |\n| agrees exactly | failed |\n"
-    page = to_html(f"# A\n\n| a | b |\n| --- | --- |\n{rows}", title="a <b>")
+    rows = "| a | b |\n| --- | --- |\n| 1 \\| 2 | <b>x</b> |\n| agrees exactly | failed |\n"
+    page = render("page.html", body=body_of(f"# A\n\n{rows}"), title="a <b>")
     assert "<h1>A</h1>" in page
     assert "<td>1 | 2</td>" in page
     assert "<td>&lt;b&gt;x&lt;/b&gt;</td>" in page

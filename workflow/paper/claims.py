@@ -32,7 +32,8 @@ PAPERS_SPACE = {"hv_min": 0.2, "hv_max": 2.0, "h0_min": 5.0, "h0_max": 10.0}
 TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
 Values = dict[str, Any]
-"""Our value of each claim by its id, in the claim's unit, and others that texts name."""
+"""Our value of each claim by its id, in the claim's unit, and others that texts name: lengths in
+µm, forces in N, errors in percent."""
 
 
 def judge(results: Results) -> pd.DataFrame:
@@ -40,7 +41,12 @@ def judge(results: Results) -> pd.DataFrame:
 
     Raises InputError naming a result that is missing or lacks what it must have.
     """
-    values = claim_values(results)
+    values = (
+        _two_factor_values(results)
+        | _design_values(results)
+        | _extrapolated_values(results)
+        | _four_factor_values(results)
+    )
     claims = CLAIMS.reset_index().apply(lambda claim: _judged(claim, values), axis="columns")
     return claims[list(COLUMNS)]
 
@@ -55,16 +61,6 @@ def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     for text in ("ours", "explanation"):
         claim[text] = re.sub(r"-(?=\d)", "−", claim[text].format(value=ours, **values))
     return claim
-
-
-def claim_values(results: Results) -> Values:
-    """All values; lengths in µm, forces in N, errors in percent."""
-    return (
-        _two_factor_values(results)
-        | _design_values(results)
-        | _extrapolated_values(results)
-        | _four_factor_values(results)
-    )
 
 
 def _two_factor_values(results: Results) -> Values:
@@ -151,13 +147,9 @@ def _extrapolated_values(results: Results) -> Values:
     wanted = results.row(table, "two_factor_design", file)
     fit = results.fit("two_factor_design")
     expected_n = _expected_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
-    file = "simulations/extrapolation/budget.csv"
-    columns = ("point_id", "edge_loss_percent", "edge_loss_upper_percent", "included_effects")
-    budgets = results.table(file, *columns).set_index("point_id")
-    budget = results.row(budgets, "operating_point", file)
-    present = (
-        str(budget["included_effects"]).split("; ") if pd.notna(budget["included_effects"]) else []
-    )
+    budgets = results.budget("extrapolation").set_index("point_id")
+    budget = results.row(budgets, "operating_point", "simulations/extrapolation/budget.csv")
+    present = [name for name in budget["included_effects"].split("; ") if name]
     included = f"With {' and '.join(present)} in it, which eq. (1) neglects; still neglected are"
     return {
         "model_at_2.2": expected_n,

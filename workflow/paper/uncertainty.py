@@ -87,8 +87,7 @@ def uncertainty_page(results: Results) -> Page:
     settings, device = solver_settings(config, outputs=()), device_of(config)
 
     def forces(scenes: Sequence[Scene]) -> np.ndarray:
-        solutions = solve(settings.resolved(scenes, device), **settings.how(device))
-        return np.array([solution.force_n for solution in solutions])
+        return solve(settings.resolved(scenes, device), **settings.how(device)).force_n
 
     table = compare(config, forces=forces)
     explaining = (table["verdict"] == "explains").groupby(table["claim"], sort=False).sum()
@@ -151,6 +150,9 @@ def _rows(
         found[list(scenes)] = forces(list(scenes.values()))
         return found
 
+    def excess_n(value: float) -> float:
+        return float(forces_n(np.array([value]))[0] - paper_n)
+
     low, high = assumption.plausible or _rounding(assumed, assumption.scale)
     values = np.linspace(low, high, PLAUSIBLE_POINTS if high > low else 1)
     plausible = np.append(forces_n(values), begin["ours_n"])
@@ -162,12 +164,8 @@ def _rows(
         values = np.unique(np.append(tried, assumed))
     reached = forces_n(values)
     off = reached - paper_n
-    needed = [
-        brentq(
-            lambda value: forces_n(np.array([value]))[0] - paper_n, *values[i : i + 2], rtol=1e-6
-        )
-        for i in np.flatnonzero(off[:-1] * off[1:] <= 0)
-    ]
+    between = np.flatnonzero(off[:-1] * off[1:] <= 0)
+    needed = [brentq(excess_n, *values[i : i + 2], rtol=1e-6) for i in between]
     nearest = min(needed, key=lambda value: abs(value - assumed), default=np.nan)
     explains = low_n <= paper_n + half_n and high_n >= paper_n - half_n
     yield {

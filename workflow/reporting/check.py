@@ -12,10 +12,10 @@ import math
 import re
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -139,23 +139,17 @@ def _numbers(text: str) -> list[Decimal]:
     return [Decimal(number.replace("−", "-")) for number in _NUMBER.findall(text)]
 
 
-@dataclass(frozen=True)
-class Quantity:
+class Quantity(NamedTuple):
     """One column, list or text of a study: its cells by name, as text, and how close they must be.
 
-    part and item say where it belongs: figure data, fig08.
+    part and item say where it belongs: figure data, fig08. The first three are its key.
     """
 
     part: str
     item: str
     name: str
-    cells: Cells = field(default_factory=dict)
+    cells: Cells
     tolerance: Close = SAME
-
-    @property
-    def key(self) -> Key:
-        """Part, item and name."""
-        return self.part, self.item, self.name
 
 
 def check_page(results: Results, *, reference: str) -> Page:
@@ -177,16 +171,16 @@ def compare(quantities: Iterable[Quantity], reference: Mapping[Key, Cells]) -> p
     A quantity that the reference does not have fails as well: it was never reviewed.
     """
     quantities = list(quantities)
-    keys = {each.key for each in quantities}
-    quantities += [Quantity(*key) for key in reference if key not in keys]
+    keys = {each[:3] for each in quantities}
+    quantities += [Quantity(*key, {}) for key in reference if key not in keys]
     rows = []
     for each in quantities:
-        expected = reference.get(each.key, {})
+        expected = reference.get(each[:3], {})
         distances = each.tolerance.distances(expected, each.cells) or {"": math.inf}
         worst = max(distances, key=lambda cell: distances[cell])
         verdict = PASSED if distances[worst] <= 1 else FAILED
         values = expected.get(worst, "–"), each.cells.get(worst, "missing")
-        rows.append((*each.key, *values, str(each.tolerance), verdict, worst, distances[worst]))
+        rows.append((*each[:3], *values, str(each.tolerance), verdict, worst, distances[worst]))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -218,7 +212,7 @@ def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path)
     Raises InputError where a file cannot be written.
     """
     rows = [
-        (each.part, each.item, each.name, *cell)
+        (*each[:3], *cell)
         for each in quantities
         if each.part != PICTURES
         for cell in each.cells.items()

@@ -223,6 +223,11 @@ def _refined(
     error = model.evaluate(fit.theta, factors) - force_n
     best = model.evaluate(np.array(verdict["theta_of_all_points"]), factors) - force_n
     size_n = np.linalg.norm(force_n)
+    share = np.nan  # no interval: the design does not settle the parameters
+    if (lack_of_fit_n := verdict["lack_of_fit_n"]) is not None:
+        quantile = float(scipy.special.stdtrit(verdict["verification_points"], 0.975))
+        allowed_n = quantile * lack_of_fit_n * np.sqrt(1 + _spread(folder, fit, factors))
+        share = float(np.mean(np.abs(error) <= allowed_n))
     return {
         "model": model.name,
         "parameters": len(fit.theta),
@@ -235,31 +240,17 @@ def _refined(
         "estimated_worst_error": estimated["worst_error"],
         "unseen_worst_error": float(np.abs(error).max() / np.sqrt(np.mean(force_n**2))),
         "unseen_points": len(force_n),
-        "share_in_interval": _coverage(folder, verdict, fit, factors, error),
+        "share_in_interval": share,
     }
 
 
-def _coverage(
-    folder: Path,
-    verdict: Mapping[str, Any],
-    fit: FittedModel,
-    factors: Factors,
-    error_n: np.ndarray,
-) -> float:
-    """Share of the unseen points whose error is within their own 95 % interval.
-
-    NaN where there are none: the design does not settle the parameters.
-    """
-    if verdict["lack_of_fit_n"] is None:
-        return float("nan")
-    spread: Any = 0.0
-    if fit.theta:
-        own = read_ok_forces(folder / "forces.csv")
-        at = factors_of(own, limits=folder / "limits.csv")
-        design = at.take(own["point_id"].str.startswith("design").to_numpy())
-        f, unseen = (fit.force_model.gradient(fit.theta, points) for points in (design, factors))
-        # The sensitivity is f' (F'F/n)^-1 f / p.
-        spread = sensitivity(f, unseen) * len(fit.theta) / len(design)
-    quantile = float(scipy.special.stdtrit(verdict["verification_points"], 0.975))
-    allowed_n = quantile * verdict["lack_of_fit_n"] * np.sqrt(1 + spread)
-    return float(np.mean(np.abs(error_n) <= allowed_n))
+def _spread(folder: Path, fit: FittedModel, unseen: Factors) -> Any:
+    """Variance of a refined model's force at unseen points over that of its lack of fit."""
+    if not fit.theta:
+        return 0.0
+    own = read_ok_forces(folder / "forces.csv")
+    at = factors_of(own, limits=folder / "limits.csv")
+    design = at.take(own["point_id"].str.startswith("design").to_numpy())
+    slopes = (fit.force_model.gradient(fit.theta, points) for points in (design, unseen))
+    # The sensitivity is f' (F'F/n)^-1 f / p.
+    return sensitivity(*slopes) * len(fit.theta) / len(design)

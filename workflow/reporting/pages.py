@@ -71,7 +71,10 @@ def render(template: str, **values: Any) -> str:
 
 
 def body_of(markdown: str) -> Markup:
-    """Markdown as HTML in which nothing is taken for HTML; tables scroll by themselves."""
+    """Markdown as HTML in which nothing is taken for HTML; tables scroll by themselves.
+
+    Cells that begin with a verdict are coloured.
+    """
     from markdown_it import MarkdownIt
 
     body = str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
@@ -80,11 +83,6 @@ def body_of(markdown: str) -> Markup:
             body = body.replace(f"<td>{word}", f'<td class="{colour}">{word}')
     body = body.replace("<table>", '<div class="table"><table>')
     return Markup(body.replace("</table>", "</table></div>"))
-
-
-def to_html(markdown: str, *, title: str) -> str:
-    """A page of Markdown as a page of HTML; cells that begin with a verdict are coloured."""
-    return render("page.html", body=body_of(markdown), title=title)
 
 
 def write_pages(markdown: str, text: Path | str, page: Path | str, *, beyond: str = "") -> None:
@@ -97,7 +95,7 @@ def write_pages(markdown: str, text: Path | str, page: Path | str, *, beyond: st
         title, _, rest = markdown.partition("\n")
         markdown = f"{title}\n\n**{beyond}**\n{rest}"
     write_text(markdown, text)
-    write_text(to_html(markdown, title=Path(page).stem), page)
+    write_text(render("page.html", body=body_of(markdown), title=Path(page).stem), page)
 
 
 def front_page(headline: str, *, study: str, pictures: Sequence[Path], guide: str) -> str:

@@ -67,7 +67,7 @@ def read_field(path: Path | str) -> Dataset:
 
 def draw_sheet(field: Dataset) -> Figure:
     """The gauge pressure at SHOWN phases and in the mean; means over the pad, over the period."""
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=6.0)
+    figure = style.new_figure(wide=True, height_in=6.0)
     upper, lower = figure.subfigures(2, 1, height_ratios=(2, 1.1), squeeze=False).ravel()
     pressure = field["gauge_pressure"]
     shown = pressure[:: max(1, pressure.sizes["phase"] // SHOWN)][:SHOWN]

@@ -60,8 +60,8 @@ class Results:
 
     def candidate(self, space: str, model: str) -> Path:
         """The fit of a model that is compared in a space; of its own that to all its points."""
-        own = {"two_factor": "screen", "four_factor": "four_factor"}
-        file = f"fits/{own[space]}" if model == space else f"models/{space}/{model}"
+        own = "screen" if space == "two_factor" else space
+        file = f"fits/{own}" if model == space else f"models/{space}/{model}"
         return self.folder / f"{file}.json"
 
     def design(self, name: str) -> pd.DataFrame:
@@ -81,7 +81,8 @@ class Results:
         """Return the neglected effects on the forces of a plan."""
         columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects", "geometry")
         table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns)
-        return table.assign(first_order_invalid=table["first_order_invalid"].fillna(""))
+        texts = ("first_order_invalid", "included_effects")
+        return table.assign(**{name: table[name].fillna("") for name in texts})
 
     def table(self, file: str, *columns: str) -> pd.DataFrame:
         """Any table of the results, which has at least these columns."""
@@ -106,6 +107,6 @@ class Results:
         """Return a note on films outside the equation's validity range; empty where they do not."""
         return beyond_note(self.config)
 
-    def exists(self, *files: str) -> bool:
-        """Return whether all these files are among the results."""
-        return all((self.folder / file).exists() for file in files)
+    def exists(self, file: str) -> bool:
+        """Return whether a file is among the results."""
+        return (self.folder / file).exists()

@@ -52,11 +52,9 @@ def summary_values(
     """
     config = results.config
     tables = {plan: results.forces(plan) for plan in plans}
-    first = next(iter(tables.values()))
     sections = {section: config[section] for section in ("gas", "actuator", "pad", "solver")}
     settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting)
-    profile_uncertainty = max(results.fit(fit).profile_uncertainty for fit in fits)
-    on_disc = form_of(first) == POLAR
+    on_disc = form_of(next(iter(tables.values()))) == POLAR
     return {
         **headline_values(results),
         "frequency_khz": f"{config['actuator']['frequency_hz'] / 1e3:g}",
@@ -69,7 +67,7 @@ def summary_values(
         "largest_error": max(map(largest_error, tables.values())),
         "methods": sorted({method for table in tables.values() for method in table["method"]}),
         "device": results.summary("simulations/device.json").get("device", "unknown"),
-        "profile_uncertainty": profile_uncertainty,
+        "profile_uncertainty": max(results.fit(fit).profile_uncertainty for fit in fits),
         "errors": pd.DataFrame([_errors(results, pair) for pair in pairs]),
         "effects": _effects(results),
         "geometry": results.budget("screen")["geometry"].iloc[0].removeprefix(THIS_SCENE),
@@ -100,9 +98,7 @@ def headline_values(results: Results) -> dict[str, Any]:
         "claims": _claims(results) if config["paper"] else None,
         "recommended": recommended,
         "band": config["validation"]["relative_error_band"],
-        "amplitudes": None
-        if recommended is None or recommended.empty
-        else _amplitudes(recommended),
+        "amplitudes": _amplitudes,
         "wanted": config["extrapolation"],
         "neglected": _neglected(results),
         "beyond": results.beyond,
@@ -162,7 +158,7 @@ def _effects(results: Results) -> pd.DataFrame:
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
     shown: dict[str, Any] = {"effect": list(EFFECTS.values())}
     for _, row in table.iloc[[0, -1]].iterrows():
-        present = str(row["included_effects"]).split("; ")
+        present = row["included_effects"].split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
             "in the forces" if name in present else signed(row[f"{name}_percent"])
             for name in EFFECTS

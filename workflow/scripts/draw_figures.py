@@ -5,11 +5,9 @@ from pathlib import Path
 
 from paper.figures import FIGURES as OF_THE_PAPER
 from reporting.figures import FIGURES, save
-from reporting.results import Results
-from scripts.job import begin_with_study
+from scripts.finished import begin_with_results
 
-snakemake, config = begin_with_study()
-results = Results(Path(snakemake.params.results), config)
+snakemake, results = begin_with_results()
 files = defaultdict(list)
 for file in map(Path, snakemake.output):
     files[f"{file.parent.name}/{file.name.partition('.')[0]}"].append(file)

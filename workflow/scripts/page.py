@@ -1,11 +1,10 @@
 """Write a page for people, and the tables and texts that go with it."""
 
 from importlib import import_module
-from pathlib import Path
 
 from reporting.pages import render, write_pages
-from reporting.results import Results
-from scripts.job import begin_with_study, write
+from scripts.finished import begin_with_results
+from scripts.job import write
 
 # Each has a function PAGE_page; what one needs takes others long to import.
 MODULES = {
@@ -17,9 +16,8 @@ MODULES = {
     "uncertainty": "paper.uncertainty",
 }
 
-snakemake, config = begin_with_study()
+snakemake, results = begin_with_results()
 params, output = snakemake.params, snakemake.output
-results = Results(Path(params.results), config)
 build = getattr(import_module(MODULES[params.page]), f"{params.page}_page")
 page = build(results, **params.get("about", {}), **snakemake.wildcards)
 write(output, **page.files)

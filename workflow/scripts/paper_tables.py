@@ -1,16 +1,13 @@
 """Write the paper's tables and its claims beside ours, each with a page."""
 
-from pathlib import Path
-
 from paper.claims import judge
 from paper.tables import TABLES
 from reporting.pages import render, write_pages
-from reporting.results import Results
-from scripts.job import begin_with_study, write
+from scripts.finished import begin_with_results
+from scripts.job import write
 from squeezefilm.tables import write_table
 
-snakemake, config = begin_with_study()
-results = Results(Path(snakemake.params.results), config)
+snakemake, results = begin_with_results()
 for number, build in TABLES.items():
     table = build(results)
     file = results.folder / f"tables/table{number}.csv"

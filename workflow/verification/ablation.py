@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -25,6 +25,7 @@ from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.terms import TERMS
+from squeezefilm.solution import Solutions
 from verification.numpy_periodic import periodic_state
 from verification.work_precision import measure
 
@@ -56,11 +57,11 @@ def ablation(
     scenes as they need, worst relative error, share of scenes within their error estimate; NumPy
     has none, nor the points that tight tolerances ask for.
     """
-    periodic = partial(_forces, method="periodic", device=device)
+    periodic = partial(solve, method="periodic", device=device)
     one_grid = partial(_on_one_grid, device=device)
     with_all = _with(scenes, dict(ChainMap(*PUT_BACK.values())))
-    ways: dict[str, tuple[Callable[..., Forces], Sequence[Scene]]] = {
-        AS_NEEDED: (partial(_forces, device=device), scenes),
+    ways: dict[str, tuple[Callable[..., Forces | Solutions], Sequence[Scene]]] = {
+        AS_NEEDED: (partial(solve, device=device), scenes),
         "time (always periodic)": (periodic, scenes),
         "mirror halves": (partial(_on_whole_pads, device=device), scenes),
         **{
@@ -72,12 +73,12 @@ def ablation(
         "everything": (one_grid, with_all),
         "everything, in NumPy": (_in_numpy, scenes),
     }
-    exact, _ = periodic(scenes, tolerance=REFERENCE_TOLERANCE)
+    exact = periodic(scenes, tolerance=REFERENCE_TOLERANCE).force_n
     rows = []
     for tolerance, (put_back, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        (force_n, stated), cpu_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
-        error = np.abs(force_n - exact)
+        found, cpu_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
+        error, stated = np.abs(found.force_n - exact), found.force_error_n
         row = {
             "put_back": put_back,
             "tolerance": tolerance,
@@ -103,20 +104,17 @@ def _with(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
     return [replace(scene, pad=pad, gas=changed(scene.gas)) for scene, pad in pairs]
 
 
-# Forces of scenes and what is stated of their errors, in newtons.
-Forces = tuple[np.ndarray, np.ndarray]
+class Forces(NamedTuple):
+    """Forces of scenes and what is stated of their errors."""
+
+    force_n: np.ndarray
+    force_error_n: np.ndarray
 
 
-def _forces(scenes: Sequence[Scene], **how: Any) -> Forces:
-    found = solve(scenes, **how)
-    return found.force_n, found.force_error_n
-
-
-def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
+def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
     whole = np.zeros(len(scenes), dtype=bool)
     needs = replace(needs_of(scenes), fold_x=whole, fold_y=whole)
-    found = solve_periodic(needs, tolerance=tolerance, device=device)
-    return found.force_n, found.force_error_n
+    return solve_periodic(needs, tolerance=tolerance, device=device)
 
 
 def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
@@ -126,10 +124,10 @@ def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
         for grid in ONE_FOR_ALL
     )
     scale, stated = Scenes.of(scenes).force_scale_n, 2 * np.abs(fine.mean - coarse.mean)
-    return scale * fine.mean, scale * (stated + fine.said["residual"])
+    return Forces(scale * fine.mean, scale * (stated + fine.said["residual"]))
 
 
 def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
     """Forces of the uniform-gap equation on 24 × 24 × 16 points of the whole pad."""
     means = np.array([periodic_state(each, tolerance=1e-4 * tolerance).force for each in scenes])
-    return Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan)
+    return Forces(Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan))

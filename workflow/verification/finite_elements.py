@@ -84,10 +84,9 @@ class _Film:
         self.diffusion = [sum(a**j * matrix for j, matrix in enumerate(powers)) for a in wave]
         self.weights = basis.dx.ravel()
         self.gap_weights = [self.weights * (1 + a * gap.ravel()) for a in wave]
-        self.values = _at_quadrature(basis, [np.asarray(shape[0]) for shape in basis.basis])[
-            :, free
-        ]
-        slopes = _at_quadrature(basis, [shape[0].grad[0] for shape in basis.basis])[:, free]
+        shapes = [shape for shape, *_ in basis.basis]
+        self.values = _at_quadrature(basis, [np.asarray(shape) for shape in shapes])[:, free]
+        slopes = _at_quadrature(basis, [shape.grad[0] for shape in shapes])[:, free]
         slide = half_step * scene.bearing_number * slopes
         self.tested_old = sp.csr_matrix((scene.sigma * self.values + slide).T)
         self.tested_new = sp.csr_matrix((scene.sigma * self.values - slide).T)

@@ -28,10 +28,9 @@ NEWTON_STEPS, KRYLOV_ITERATIONS = 40, 400
 
 @dataclass(frozen=True)
 class Periodic:
-    """A mean force in p0 l0^2, a method's unknowns, and after how many periods if it marched."""
+    """A mean force in p0 l0^2, and after how many periods if a method marched."""
 
     force: float
-    state: FloatArray
     periods: int = 0
 
 
@@ -100,19 +99,20 @@ def march_to_periodic(
         if len(images) > 1:
             weights = np.linalg.lstsq(np.diff(residuals, axis=0).T, residual, rcond=None)[0]
             state = image - np.diff(images, axis=0).T @ weights
-    return Periodic(force, state, count)
+    return Periodic(force, count)
 
 
 def newton_krylov(
-    start: FloatArray,
+    shape: tuple[int, ...],
     linearised: Callable[[FloatArray], tuple[FloatArray, Operator, FloatArray | float]],
     *,
     positive: Operator,
     tolerance: float,
 ) -> FloatArray:
-    """Newton's method with GMRES for a field, until a preconditioned residual is small.
+    """Newton's method with GMRES for a field, from zero until a preconditioned residual is small.
 
     Args:
+        shape: of the field.
         linearised: gives at a state the preconditioned residual, a mass perturbation whose root
             mean square falls below the tolerance, its derivative to such a perturbation, and the
             change of the state for a unit of it.
@@ -120,7 +120,7 @@ def newton_krylov(
 
     Raises RunError when the method does not get there.
     """
-    state = start
+    state = np.zeros(shape)
     for _ in range(NEWTON_STEPS):
         residual, derivative, per_mass = linearised(state)
         size = float(np.linalg.norm(residual) / math.sqrt(residual.size))
@@ -130,7 +130,7 @@ def newton_krylov(
             break
         flat = LinearOperator(
             (residual.size, residual.size),
-            matvec=lambda w, apply=derivative: apply(w.reshape(start.shape)).ravel(),
+            matvec=lambda w, apply=derivative: apply(w.reshape(shape)).ravel(),
             dtype=float,
         )
         w, _ = gmres(
@@ -140,7 +140,7 @@ def newton_krylov(
             restart=KRYLOV_ITERATIONS,
             maxiter=1,
         )
-        change = per_mass * w.reshape(start.shape)
+        change = per_mass * w.reshape(shape)
         while np.any(positive(state + change) <= 0.1 * positive(state)):
             change /= 2
         state = state + change

@@ -58,10 +58,6 @@ def chebyshev_grid(interior: int) -> ChebyshevGrid:
     return ChebyshevGrid(x, first, second, weights)
 
 
-def _along_x(matrix: FloatArray, field: FloatArray) -> FloatArray:
-    return (matrix @ field.reshape(len(field), -1)).reshape(-1, *field.shape[1:])
-
-
 class Collocation:
     """The film equation at nx x ny inner points and nt (even) times, fields (nx, ny, nt)."""
 
@@ -70,8 +66,8 @@ class Collocation:
         self.sigma, self.bearing = scene.sigma, scene.bearing_number
         self.knudsen, self.aspect = scene.slip_knudsen, scene.aspect
         inside = slice(1, -1)
-        self.x_second = self.x.second[inside, inside]
-        self.y_second = self.y.second[inside, inside] / self.aspect**2
+        x_second, y_second = self.x.second, self.y.second / self.aspect**2
+        self.x_second, self.y_second = x_second[inside, inside], y_second[inside, inside]
         self.x_first = self.x.first[inside, inside]
         self.area = np.outer(self.x.weights[inside], self.y.weights[inside])
         self.i_k = 1j * np.arange(nt // 2 + 1)
@@ -80,9 +76,9 @@ class Collocation:
         # The gap is differentiated on the whole grid, rim included.
         phase = 2 * math.pi * np.arange(nt) / nt
         whole = scene.gap(*np.meshgrid(self.x.x, self.y.x, indexing="ij"), phase)
-        slope_x = _along_x(self.x.first, whole)[inside, inside]
+        slope_x = np.tensordot(self.x.first, whole, 1)[inside, inside]
         slope_y = np.matmul(self.y.first / self.aspect, whole)[inside, inside]
-        bend = _along_x(self.x.second, whole) + np.matmul(self.y.second / self.aspect**2, whole)
+        bend = np.tensordot(x_second, whole, 1) + np.matmul(y_second, whole)
         self.gap, self.bend = whole[inside, inside], bend[inside, inside]
         self.half = np.sqrt(self.gap)
         self.c = 1.5 * self.bend / self.gap + 0.75 * (slope_x**2 + slope_y**2) / self.gap**2
@@ -105,9 +101,9 @@ class Collocation:
         symbol = mean * laplacian[:, :, None] - self.sigma * self.i_k
 
         def apply(r: FloatArray) -> FloatArray:
-            modes = np.fft.rfft(np.matmul(y_inverse, _along_x(x_inverse, r)))
+            modes = np.fft.rfft(np.matmul(y_inverse, np.tensordot(x_inverse, r, 1)))
             w = np.fft.irfft(modes / symbol, n=r.shape[-1])
-            return np.asarray(np.matmul(y_modes, _along_x(x_modes, w)))
+            return np.asarray(np.matmul(y_modes, np.tensordot(x_modes, w, 1)))
 
         return apply
 
@@ -116,7 +112,7 @@ class Collocation:
         return float(np.sum(self.area * p.mean(axis=-1)))
 
     def _laplacian(self, field: FloatArray) -> FloatArray:
-        return np.asarray(_along_x(self.x_second, field) + np.matmul(self.y_second, field))
+        return np.asarray(np.tensordot(self.x_second, field, 1) + np.matmul(self.y_second, field))
 
     def _flow(self, v: FloatArray, mass: FloatArray) -> FloatArray:
         flow = self.gap * self.half * (self._laplacian(v) - self.c * v)
@@ -130,13 +126,13 @@ class Collocation:
 
     def _carried(self, mass: FloatArray) -> FloatArray:
         rate = self.sigma * self._rate(mass)
-        return rate + self.bearing * _along_x(self.x_first, mass) if self.bearing else rate
+        return rate + self.bearing * np.tensordot(self.x_first, mass, 1) if self.bearing else rate
 
 
 def periodic_state(
     scene: Scene, *, nx: int = 24, ny: int = 24, nt: int = 16, tolerance: float = 1e-10
 ) -> Periodic:
-    """Overpressure P - 1, (nx, ny, nt), at the inner points and times T = 2 pi j / nt, nt even.
+    """Mean force of the periodic state at nx x ny inner points and nt (even) times.
 
     tolerance: on the root mean square of the preconditioned residual, a mass perturbation.
 
@@ -152,6 +148,5 @@ def periodic_state(
             1 / film.gap,
         )
 
-    start = np.zeros_like(film.gap)
-    p = newton_krylov(start, linearised, positive=lambda p: 1 + p, tolerance=tolerance)
-    return Periodic(film.mean(p), p)
+    p = newton_krylov(film.gap.shape, linearised, positive=lambda p: 1 + p, tolerance=tolerance)
+    return Periodic(film.mean(p))

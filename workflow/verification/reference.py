@@ -94,13 +94,10 @@ def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
         return scene.gap(*np.meshgrid(x_nodes, y_nodes, indexing="ij"), phase)
 
     height = gap_at(x.x, y.x)
-    conductance_x = (
-        x.element_weights[:, None, None] * y.mass[:, None] * gap_at(x.element_x, y.x) ** 3
-    )
-    conductance_y = (
-        x.mass[:, None, None] * y.element_weights[:, None] * gap_at(x.x, y.element_x) ** 3
-    )
-    area = x.mass[:, None, None] * y.mass[:, None]
+    conductance_x = np.outer(x.element_weights, y.mass)[..., None] * gap_at(x.element_x, y.x) ** 3
+    conductance_y = np.outer(x.mass, y.element_weights)[..., None] * gap_at(x.x, y.element_x) ** 3
+    area = np.outer(x.mass, y.mass)[..., None]
+    laplacian = np.add.outer(x.values, y.values)[..., None]
     i_k = 1j * np.arange(instants // 2 + 1)
 
     def rate(mass: FloatArray) -> FloatArray:
@@ -115,9 +112,7 @@ def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
 
     def linearised(u: FloatArray) -> tuple[FloatArray, Operator, FloatArray]:
         pressure = np.sqrt(1 + 2 * u)
-        symbol = (
-            np.mean(height**2 * pressure) * (x.values[:, None] + y.values)[:, :, None] + sigma * i_k
-        )
+        symbol = np.mean(height**2 * pressure) * laplacian + sigma * i_k
         to_u = pressure / height
 
         def precondition(r: FloatArray) -> FloatArray:
@@ -133,7 +128,6 @@ def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
             to_u,
         )
 
-    start = np.zeros_like(height)
-    u = newton_krylov(start, linearised, positive=lambda u: 1 + 2 * u, tolerance=TOLERANCE)
+    u = newton_krylov(height.shape, linearised, positive=lambda u: 1 + 2 * u, tolerance=TOLERANCE)
     overpressure = 2 * u / (1 + np.sqrt(1 + 2 * u))
     return float(2 ** sum(fold) * np.sum(area[:, :, 0] * overpressure.mean(axis=-1)))

@@ -131,10 +131,9 @@ def _actuator(
     if kind == "bessel":
         n = int(random.integers(0, 4))
         profile |= {"nodal_diameters": n, "wave_number": 2 * pi / wavelength_m}
-    elif kind != "piston":
-        profile |= {"wavelength": wavelength_m}
-    if kind != "piston":
         profile |= {"direction": direction_deg}
+    elif kind != "piston":
+        profile |= {"wavelength": wavelength_m, "direction": direction_deg}
     if kind == "standing-wave":
         profile |= {"crest": random.uniform(0, 0.5) * wavelength_m}
     room = random.uniform(1.2, 2.5)

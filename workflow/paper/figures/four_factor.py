@@ -20,27 +20,23 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
     """One dot per position; the dashed line is the largest radius on the actuator."""
     plan = results.scenes("four_factor")
     positions = plan.groupby(["phi_r_m", "phi_deg"], as_index=False).size()
+    limit_mm, label = centre_limit_mm(results.config), "pad stays on the actuator at every angle"
     data = pd.DataFrame(
         {
             "phi_deg": positions["phi_deg"],
             "phi_r_mm": (positions["phi_r_m"] * 1e3).round(9),
             "points": positions["size"],
-            "phi_r_limit_mm": centre_limit_mm(results.config),
+            "phi_r_limit_mm": limit_mm,
         }
     )
     figure, axes = style.subplots()
-    axes.axhline(
-        data["phi_r_limit_mm"].iloc[0],
-        color=style.VERMILLION,
-        linestyle=(0, (4, 2)),
-        label="pad stays on the actuator at every angle",
-    )
+    axes.axhline(limit_mm, color=style.VERMILLION, linestyle=style.DASHES, label=label)
     look = {"markersize": 5, "markeredgewidth": 0.5}
     parts.dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
     for angle in data["phi_deg"][data["phi_r_mm"] == 0]:
         text = "centre: the same at every angle"
         parts.beside(axes, text, (angle, 0), (8, 0), va="center", fontsize=7)
-    top = 1.15 * max(data["phi_r_mm"].max(), data["phi_r_limit_mm"].max())
+    top = 1.15 * max(data["phi_r_mm"].max(), limit_mm)
     axes.set_ylim(-0.06 * top, top)
     parts.set_up_positions(axes, data["phi_deg"], margin=1 / 15)
     figure.legend(loc="outside upper center", handlelength=1.8)
@@ -66,7 +62,7 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
         for form, design in designs.items()
     ]
     data = pd.concat(tables, ignore_index=True)
-    figure, (left, right) = style.subplots(1, 2, width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
+    figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.0)
     for look, (form, points) in zip(_LOOKS, data.groupby("form", sort=False), strict=True):
         for axes, x, y in ((left, "h0_um", "hv_um"), (right, "phi_deg", "phi_r_mm")):
             label = form if axes is left else None

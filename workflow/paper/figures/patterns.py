@@ -28,8 +28,7 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     )
     scalings = data["scaling"].unique()
     wide = len(scalings) > 1
-    width = style.DOUBLE_COLUMN_IN if wide else style.SINGLE_COLUMN_IN
-    figure = style.new_figure(width_in=width, height_in=2.75)
+    figure = style.new_figure(wide=wide, height_in=2.75)
     panels = figure.subplots(1, len(scalings), squeeze=False, sharey=True)[0]
     for letter, axes, scaling in zip("abcdefgh", panels, scalings, strict=False):
         _draw_searches(axes, data[data["scaling"] == scaling])
@@ -52,7 +51,7 @@ def _draw_searches(axes: Axes, data: pd.DataFrame) -> None:
             np.column_stack([each["hv_um"] for each in triplets]),
             color=colour,
             linewidth=0.5,
-            linestyle=(0, (4, 2)) if order else "-",
+            linestyle=style.DASHES if order else "-",
             marker=marker,
             markersize=7 - 2 * min(order, 2),
             markerfacecolor="none" if order == 0 else colour,
@@ -101,8 +100,8 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
         line.loc[0, "layer"] = "design"
         layers.append(parts.in_micrometres(line.assign(hv_m=epsilon * h0_m)))
         ridge = layers[-1][1:]
-        dashed = (0, (4, 2))
-        axes.plot(ridge["h0_um"], ridge["hv_um"], color="0.55", linestyle=dashed, linewidth=0.9)
+        look = {"color": "0.55", "linestyle": style.DASHES, "linewidth": 0.9}
+        axes.plot(ridge["h0_um"], ridge["hv_um"], **look)
     data = pd.concat(layers, ignore_index=True)[["layer", "epsilon", "h0_um", "hv_um"]]
     design = style.rows(data, "design")
     parts.dots(axes, design, fill="black", markersize=6, zorder=3)

@@ -95,7 +95,7 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     band = float(data["band_percent"].iloc[0])
     axes.axhspan(-band, band, color="0.94", zorder=0)
     for edge in (-band, band):
-        axes.axhline(edge, color="0.45", linestyle=(0, (4, 2)), linewidth=0.8)
+        axes.axhline(edge, color="0.45", linestyle=style.DASHES, linewidth=0.8)
     axes.axhline(0, color="0.6", linewidth=0.6)
     gaps = np.sort(data["h0_um"].unique())
     colours = mpl.colormaps["viridis"](np.linspace(0, 0.92, len(gaps)))

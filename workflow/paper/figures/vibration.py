@@ -34,8 +34,8 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     if amplitude.min() < 0 < amplitude.max():
         node = axes.contour(x, y, amplitude, levels=[0], colors="white", linewidths=0.7)
         axes.clabel(node, fmt={0: "$h_a = 0$"}, fontsize=6, manual=[(0, float(y.max()))])
-    dashed: dict[str, Any] = {"color": style.VERMILLION, "linestyle": (0, (4, 2)), "linewidth": 1.4}
-    axes.plot(circle["x_mm"], circle["y_mm"], label="limit of the pad's centre", **dashed)
+    look: dict[str, Any] = {"color": style.VERMILLION, "linestyle": style.DASHES, "linewidth": 1.4}
+    axes.plot(circle["x_mm"], circle["y_mm"], label="limit of the pad's centre", **look)
     axes.plot(outline["x_mm"], outline["y_mm"], color="black", label="pad, centred")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))

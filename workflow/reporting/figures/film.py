@@ -37,8 +37,8 @@ def budget(results: Results) -> Figure:
     positions = _budgets(results, "four_factor")
     largest = positions["hv_um"] / positions["h0_um"]
     along = positions[largest >= largest.max() * (1 - 1e-9)]
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.3)
-    *panels, last = figure.subplots(2, 3).flat
+    figure, grid = style.subplots(2, 3, wide=True, height_in=4.3)
+    *panels, last = grid.flat
     too_large = "; ".join(screen["first_order_invalid"]).split("; ")
     for letter, axes, (name, (colour, label)) in zip("abcde", panels, EFFECTS.items(), strict=True):
         beyond = any(too_large) if name == "modelling_error" else name in too_large
@@ -49,7 +49,7 @@ def budget(results: Results) -> Figure:
     _draw_effects(last, along)
     present = screen["included_effects"].iloc[0]
     note = f"(f): h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm."
-    if isinstance(present, str):
+    if present:
         note += f" In the forces already: {present}."
     style.add_note(figure, note, results.beyond)
     return figure
@@ -80,16 +80,15 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
     off = rows[rows[place] != 0]
     least, farthest = min(0.0, float(rows[place].min())), float(rows[place].max())
     ends: list[tuple[float, str, str]] = []
-    for marker, value in (("o", off[other].min()), ("s", off[other].max())):
+    hollow: dict[str, Any] = {"marker": "o", "mfc": "white", "ms": 6}
+    full: dict[str, Any] = {"marker": "s", "ms": 3}
+    for look, value in ((hollow, off[other].min()), (full, off[other].max())):
         centre = on_disc & (rows[place] == 0)
         along = rows[centre | (rows[other] == value)].drop_duplicates(place)
         for name, (colour, label) in EFFECTS.items():
             values = along[f"{name}_percent"]
-            look: dict[str, Any] = (
-                {"mfc": "white", "ms": 6} if marker == "o" else {"mfc": colour, "ms": 3}
-            )
-            axes.plot(along[place], values, marker + "-", color=colour, **look)
-            if marker == "s" and np.isfinite(values.iloc[-1]):
+            axes.plot(along[place], values, color=colour, **look)
+            if look is full and np.isfinite(values.iloc[-1]):
                 text = label.removesuffix(", C = 1")
                 ends.append((float(values.iloc[-1]), text, colour))
     # From the lowest up and none over another.
@@ -109,14 +108,12 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
 def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
     table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "corner_hz")
-    maps = parts.in_micrometres(table).assign(
-        instantaneous_percent=100 * table["instantaneous_fraction"]
-    )
+    table["instantaneous_percent"] = 100 * table["instantaneous_fraction"]
+    maps = parts.in_micrometres(table)
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
     lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.6)
-    (corner, prompt), (gain, phase) = figure.subplots(2, 2)
+    figure, ((corner, prompt), (gain, phase)) = style.subplots(2, 2, wide=True, height_in=4.6)
     _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
     _draw_map(prompt, maps, "instantaneous_percent", "(b) instantaneous fraction (%)")
     _draw_lines(gain, lines, "gain", "(c) gain")
@@ -177,7 +174,7 @@ def levitation(results: Results) -> Figure:
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
     gaps_um = parts.micrometres(results.scenes("screen")["h0_m"])
     data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
-    figure, (gap, stiffness) = style.subplots(1, 2, width_in=style.DOUBLE_COLUMN_IN, height_in=2.6)
+    figure, (gap, stiffness) = style.subplots(1, 2, wide=True, height_in=2.6)
     gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
     for amplitude, colour in zip(sorted(data["hv_um"].unique()), COLOURS, strict=False):
         rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")

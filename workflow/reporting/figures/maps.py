@@ -21,11 +21,10 @@ DECADE = 10.0
 
 def error_map(results: Results) -> Figure:
     """Relative error of the model fitted to the design, over the whole space."""
-    grid = parts.error_table(results, "two_factor_design", "error_map", layer="map")
     design = parts.plane_table(results.forces("two_factor_design"), layer="design")
     figure, axes = style.subplots(height_in=3.2)
     filled, lines = parts.error_contours(
-        axes, grid, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
+        axes, results, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
     )
     axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
     look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
@@ -44,9 +43,8 @@ def force_map(results: Results) -> Figure:
     table = results.table("models/recommended.csv", "space", "model", "h0_m", "force_n")
     table = table[table["model"].notna()]
     wanted_n = results.config["extrapolation"]["force_n"]
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.2)
+    figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.2)
     figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
-    left, right = figure.subplots(1, 2)
     _draw_forces(figure, left, forces, wanted_n=wanted_n)
     if table.empty:
         right.set_visible(False)
@@ -105,8 +103,7 @@ def _draw_positions(axes: Axes, table: pd.DataFrame) -> None:
 def profile(results: Results) -> Figure:
     """Amplitude and residual, over the distance from the centre of a disc, or as maps."""
     data = results.table("figures/profile.csv", "layer", "noise_um")
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
-    amplitude, residual = figure.subplots(1, 2)
+    figure, (amplitude, residual) = style.subplots(1, 2, wide=True, height_in=3.0)
     residual.set_title("(b) what the profile leaves")
     if "map" in set(data["layer"]):
         _draw_profile(figure, amplitude, residual, data)
@@ -138,9 +135,8 @@ def _draw_profile(figure: Figure, amplitude: Axes, residual: Axes, data: pd.Data
         drawn = parts.coloured_dots(axes, points, column, x="x_mm", y="y_mm", **look)
         if len(outliers):
             count = f"outliers ({len(outliers)})"
-            axes.plot(
-                *outliers[["x_mm", "y_mm"]].to_numpy().T, "x", color=style.VERMILLION, label=count
-            )
+            x, y = outliers["x_mm"], outliers["y_mm"]
+            axes.plot(x, y, "x", color=style.VERMILLION, label=count)
             axes.legend(loc="upper right")
         parts.show_grid(axes, grid)
         axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")

@@ -31,7 +31,7 @@ LINEAR = 0.02
 
 def _without_anything(text: str) -> Figure:
     """A figure of words alone."""
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.0)
+    figure = style.new_figure(wide=True, height_in=1.0)
     figure.text(0.5, 0.6, text, ha="center")
     return figure
 
@@ -46,7 +46,7 @@ def model_errors(results: Results, space: str) -> Figure:
     data = parts.in_micrometres(data).assign(size=100 * data["relative_error"].abs())
     across = min(ACROSS, len(judged))
     down = ceil(len(judged) / across)
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 1.85 * down)
+    figure = style.new_figure(wide=True, height_in=0.5 + 1.85 * down)
     panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
     top = max(float(data["size"].max()), 1e-10)
     norm = LogNorm(top * 10.0**-DECADES, top, clip=True)
@@ -73,9 +73,7 @@ def sensitivity(results: Results, space: str) -> Figure:
     """d(x)/p over gap and amplitude, and over the pad's position where it moves."""
     data = results.table(f"designs/optimal_{space}_sensitivity.csv", "layer", "sensitivity")
     moved = bool((data["layer"] == "position").any())
-    width = style.DOUBLE_COLUMN_IN if moved else style.SINGLE_COLUMN_IN
-    figure = style.new_figure(width_in=width, height_in=3.2)
-    panels = figure.subplots(1, 2 if moved else 1, squeeze=False)[0]
+    figure, (panels,) = style.subplots(1, 1 + moved, wide=moved, height_in=3.2, squeeze=False)
     for axes, (layer, (names, labels)) in zip(panels, PLANES.items(), strict=False):
         colours = _draw_sensitivity(axes, data, layer, names)
         axes.set(**labels)
@@ -109,8 +107,8 @@ def refined(results: Results, space: str) -> Figure:
         for model in table["model"]
     }
     moved = any(bool(places["x_mm"].abs().max() > 0) for places in simulated.values())
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 2.1 * len(table))
-    panels = figure.subplots(len(table), 3 if moved else 2, squeeze=False)
+    figure = style.new_figure(wide=True, height_in=0.5 + 2.1 * len(table))
+    panels = figure.subplots(len(table), 2 + moved, squeeze=False)
     for row, (_, model) in zip(panels, table.iterrows(), strict=True):
         folder = f"refine/{space}/{model['model']}"
         verdict = results.summary(f"{folder}/verdict.json")
@@ -150,9 +148,7 @@ def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Seri
         axes.axhline(100 * wanted[name], color=colour, linestyle="--", linewidth=0.6)
         star = 100 * truth[f"unseen_{name}"]
         axes.plot(truth["simulations"], star, "*", color=colour, markersize=8, mec="black")
-    limits = (
-        rounds[["global_lower", "global_upper"]].sub(rounds["global_error"], axis="index").abs()
-    )
+    limits = rounds[["global_lower", "global_upper"]].sub(rounds["global_error"], axis=0).abs()
     bars = {"fmt": "none", "color": style.BLUE, "linewidth": 0.8, "capsize": 2}
     axes.errorbar(rounds["simulations"], rounds["global_error"], yerr=limits.T, **bars)
     axes.set_yscale("log")

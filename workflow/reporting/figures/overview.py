@@ -40,7 +40,7 @@ def overview(results: Results) -> Figure:
         "Validate": f"{errors['points']:.0f} simulations: at most "
         f"{percent(abs(errors['worst_relative_error']))} off",
     }
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.8)
+    figure = style.new_figure(wide=True, height_in=2.8)
     figure.set_layout_engine("none")
     note = (
         f"From left to right: a film at h0 = {1e6 * simulated['h0_m']:g} µm, "
@@ -62,8 +62,7 @@ def overview(results: Results) -> Figure:
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     _label(axes, *PLANE)
     axes = figure.add_axes(fourth)
-    grid = parts.error_table(results, "two_factor_design", "error_map", layer="map")
-    filled, _ = parts.error_contours(axes, grid, bins=12, colors="0.3", linewidths=0.3)
+    filled, _ = parts.error_contours(axes, results, bins=12, colors="0.3", linewidths=0.3)
     parts.dots(axes, few, fill="black", **DOTS, markersize=4.5)
     _label(axes, *PLANE)
     box = axes.get_position()

@@ -138,13 +138,14 @@ def not_known(axes: Axes) -> None:
 
 
 def error_contours(
-    axes: Axes, data: pd.DataFrame, *, bins: int, ticks: Sequence[float] = (1, 2, 5), **lines: Any
+    axes: Axes, results: Results, *, bins: int, ticks: Sequence[float] = (1, 2, 5), **lines: Any
 ) -> tuple[ContourSet, ContourSet]:
-    """Relative errors on a grid as filled contours, and the lines between them.
+    """The model of the design: its errors over the space as filled contours, and their lines.
 
     The amplitude's axis is logarithmic: the error changes fastest at small amplitudes. The edge of
     the band is a thick line, with its value, where the error reaches it.
     """
+    data = error_table(results, "two_factor_design", "error_map", layer="map")
     grid = grid_of(data, "relative_error_percent")
     reach = float(np.abs(grid[2]).max())
     levels = MaxNLocator(nbins=bins, symmetric=True).tick_values(-reach, reach)

@@ -27,6 +27,7 @@ PLAIN = ".plain.png"
 # Okabe and Ito's colours, told apart with every common colour vision.
 BLUE, VERMILLION, GREEN, ORANGE, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7"
 GREY = "#6E6E6E"
+DASHES = (0, (4, 2))
 SEQUENTIAL = "viridis"
 DIVERGING = "PuOr_r"
 
@@ -55,7 +56,6 @@ _SETTINGS: dict[str, Any] = {
     "ytick.direction": "in",
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
-    "savefig.dpi": PNG_DPI,
     "svg.fonttype": "none",
     "svg.hashsalt": "squeezefilm",
 }
@@ -82,15 +82,16 @@ def settings(*, notes: bool = True) -> Iterator[None]:
     _with_notes.reset(token)
 
 
-def new_figure(*, width_in: float = SINGLE_COLUMN_IN, height_in: float = 2.7) -> Figure:
-    """An empty figure of a journal's column width whose parts make room for each other."""
+def new_figure(*, wide: bool = False, height_in: float = 2.7) -> Figure:
+    """An empty figure, one journal column wide or two, whose parts make room for each other."""
+    width_in = DOUBLE_COLUMN_IN if wide else SINGLE_COLUMN_IN
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
-def subplots(*shape: int, width_in: float = SINGLE_COLUMN_IN, height_in: float = 2.7) -> Any:
+def subplots(*shape: int, wide: bool = False, height_in: float = 2.7, **how: Any) -> Any:
     """A new figure and its axes: one, or an array of so many rows and columns."""
-    figure = new_figure(width_in=width_in, height_in=height_in)
-    return figure, figure.subplots(*shape)
+    figure = new_figure(wide=wide, height_in=height_in)
+    return figure, figure.subplots(*shape, **how)
 
 
 def add_note(figure: Figure, *lines: str) -> float:
@@ -123,25 +124,20 @@ def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
 
 
 def settle(figure: Figure) -> None:
-    """Lay the figure out once, in places of nine digits: the last ones differ from run to run."""
-    if _lay_out(figure):
-        for part in figure.subfigs:
-            part.bbox_relative.set_points(part.bbox_relative.get_points().round(9))
-        for axes in figure.axes:
-            places = axes.get_position(original=True).bounds
-            axes.set_position((*(round(place, 9) for place in places),), which="both")
+    """Lay the figure out once, in places of nine digits: the last ones differ from run to run.
 
-
-def _lay_out(figure: Figure) -> bool:
-    """Lay a figure out and drop its engine, which would draw it twice for a file.
-
-    Returns whether it was a constrained layout.
+    Without an engine it is drawn once for a file, not twice.
     """
     engine = figure.get_layout_engine()
     if engine is not None:
         engine.execute(figure)
         figure.set_layout_engine(None)
-    return isinstance(engine, ConstrainedLayoutEngine)
+    if isinstance(engine, ConstrainedLayoutEngine):
+        for part in figure.subfigs:
+            part.bbox_relative.set_points(part.bbox_relative.get_points().round(9))
+        for axes in figure.axes:
+            places = axes.get_position(original=True).bounds
+            axes.set_position((*(round(place, 9) for place in places),), which="both")
 
 
 def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
@@ -152,16 +148,13 @@ def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
     for part in (*figure.findobj(Text), *figure.findobj(Legend)):
         part.set_visible(False)
     figure.set_dpi(CHECK_DPI)
-    _lay_out(figure)
-    for path in paths:
-        with whole_file(path) as name:
-            figure.savefig(name, format="png", dpi=CHECK_DPI, metadata=_NO_METADATA[".png"])
+    save(figure, paths, dpi=CHECK_DPI)
 
 
-def save(figure: Figure, paths: Iterable[Path | str]) -> None:
+def save(figure: Figure, paths: Iterable[Path | str], *, dpi: float = PNG_DPI) -> None:
     """Save in the formats that the names ask for, byte for byte the same each time."""
     settle(figure)
     for path in map(Path, paths):
         with whole_file(path) as part:
             kind = path.suffix.removeprefix(".")
-            figure.savefig(part, format=kind, metadata=_NO_METADATA[path.suffix])
+            figure.savefig(part, format=kind, dpi=dpi, metadata=_NO_METADATA[path.suffix])

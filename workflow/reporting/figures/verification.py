@@ -32,8 +32,7 @@ APART = 0.25
 def stability(results: Results) -> Figure:
     """Left the films without inertia over (ε, σ), right those with it over (Re, σ)."""
     data = results.table("numerics/stability.csv", "verdict", "worst_over_allowed")
-
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.4)
+    figure = style.new_figure(wide=True, height_in=4.4)
     left, right = figure.subplots(1, 2, width_ratios=(3, 2), sharey=True)
     moving = data["reynolds"] > 0
     shown = _films(left, data[~moving].assign(x=data["epsilon"].clip(upper=LARGEST_EPSILON)))
@@ -76,7 +75,7 @@ def work_precision(results: Results) -> Figure:
     films = data["film"].unique()
     columns = min(2, len(films))
     rows = -(-len(films) // columns)
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.0 + 2.3 * rows)
+    figure = style.new_figure(wide=True, height_in=1.0 + 2.3 * rows)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     lowest = 0.2 * float(data["reference_uncertainty"].min())
     for panel, film in zip(panels, films, strict=False):
