@@ -82,7 +82,7 @@ class Results:
         columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects", "geometry")
         table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns)
         texts = ("first_order_invalid", "included_effects")
-        return table.assign(**{name: table[name].fillna("") for name in texts})
+        return table.assign(**{name: table[name].astype(object).fillna("") for name in texts})
 
     def table(self, file: str, *columns: str) -> pd.DataFrame:
         """Any table of the results, which has at least these columns."""
