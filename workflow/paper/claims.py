@@ -147,7 +147,8 @@ def _extrapolated_values(results: Results) -> Values:
     wanted = results.row(table, "two_factor_design", file)
     fit = results.fit("two_factor_design")
     expected_n = _expected_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
-    budgets = results.budget("extrapolation").set_index("point_id")
+    effects = ("point_id", "edge_loss_percent", "edge_loss_upper_percent")
+    budgets = results.budget("extrapolation", *effects).set_index("point_id")
     budget = results.row(budgets, "operating_point", "simulations/extrapolation/budget.csv")
     present = [name for name in budget["included_effects"].split("; ") if name]
     included = f"With {' and '.join(present)} in it, which eq. (1) neglects; still neglected are"

@@ -77,10 +77,10 @@ class Results:
         file = f"validation/{fit}_on_{plan}.csv"
         return self.table(file, "h0_m", "hv_m", "relative_error")
 
-    def budget(self, plan: str) -> pd.DataFrame:
-        """Return the neglected effects on the forces of a plan."""
+    def budget(self, plan: str, *effects: str) -> pd.DataFrame:
+        """Return the neglected effects on the forces of a plan, which has at least these."""
         columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects", "geometry")
-        table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns)
+        table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns, *effects)
         texts = ("first_order_invalid", "included_effects")
         return table.assign(**{name: table[name].astype(object).fillna("") for name in texts})
 
