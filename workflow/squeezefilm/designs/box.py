@@ -6,6 +6,7 @@ name it and the outcome of a design depends on it, so it is always given by name
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -71,13 +72,16 @@ def coordinates(scaling: str, box: Box) -> Coordinates:
     return scene if scaling == "scene" and box.names[2:] == POLAR else box.to_unit
 
 
+_pairs = cache(partial(np.triu_indices, k=1))
+
+
 def pair_distances(points: ArrayLike) -> Array:
     """Distance between every two points of a design, shape (..., N, k) -> (..., N(N-1)/2).
 
     points are in the coordinates that distances are taken in.
     """
     points = np.asarray(points, dtype=float)
-    i, j = np.triu_indices(points.shape[-2], k=1)
+    i, j = _pairs(points.shape[-2])
     return np.linalg.norm(points[..., i, :] - points[..., j, :], axis=-1)
 
 

@@ -172,13 +172,13 @@ def descend(criterion: Criterion, points: Array) -> Design:
     def spares(unit: Array) -> Array:
         return criterion.spares(designs(unit))
 
-    apart = {"type": "ineq", "fun": spares, "jac": lambda u: _slopes(spares, u)}
+    apart = {"type": "ineq", "fun": spares, "jac": lambda u: _with_slopes(spares, u)[1]}
     best, value = np.clip(box.to_unit(points).ravel(), 0, 1), 0.0
     for _ in range(20):
         step = minimize(
-            lambda u: float(objective(u)),
+            lambda u: _with_slopes(objective, u),
             best,
-            jac=lambda u: _slopes(objective, u),
+            jac=True,
             method="SLSQP",
             bounds=Bounds(np.zeros(len(best)), np.ones(len(best))),
             constraints=[] if criterion.apart is None else [apart],
@@ -237,12 +237,19 @@ def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design
     return descend(criterion, candidates[found])
 
 
-def _slopes(function: Callable[[Array], Array], unit: Array, step: float = 1e-6) -> Array:
-    """Derivative by differences that stay within [0, 1]; function takes a stack of arguments."""
+def _with_slopes(
+    function: Callable[[Array], Array], unit: Array, step: float = 1e-6
+) -> tuple[Array, Array]:
+    """Value, and derivative by differences that stay within [0, 1], in one call of the function.
+
+    It takes a stack of arguments.
+    """
     shift = step * np.eye(len(unit))
     above, below = np.minimum(unit + shift, 1), np.maximum(unit - shift, 0)
     width = np.diagonal(above - below)
-    return ((function(above) - function(below)).T / width).squeeze()
+    value = function(np.concatenate([unit[None], above, below]))
+    rise = value[1 : len(unit) + 1] - value[len(unit) + 1 :]
+    return value[0], (rise.T / width).squeeze()
 
 
 def _sorted(points: Array, box: Box) -> Array:
