@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -201,15 +201,16 @@ class AveragedFilm:
             times: rising, from 0, shape (n,).
         """
         settled = self.density(self.settled(epsilon))
-        inside = self.laplacian[:, self.inner]
+        inside = self.laplacian[:, self.inner] / self.sigma
         final = settled.ravel()[self.inner]
+        mobility = final + self.slip
 
         # In the distance y = ψ − settled, whose small end is then as exact as its beginning.
         def rate(_: float, y: np.ndarray) -> np.ndarray:
-            return np.asarray(inside @ (y * (final + self.slip + y / 2)) / self.sigma)
+            return np.asarray(inside @ (y * (mobility + y / 2)))
 
         def jacobian(_: float, y: np.ndarray) -> np.ndarray:
-            return np.asarray(inside * (final + self.slip + y) / self.sigma)
+            return np.asarray(inside * (mobility + y))
 
         start = psi.ravel()[self.inner] - final
         tolerances = {"rtol": 1e-6, "atol": 1e-8 * np.abs(start).max()}
@@ -273,6 +274,7 @@ def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
     return best
 
 
+@lru_cache(maxsize=len(POINTS))
 def film_on(scene: Scene, points: int = POINTS[0]) -> tuple[AveragedFilm, float]:
     """The averaged film on one grid, and its relative error at rest.
 

@@ -5,7 +5,7 @@ follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, throug
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from math import inf, nan, pi
 from typing import Any, NamedTuple
 
@@ -13,7 +13,13 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 
-from squeezefilm.dynamics.averaged_film import AveragedFilm, averaged_film_of, film_on, refused
+from squeezefilm.dynamics.averaged_film import (
+    POINTS,
+    AveragedFilm,
+    averaged_film_of,
+    film_on,
+    refused,
+)
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import exceeded, validity
@@ -125,7 +131,8 @@ def response(scene: Scene) -> Response:
 
     Raises RunError saying why the scene is not supported.
     """
-    return _response(scene, *_slow(scene))
+    film, _ = _slow(scene)
+    return _response(scene, film.films.s.shape[1] - 2)
 
 
 def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
@@ -140,7 +147,10 @@ def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
     return film, error
 
 
-def _response(scene: Scene, film: AveragedFilm, error: float) -> Response:
+@lru_cache(maxsize=10_000)
+def _response(scene: Scene, points: int) -> Response:
+    """By the film on one grid: kept, for it is most often that of the effect of slip too."""
+    film, error = film_on(scene, points)
     static, prompt = film.response(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s
     time, rising, falling = _steps(film)
@@ -237,7 +247,7 @@ def _slip_changes(scene: Scene) -> dict[str, float]:
     slipping = scene.with_gas(rarefaction="slip")
     if exceeded(slipping, symbols=("Kn",)):
         return {f"slip_{what}_percent": nan for what in CHANGED}
-    before, after = (_response(each, *film_on(each)) for each in (scene, slipping))
+    before, after = (_response(each, POINTS[0]) for each in (scene, slipping))
     return {
         f"slip_{what}_percent": 100 * (getattr(after, name) / getattr(before, name) - 1)
         for what, name in CHANGED.items()
