@@ -163,23 +163,16 @@ class Expression:
         """
 
         def leaf(part: Any) -> Any:
-            return (
-                itemgetter(part)
-                if part in self.names and part not in known
-                else known.get(part, part)
-            )
+            return known.get(part, part if isinstance(part, float) else itemgetter(part))
 
         def operation(part: Operation, arguments: list[Any]) -> Any:
             operator = _OPERATIONS[part.operator]
-            first, last = arguments[0], arguments[-1]
-            if not (callable(first) or callable(last)):
+            if not any(map(callable, arguments)):
                 return operator(*arguments)
+            ready = [each if callable(each) else lambda _, each=each: each for each in arguments]
+            first, last = ready[0], ready[-1]
             if len(arguments) == 1:
                 return lambda values: operator(first(values))
-            if not callable(first):
-                return lambda values: operator(first, last(values))
-            if not callable(last):
-                return lambda values: operator(first(values), last)
             return lambda values: operator(first(values), last(values))
 
         with np.errstate(all="ignore"):

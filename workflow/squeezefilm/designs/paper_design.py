@@ -237,14 +237,12 @@ def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design
     return descend(criterion, candidates[found])
 
 
-def _with_slopes(
-    function: Callable[[Array], Array], unit: Array, step: float = 1e-6
-) -> tuple[Array, Array]:
+def _with_slopes(function: Callable[[Array], Array], unit: Array) -> tuple[Array, Array]:
     """Value, and derivative by differences that stay within [0, 1], in one call of the function.
 
     It takes a stack of arguments.
     """
-    shift = step * np.eye(len(unit))
+    shift = 1e-6 * np.eye(len(unit))
     above, below = np.minimum(unit + shift, 1), np.maximum(unit - shift, 0)
     width = np.diagonal(above - below)
     value = function(np.concatenate([unit[None], above, below]))

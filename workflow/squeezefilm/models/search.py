@@ -106,11 +106,10 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
     for _ in range(restarts):
         if not len(falling):
             break
-        lower, lower_value, count, ended = _simplexes(
-            objective, x[falling], LEAST_FALL * value[falling]
-        )
+        before = value[falling]
+        lower, lower_value, count, ended = _simplexes(objective, x[falling], LEAST_FALL * before)
         evaluations[falling] += count
-        fell = value[falling] - lower_value
+        fell = before - lower_value
         x[falling] = np.where((fell > 0)[:, None], lower, x[falling])
         value[falling] = np.where(fell > 0, lower_value, value[falling])
         least = np.where(ended, LEAST_FALL, CRAWLING) * value[falling] + 1e-26
