@@ -204,23 +204,18 @@ def check_study(config: Config) -> Config:
     """
     with naming(config.path):
         pad_of(config)
-        _check_scan(config)
+        if path := scan_path(config):
+            from squeezefilm.film.measured.read import read_scan
+            from squeezefilm.film.measured.smooth import check_places
+
+            settings = smoothing_settings(config)
+            scan = read_scan(path, frequency_hz=settings.pop("frequency_hz"))
+            check_places(scan, **settings)
         profile = planned_profile_of(config)
     for section, points in _extreme_points(config):
         with naming(f"{config.path}: {section}"):
             scenes_in(points, config, profile=profile)
     return config
-
-
-def _check_scan(config: Config) -> None:
-    """Refuse a scan that cannot be read, or has points off the surface."""
-    from squeezefilm.film.measured.read import read_scan
-    from squeezefilm.film.measured.smooth import check_places
-
-    if path := scan_path(config):
-        settings = smoothing_settings(config)
-        scan = read_scan(path, frequency_hz=settings.pop("frequency_hz"))
-        check_places(scan, **settings)
 
 
 def _extreme_points(config: Config) -> Iterator[tuple[str, pd.DataFrame]]:
