@@ -114,7 +114,8 @@ class AsTheGap:
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         pad = self.scene.pad
-        return self.scene.rest_gap(x_m / pad.length_x_m + 0.5, y_m / pad.length_y_m + 0.5)
+        rise_m = pad.gap.rise_m(x_m / pad.length_x_m + 0.5, y_m / pad.length_y_m + 0.5)
+        return 1 + rise_m / self.scene.h0_m
 
 
 def saying(states: States, **values: np.ndarray) -> States:

@@ -34,10 +34,9 @@ from scipy.linalg import qr
 from scipy.optimize import minimize
 from scipy.spatial.distance import cdist
 
-from squeezefilm.designs.box import Box
+from squeezefilm.designs.box import Array, Box
 from squeezefilm.errors import InputError
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Gradients = Callable[[Array], Array]
 """From points, shape (n, k), to derivatives, shape (n, p) or (K, n, p)."""

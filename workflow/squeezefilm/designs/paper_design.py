@@ -16,11 +16,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
 from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
-from squeezefilm.designs.optimal import exchange, log_determinant
+from squeezefilm.designs.optimal import Gradients, exchange, log_determinant
 from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
-
-Gradient = Callable[[Array], Array]
 
 SINGULAR = 1e100
 """Value of a criterion where parameters cannot be told apart or points coincide."""
@@ -81,7 +79,7 @@ class Criterion:
     at least that far apart in the coordinates `apart` (SINGULAR for any other).
     """
 
-    gradient: Gradient
+    gradient: Gradients
     box: Box
     distance: Coordinates | None = None
     apart: Coordinates | None = None

@@ -104,10 +104,6 @@ class AveragedFilm:
         )
         return self.field(inside, on_rim)
 
-    def at_rest(self) -> np.ndarray:
-        """ψ of the film before the surface moves."""
-        return np.ones(self.films.s.shape[1:])
-
     def response(self, modulation: np.ndarray) -> np.ndarray:
         """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
         psi, on_rim, at_once = self._louder
@@ -253,10 +249,7 @@ def refused(scene: Scene) -> str:
     if scene.epsilon == 0:
         return "the surface is at rest"
     terms = terms_of(scene)
-    unknown = [
-        *(term.label for term in terms if not term.in_expansions),
-        *(term.label for term in terms if isinstance(term, Inertia)),
-    ]
+    unknown = [each.label for each in terms if not each.in_expansions or isinstance(each, Inertia)]
     return f"the response is not derived with {', '.join(unknown)}" if unknown else ""
 
 

@@ -190,7 +190,7 @@ def _steps(film: AveragedFilm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     slowest = film.sigma / (pi**2 * narrow)
     time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, INSTANTS))
     settled = film.density(film.settled(film.epsilon))
-    rising = film.after_step(film.at_rest(), film.epsilon, time)
+    rising = film.after_step(np.ones_like(settled), film.epsilon, time)
     return time, rising, film.after_step(settled, 0.0, time)
 
 

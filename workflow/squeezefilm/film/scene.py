@@ -126,17 +126,14 @@ class Scene(OperatingPoints):
         """The profile's s at positions x, y in [0, 1] across the pad, any common shape."""
         return self.film.pad_profile.amplitude(x, y, x_m=self.x_m, y_m=self.y_m)
 
-    def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Gap over h0 without vibration at positions in [0, 1] across the pad."""
-        return 1 + self.pad.gap.rise_m(x, y) / self.h0_m
-
     def gap(self, x: np.ndarray, y: np.ndarray, phase: np.ndarray) -> np.ndarray:
         """Gap over h0 at positions in [0, 1], any common shape, at phases ωt, one more dimension.
 
         It widens while sin ωt > 0: the surface goes down.
         """
         moved = (self.amplitude(x, y)[..., None] * np.exp(1j * phase)).imag
-        return self.rest_gap(x, y)[..., None] + self.epsilon * moved
+        rest = 1 + self.pad.gap.rise_m(x, y) / self.h0_m
+        return rest[..., None] + self.epsilon * moved
 
     @property
     def narrowest(self) -> float:
@@ -380,8 +377,6 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @cached_property
     def rest_range(self) -> tuple[np.ndarray, np.ndarray]:
         """Least and largest gap over h0 without vibration."""
-        if self.flat:
-            return (np.ones(len(self)),) * 2
         least_m, most_m, _, _ = self._rises
         return 1 + least_m / self.h0_m, 1 + most_m / self.h0_m
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -49,8 +50,7 @@ def level_grid(section: Mapping[str, Any]) -> pd.DataFrame:
     """Every gap with every amplitude of a section's ``{start, stop, levels}``."""
     levels = [section[name] for name in CENTRED]
     values = [twelve(np.linspace(each["start"], each["stop"], each["levels"])) for each in levels]
-    gaps, amplitudes = np.meshgrid(*values, indexing="ij")
-    return pd.DataFrame({"h0_m": gaps.ravel(), "hv_m": amplitudes.ravel()})
+    return pd.DataFrame(product(*values), columns=CENTRED)
 
 
 def four_factor_plan(

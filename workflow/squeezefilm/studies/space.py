@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from squeezefilm.config.loading import Config
-from squeezefilm.designs.box import Box, coordinates, grid
+from squeezefilm.designs.box import Array, Box, coordinates, grid
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Film
 from squeezefilm.film.symmetry import Symmetry
@@ -27,7 +27,6 @@ from squeezefilm.tables import FACTOR_COLUMNS
 if TYPE_CHECKING:
     from scipy.stats import qmc
 
-Array = NDArray[np.float64]
 CENTRED = FACTOR_COLUMNS[:2]
 """The factors of a pad that stays at the centre."""
 POSITIONS_SEED, EXPONENT = 1, 10
@@ -102,9 +101,8 @@ def box_of(config: Config, *, centred: bool = False) -> Box:
 
 def declared_ranges(config: Config, *, centred: bool) -> dict[str, tuple[float, float]]:
     """The limits of the declared space by factor; those of a centred pad's position are zero."""
-    centre = dict.fromkeys(surface_of(config).position, (0.0, 0.0))
-    ranges = box_of(config, centred=centred).ranges
-    return ranges | {name: zero for name, zero in centre.items() if name not in ranges}
+    centre = dict.fromkeys(surface_of(config).position if centred else (), (0.0, 0.0))
+    return box_of(config, centred=centred).ranges | centre
 
 
 @dataclass(frozen=True)

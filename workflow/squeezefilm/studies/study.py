@@ -56,12 +56,6 @@ def scan_path(config: Config) -> Path | None:
     return config.path.parent / profile["file"] if profile["kind"] == "measured" else None
 
 
-def outline_path(config: Config) -> Path | None:
-    """The file of the pad's outline; None if it is not given by one."""
-    outline = config["pad"].get("outline")
-    return config.path.parent / outline["file"] if outline else None
-
-
 def smoothing_settings(config: Config) -> dict[str, Any]:
     """What decides how a scan is smoothed, besides its file: arguments of ``smoothed_scan``."""
     actuator = config["actuator"]
@@ -111,9 +105,10 @@ def pad_of(config: Config) -> Pad:
     """The pad."""
     keys = dict(config["pad"])
     contour = None
-    if path := outline_path(config):
+    if outline := keys.pop("outline", None):
+        path, scatter_m = config.path.parent / outline["file"], outline["scatter_m"]
         sides_m = keys["length_x_m"], keys["length_y_m"]
-        contour = read_contour(path, sides_m=sides_m, scatter_m=keys.pop("outline")["scatter_m"])
+        contour = read_contour(path, sides_m=sides_m, scatter_m=scatter_m)
     return Pad(gap=GapShape(**keys.pop("gap")), contour=contour, **keys)
 
 
@@ -209,23 +204,18 @@ def check_study(config: Config) -> Config:
     """
     with naming(config.path):
         pad_of(config)
-        _check_scan(config)
+        if path := scan_path(config):
+            from squeezefilm.film.measured.read import read_scan
+            from squeezefilm.film.measured.smooth import check_places
+
+            settings = smoothing_settings(config)
+            scan = read_scan(path, frequency_hz=settings.pop("frequency_hz"))
+            check_places(scan, **settings)
         profile = planned_profile_of(config)
     for section, points in _extreme_points(config):
         with naming(f"{config.path}: {section}"):
             scenes_in(points, config, profile=profile)
     return config
-
-
-def _check_scan(config: Config) -> None:
-    """Refuse a scan that cannot be read, or has points off the surface."""
-    from squeezefilm.film.measured.read import read_scan
-    from squeezefilm.film.measured.smooth import check_places
-
-    if path := scan_path(config):
-        settings = smoothing_settings(config)
-        scan = read_scan(path, frequency_hz=settings.pop("frequency_hz"))
-        check_places(scan, **settings)
 
 
 def _extreme_points(config: Config) -> Iterator[tuple[str, pd.DataFrame]]:

@@ -7,7 +7,6 @@ is exact to ε². A scene whose inertia is `auto` counts as having it, for limit
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -54,7 +53,9 @@ TABLE_TOLERANCE, TABLE_TOLERANCE_WITH_INERTIA = 3e-7, 1e-5
 
 def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
-    needs = needs_of([_with_inertia(scene) for scene in scenes])
+    needs = needs_of(
+        [s.with_gas(inertia="included") if s.gas.inertia == "auto" else s for s in scenes]
+    )
     underived = not_derived_for(needs)
     derived = ~np.isin(np.arange(len(needs)), list(underived))
     has = np.broadcast_to(needs.scenes.gas.inertia == "included", len(needs))
@@ -88,12 +89,6 @@ def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Config) -
         return points
     limits = with_limits(points, scenes_in(points, config))
     return points.assign(**limits[[*COLUMNS.values()]])
-
-
-def _with_inertia(scene: Scene) -> Scene:
-    """The scene with inertia where that is to be decided."""
-    auto = scene.gas.inertia == "auto"
-    return replace(scene, gas=replace(scene.gas, inertia="included")) if auto else scene
 
 
 def limit_table_of(config: Config) -> LimitTable:

@@ -68,11 +68,9 @@ def scan_errors(
     size_n = table["force_n"].abs()
     table["noise_n"] = quantile * spread_n + bias * size_n
     table["out_of_phase_n"] = effect * size_n
-    return table.assign(
-        noise_share=table["noise_n"] / size_n,
-        scan_error_n=table["noise_n"] + table["out_of_phase_n"],
-        scan_error_share=(table["noise_n"] + table["out_of_phase_n"]) / size_n,
-    )
+    table["noise_share"] = table["noise_n"] / size_n
+    table["scan_error_n"] = table["noise_n"] + table["out_of_phase_n"]
+    return table.assign(scan_error_share=table["scan_error_n"] / size_n)
 
 
 def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
