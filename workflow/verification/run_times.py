@@ -10,7 +10,6 @@ import time
 from datetime import UTC, datetime
 from itertools import product
 from pathlib import Path
-from statistics import median
 
 import numpy as np
 import pandas as pd
@@ -32,8 +31,10 @@ USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTI
 ONE_FORCE = ("-m", "squeezefilm", "simulate", "--config", PAPER, "--h0", "5um", "--hv", "2.2um")
 NOTHING = ("-m", "snakemake", "-n", "--quiet", "all")
 DEVICE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
-MANY, REPEATS = 10_000, 5
-"""Scenes of a batch; of a time, whose median counts."""
+BATCHES = ((1, 300), (10_000, 5))
+"""Scenes of a batch, and how often it is solved; the median counts."""
+ROUNDS = 9
+"""Of the processes, one after the other; the first warms up, of the others the median counts."""
 
 
 @command(
@@ -88,9 +89,10 @@ def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
 
 def force_times() -> pd.DataFrame:
     """Processor time of one force from the shell by what the process does, kernels in the cache."""
-    python, numpy = child_seconds("-c", "pass"), child_seconds("-c", "import numpy")
-    device, options = child_seconds("-c", DEVICE), child_seconds(*ONE_FORCE, "--help")
-    force, nothing = child_seconds(*ONE_FORCE), child_seconds(*NOTHING)
+    processes = ("-c", "pass"), ("-c", "import numpy"), ("-c", DEVICE), (*ONE_FORCE, "--help")
+    processes += ONE_FORCE, NOTHING
+    rounds = [[child_seconds(*words) for words in processes] for _ in range(ROUNDS)]
+    python, numpy, device, options, force, nothing = np.median(rounds[1:], axis=0)
     parts = {
         "Python": python,
         "NumPy": numpy - python,
@@ -110,13 +112,13 @@ def batch_times() -> pd.DataFrame:
     The host is the main thread; on a processor kernels run on others.
     """
     study, rows = load(PAPER), []
-    points = random_plan(points=MANY, seed=1, **box_of(study.config).ranges)
-    for count, tolerance in product((1, MANY), (1e-4, 1e-6)):
+    points = random_plan(points=BATCHES[-1][0], seed=1, **box_of(study.config).ranges)
+    for (count, repeats), tolerance in product(BATCHES, (1e-4, 1e-6)):
         scenes = study.scenes(points[:count])
         solve(scenes, tolerance=tolerance)
         clocks = time.perf_counter, time.process_time, time.thread_time
         taken = []
-        for _ in range(REPEATS):
+        for _ in range(repeats):
             before = [clock() for clock in clocks]
             solve(scenes, tolerance=tolerance)
             taken.append([clock() - start for clock, start in zip(clocks, before, strict=True)])
@@ -129,14 +131,11 @@ def batch_times() -> pd.DataFrame:
 
 
 def child_seconds(*words: str) -> float:
-    """Return the median of the processor seconds of a Python process, which has run once before.
+    """Return the processor seconds of a Python process.
 
     Raises subprocess.CalledProcessError where it fails.
     """
-    taken = []
-    for _ in range(REPEATS + 1):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([sys.executable, *words], check=True, capture_output=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        taken.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return median(taken[1:])
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, *words], check=True, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
