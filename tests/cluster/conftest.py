@@ -109,17 +109,18 @@ def checkout(slurm, repository):
     return Checkout(folder, slurm.environment)
 
 
-def write_long_study(folder: Path) -> None:
-    """A study with one job that runs for several seconds, to be interrupted."""
+def write_long_study(folder: Path, *, points: int = 4000, seconds: float = 1000) -> Path:
+    """A study with a sweep that runs for several seconds, by default in one job."""
     text = (folder / QUICK).read_text(encoding="utf-8")
     for pattern, new in (
         (r"^study: .*", "study: long"),
-        (r"(seconds_per_job:) \S+", r"\1 1000"),
-        (r"(sweep:.*\n  points:) \d+", r"\1 4000"),
+        (r"(seconds_per_job:) \S+", rf"\g<1> {seconds}"),
+        (r"(sweep:.*\n  points:) \d+", rf"\g<1> {points}"),
     ):
         text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
         assert count == 1, pattern
     (folder / LONG).write_text(text, encoding="utf-8")
+    return folder
 
 
 def set_up_profile(folder: Path, *, scratch: Path) -> None:

@@ -60,16 +60,11 @@ def plan(tmp_path):
     return path
 
 
-def merged(plan: Path, *parts: Path, output: Path) -> Path:
-    merge_forces(plan, parts, output=output, keep_failed=False)
-    return output
-
-
 def test_a_failed_scene_is_named_and_nothing_written(plan, tmp_path):
     parts = [part(tmp_path / "a.csv", "1"), part(tmp_path / "b.csv", "2", "3", status="no end")]
     output = tmp_path / "forces.csv"
     with pytest.raises(RunError, match=r"point 3: no end \(.*b\.csv\)"):
-        merged(plan, *parts, output=output)
+        merge_forces(plan, parts, output=output, keep_failed=False)
     assert not output.exists()
     merge_forces(plan, parts, output=output, keep_failed=True)
     assert list(read_forces(output)["status"]) == ["ok", "no end", "no end"]
@@ -79,7 +74,7 @@ def test_a_failed_scene_is_named_and_nothing_written(plan, tmp_path):
 def test_parts_that_do_not_make_the_plan_are_refused(ids, plan, tmp_path):
     parts = [part(tmp_path / "a.csv", "1"), part(tmp_path / "b.csv", *ids)]
     with pytest.raises(InputError, match=r"b\.csv: its points are not those of part 2 of 2"):
-        merged(plan, *parts, output=tmp_path / "forces.csv")
+        merge_forces(plan, parts, output=tmp_path / "forces.csv", keep_failed=False)
 
 
 def test_doctor_fails_without_a_device_and_says_how_to_mend_it(tmp_path, refused, monkeypatch):

@@ -1,7 +1,5 @@
 """The plans are those of the paper, and have as many points as the rules expect."""
 
-from typing import Any
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -57,10 +55,6 @@ def test_positions_of_another_study_fill_the_reachable_space(mirrored):
 BOX = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
 
 
-def sweep_plan(**arguments: Any) -> pd.DataFrame:
-    return pd.concat(sweep_pieces(**arguments), ignore_index=True)
-
-
 def test_a_sweep_fills_its_box_more_evenly_than_chance():
     """Mean of a product of the factors: a smooth function, integrated."""
 
@@ -69,6 +63,6 @@ def test_a_sweep_fills_its_box_more_evenly_than_chance():
         assert all(((unit >= 0) & (unit < 1)).all() for unit in units)
         return abs(np.prod(units, axis=0).mean() - 0.5**4)
 
-    even = [error(sweep_plan(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
+    even = [error(*sweep_pieces(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
     random = [error(random_plan(points=1000, seed=seed, **BOX)) for seed in range(5)]
     assert np.mean(even) < 0.2 * np.mean(random)

@@ -120,7 +120,8 @@ class Scene(OperatingPoints):
 
     def viscous(self) -> Scene:
         """The scene of a gas without inertia and heat."""
-        return self.with_gas(inertia="none", heat="none")
+        is_viscous = self.gas.inertia == self.gas.heat == "none"
+        return self if is_viscous else self.with_gas(inertia="none", heat="none")
 
     def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's s at positions x, y in [0, 1] across the pad, any common shape."""
@@ -195,6 +196,10 @@ class Film:
     @cached_property
     def pad_profile(self) -> PadProfile:
         return PadProfile(self.actuator.profile, self.pad)
+
+    def with_gas(self, **numbers: Any) -> Film:
+        """The film with other numbers or terms of its gas."""
+        return replace(self, gas=replace(self.gas, **numbers))
 
     def scene(
         self, h0_m: float, hv_m: float, x_m: float = 0.0, y_m: float = 0.0, *, point_id: str = "1"

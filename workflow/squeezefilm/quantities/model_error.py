@@ -8,17 +8,17 @@ what that misses stands beside it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import isfinite, isnan, nan
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities.adjoint import Solved, alike, fields_of, sensitivity, with_states
@@ -36,7 +36,7 @@ ADJOINT_TOLERANCE = 3e-5
 # By which an effect on such grids may be off, as a share of it; in layers of σ above 2e4 by more.
 OFF_ON_GRIDS = 1 / 50
 # Numbers of a field, all scenes together: more fall out of the caches. Scenes solved together.
-MOST_NUMBERS, MOST_SCENES = 2**15, 1024
+MOST_NUMBERS, MOST_SCENES = 2**17, 1024
 # Remainder of the first order, as a fraction of it per unit of the modified Reynolds number, and
 # its growth with ε²: of strips with velocity and temperature resolved, ε 0.05 to 0.8
 # (tests/numerics/test_stored_strip.py).
@@ -83,6 +83,10 @@ class Effect(NamedTuple):
     def usable(self) -> bool:
         """Return whether the first order is larger than its remainder allows."""
         return self.estimate or not abs(self.remainder_percent) > abs(self.percent) / 2
+
+    def below(self, percent: float) -> bool:
+        """Return whether it is known to be smaller; not where it is unknown or no first order."""
+        return self.usable and self.upper_percent < percent
 
     @property
     def upper_percent(self) -> float:
@@ -153,20 +157,27 @@ NOT_FOUND = "what a source of mass does to the force was not found: GMRES did no
 BASIS = "the inscribed rectangle with a uniform gap"
 
 
-def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
+def error_budgets(
+    scenes: Sequence[Scene], *, device: Device | None = None, names: Collection[str] = NAMES
+) -> list[ErrorBudget]:
     """The budget of each scene's force.
 
     A pad that is no rectangle is answered for the flat rectangle inside it, and says so. Every
     effect is one about the film without inertia and heat, which are two of them.
+
+    Args:
+        names: of the effects that are needed; others are those of NONE.
     """
     found: list[ErrorBudget] = []
     for first in range(0, len(scenes), MOST_SCENES):
-        some = scenes[first : first + MOST_SCENES]
-        found += map(_with_terms_of, _budgets([_plain(each) for each in some], device), some)
+        some = list(scenes[first : first + MOST_SCENES])
+        found += map(_with_terms_of, _budgets([_plain(each) for each in some], device, names), some)
     return found
 
 
-def _budgets(scenes: list[Scene], device: Device | None) -> list[ErrorBudget]:
+def _budgets(
+    scenes: list[Scene], device: Device | None, names: Collection[str]
+) -> list[ErrorBudget]:
     found = [ErrorBudget(status="no vibration, no force")] * len(scenes)
     moving = [k for k, scene in enumerate(scenes) if scene.epsilon]
     solved = with_states([scenes[k] for k in moving], tolerance=GRID_TOLERANCE, device=device)
@@ -176,7 +187,7 @@ def _budgets(scenes: list[Scene], device: Device | None) -> list[ErrorBudget]:
         if solution.states:
             with_state[k] = scenes[k], solution
     for group in alike(with_state, numbers=MOST_NUMBERS):
-        shares = _shares(group, device)
+        shares = _shares(group, device, names)
         for n, k in enumerate(group):
             percent = {name: 100 * float(share[n]) for name, share in shares.items()}
             found[k] = _budget(scenes[k], percent)
@@ -210,23 +221,31 @@ def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
     return replace(budget, effects={**budget.effects, **own}, basis=basis)
 
 
-def _shares(group: Solved, device: Device | None) -> dict[str, np.ndarray]:
+# Effects that are sources of mass in a scene's own state.
+BY_FLUX: dict[tuple[str, ...], Callable[..., np.ndarray | tuple[np.ndarray, ...]]] = {
+    ("inertia",): first_order.by_inertia,
+    ("heat",): first_order.by_heat,
+    ("slip", "flow_factor"): first_order.by_slip,
+    ("edge_loss",): first_order.by_entrance,
+}
+
+
+def _shares(group: Solved, device: Device | None, names: Collection[str]) -> dict[str, np.ndarray]:
     """Change of the mean force by each effect, relative to it, of scenes of like terms."""
     scenes, solutions = map(list, zip(*group.values(), strict=True))
     films = fields_of(scenes, solutions, grid=0)
     with np.errstate(all="ignore"):
         answers = Answers(films, sensitivity(films, tolerance=ADJOINT_TOLERANCE))
-        slip, flow_factor = first_order.by_slip(scenes, films, answers)
-        changes = {
-            "inertia": first_order.by_inertia(scenes, films, answers),
-            "heat": first_order.by_heat(scenes, films, answers),
-            "slip": slip,
-            "flow_factor": flow_factor,
-            "edge_loss": first_order.by_entrance(scenes, films, answers),
-        }
         force = films.mean(films.overpressure)
-        shares = {name: change / force for name, change in changes.items()}
-        if any(scene.bearing_number for scene in scenes):
+        shares = {
+            name: change / force
+            for effects, change_by in BY_FLUX.items()
+            if not set(effects).isdisjoint(names)
+            for name, change in zip(
+                effects, np.atleast_2d(change_by(scenes, films, answers)), strict=True
+            )
+        }
+        if "bearing" in names and any(scene.bearing_number for scene in scenes):
             shares["bearing"], shares["convected"] = first_order.by_sliding(
                 scenes, films.grid, device=device or choose_device()
             )
@@ -343,21 +362,33 @@ def resolve_auto_terms(
     """
     if not any(map(_auto, scenes.films if isinstance(scenes, Scenes) else scenes)):
         return scenes
-    found = [_closed(scene) for scene in scenes]
-    asked = [
-        (k, name)
-        for k, scene in enumerate(scenes)
-        for name in _auto(scene)
-        if not _refused(scene, name, method)
-    ]
-    places = list(dict.fromkeys(k for k, _ in asked))
-    solved = error_budgets([found[k] for k in places], device=device)
-    budgets = dict(zip(places, solved, strict=True))
-    for k, name in asked:
-        effect = budgets[k].effects[name]  # unknown without a budget
-        if not (effect.usable and effect.upper_percent < 100 * NEARLY * model_tolerance):
-            found[k] = found[k].with_gas(**{name: "included"})
-    return found
+    scenes = Scenes.of(scenes)
+    index = scenes.film_index.tolist()
+    # Whether a term is supported does not depend on the operating point.
+    asked = {
+        index[row]: [name for name in _auto(scene) if not _refused(scene, name, method)]
+        for row in np.unique(index, return_index=True)[1].tolist()
+        for scene in [scenes[row]]
+    }
+    closed = replace(scenes, films=tuple(map(_closed, scenes.films)))
+    rows = np.flatnonzero([bool(asked[film]) for film in index])
+    names = {name for some in asked.values() for name in some}
+    chosen: list[tuple[int, tuple[str, ...]]] = [(film, ()) for film in index]
+    for row, budget in zip(
+        rows.tolist(), error_budgets(closed[rows], device=device, names=names), strict=True
+    ):
+        effects = {name: budget.effects[name] for name in asked[index[row]]}
+        limit = (
+            100 * NEARLY * model_tolerance
+        )  # unknown effects, as without a budget, are not below
+        included = (k for k, each in effects.items() if not each.below(limit))
+        chosen[row] = index[row], tuple(included)
+    places = {choice: place for place, choice in enumerate(dict.fromkeys(chosen))}
+    films = tuple(
+        closed.films[film].with_gas(**dict.fromkeys(included, "included"))
+        for film, included in places
+    )
+    return replace(scenes, films=films, film_index=np.array([places[each] for each in chosen]))
 
 
 def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
@@ -369,12 +400,15 @@ def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
     ]
 
 
-def _auto(scene: Any) -> list[str]:
+AnyFilm = TypeVar("AnyFilm", Scene, Film)
+
+
+def _auto(scene: Scene | Film) -> list[str]:
     return [name for name in OPEN if getattr(scene.gas, name) == "auto"]
 
 
-def _closed(scene: Scene) -> Scene:
-    """The scene without what is to be decided."""
+def _closed(scene: AnyFilm) -> AnyFilm:
+    """The scene or film without what is to be decided."""
     return scene.with_gas(**dict.fromkeys(_auto(scene), "none"))
 
 
