@@ -5,6 +5,7 @@
 UNARY(exp);
 UNARY(expm1);
 UNARY(fabs);
+UNARY(log);
 UNARY(log1p);
 UNARY(sqrt);
 double CONST fmax(double, double);
