@@ -41,8 +41,9 @@ def test_every_name_is_there_and_is_told_to_type_checkers_alike(repository):
 
 LIGHT = {
     "import squeezefilm": {"numpy", "pandas", "pyopencl"},
+    "import squeezefilm; squeezefilm.load('config/paper.yaml')": {"pandas", "pyopencl", "scipy"},
     "from squeezefilm.cli.main import main; main('simulate --h0 5um --hv 2um'.split())": {
-        *("pandas", "scipy")
+        *("multiprocessing", "pandas", "scipy", "squeezefilm.film.measured.smooth")
     },
 }
 

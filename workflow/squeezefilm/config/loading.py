@@ -146,8 +146,7 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
 
     try:
         # A base loader takes every scalar as text; that in C is ten times faster.
-        loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
-        node = yaml.compose(text, Loader=loader)
+        node = yaml.compose(text, Loader=getattr(yaml, "CBaseLoader", yaml.BaseLoader))
         values = value_of(node, ()) if node else None
     except yaml.YAMLError as error:
         raise InputError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from None

@@ -301,6 +301,8 @@ def _kernel(
 def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
     import pyopencl as cl
 
+    if _of_pocl(context.devices[0]):
+        sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
     texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
     if _of_pocl(context.devices[0]) and shutil.which("ld") is None:
         raise InputError(
