@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures import parts, style
 from reporting.results import Results
+from verification.published.comparison import AVERAGED, DISTANCES, RADIAL
 
 STYLES = {
     "solver": ("black", "o", "-"),
@@ -96,5 +97,40 @@ def work_precision(results: Results) -> Figure:
         panel.label_outer()
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     note = "Orange: error of the empirical model; grey: what the reference cannot tell apart."
+    style.add_note(figure, note)
+    return figure
+
+
+def published(results: Results) -> Figure:
+    """Left exact profiles beside finite elements, right depth averaging beside exact profiles."""
+    data = results.table("numerics/published.csv", "source", "exact_deviation")
+
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.4)
+    left, right = figure.subplots(1, 2, sharey=True)
+    for distance, fill in zip(DISTANCES, ("white", None), strict=True):
+        films = data[data["quantity"] == RADIAL.format(distance)]
+        for column, name, look in (
+            ("viscous_deviation", "Reynolds equation", {"marker": "s", "color": style.VERMILLION}),
+            ("exact_deviation", "exact profiles", {"marker": "o", "color": style.BLUE}),
+        ):
+            look |= {"label": f"{name}, from {distance} gaps", "ms": "4", "linestyle": ""}
+            left.plot(films["reynolds"], films[column], mfc=fill, **look)
+    left.set(ylabel="relative deviation (–)", title="(a) p(r) from finite elements")
+    averaged = data[data["source"] == AVERAGED]
+    colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
+    for colour, (sigma, films) in zip(colours, averaged.groupby("sigma"), strict=True):
+        for case, line, label in (
+            ("inertia", "o-", f"σ = {sigma:g}"),
+            ("inertia and heat", "D:", ""),
+        ):
+            some = films[films["case"] == case]
+            place = some["reynolds"], some["solver_deviation"]
+            right.plot(*place, line, color=colour, ms=3, label=label)
+    right.set_title("(b) first harmonic of the solver from exact profiles")
+    for panel in (left, right):
+        panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")
+        panel.legend(loc="lower right")
+        panel.grid(True)
+    note = "Gaps: from the hole's edge to where the pressure is prescribed; dotted: with heat."
     style.add_note(figure, note)
     return figure
