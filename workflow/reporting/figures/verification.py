@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from reporting.figures import parts, style
 from reporting.results import Results
-from verification.published.comparison import AVERAGED, DISTANCES, RADIAL
 
 STYLES = {
     "solver": ("black", "o", "-"),
@@ -107,30 +106,31 @@ def published(results: Results) -> Figure:
 
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.4)
     left, right = figure.subplots(1, 2, sharey=True)
-    for distance, fill in zip(DISTANCES, ("white", None), strict=True):
-        films = data[data["quantity"] == RADIAL.format(distance)]
-        for column, name, look in (
-            ("viscous_deviation", "Reynolds equation", {"marker": "s", "color": style.VERMILLION}),
-            ("exact_deviation", "exact profiles", {"marker": "o", "color": style.BLUE}),
+    profiles = data.dropna(subset=["viscous_deviation"])
+    holes = profiles.dropna(subset=["exact_deviation"]).groupby("quantity")
+    for fill, (quantity, films) in zip(("white", None), holes, strict=True):
+        for column, name, colour, marker in (
+            ("viscous_deviation", "Reynolds equation", style.VERMILLION, "s"),
+            ("exact_deviation", "exact profiles", style.BLUE, "o"),
         ):
-            look |= {"label": f"{name}, from {distance} gaps", "ms": "4", "linestyle": ""}
-            left.plot(films["reynolds"], films[column], mfc=fill, **look)
+            label = f"{name}, {str(quantity).partition(', ')[2]}"
+            look: dict[str, Any] = {"color": colour, "mfc": fill, "ms": 4, "label": label}
+            left.plot(films["reynolds"], films[column], marker, **look)
     left.set(ylabel="relative deviation (–)", title="(a) p(r) from finite elements")
-    averaged = data[data["source"] == AVERAGED]
+    averaged = profiles.dropna(subset=["solver_deviation"])
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
     for colour, (sigma, films) in zip(colours, averaged.groupby("sigma"), strict=True):
         for case, line, label in (
             ("inertia", "o-", f"σ = {sigma:g}"),
             ("inertia and heat", "D:", ""),
         ):
+            look = {"color": colour, "ms": 3, "label": label}
             some = films[films["case"] == case]
-            place = some["reynolds"], some["solver_deviation"]
-            right.plot(*place, line, color=colour, ms=3, label=label)
+            right.plot(some["reynolds"], some["solver_deviation"], line, **look)
     right.set_title("(b) first harmonic of the solver from exact profiles")
     for panel in (left, right):
         panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")
         panel.legend(loc="lower right")
         panel.grid(True)
-    note = "Gaps: from the hole's edge to where the pressure is prescribed; dotted: with heat."
-    style.add_note(figure, note)
+    style.add_note(figure, "Given: where the stored pressure is prescribed; dotted: with heat.")
     return figure

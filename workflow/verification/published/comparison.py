@@ -49,8 +49,6 @@ REYNOLDS, SIGMA = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
 SAMPLE = (4.0,), (1.0, 100.0)
 # Relative error of the solver's first harmonic against its own equation's.
 SAME = 1e-6
-AVERAGED = "depth averaging"
-"""The source of rows that compare the solver's terms with the exact linear film."""
 # github.com/hannes-holey/hans, tests/inclined-slider1D_x_ideal-gas.yaml; and two widths whose
 # difference is free of the ends.
 SLIDER_GAPS_M, SLIDER_LENGTH_M, SLIDER_WIDTHS_M = (66e-6, 10e-6), 0.1, (0.5, 1.0)
@@ -167,7 +165,7 @@ def depth_averaging(
             raise RunError(f"first harmonic at Re {re:g}, σ {s:g}: {ours:.9g}, not {parabolic:.9g}")
         resolved = piston_response(s, factors=exact(re, **gas))
         yield Row(
-            source=AVERAGED,
+            source="depth averaging",
             case="inertia and heat" if heat == "included" else "inertia",
             quantity="first harmonic",
             reynolds=re,
