@@ -22,7 +22,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report test test-check test-docs test-faults test-browser test-install test-device test-stability docs lint format lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability docs lint format lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -30,6 +30,7 @@ help:
 	@echo "make quick    the same rules on a small study, in a minute or two"
 	@echo "make check    everything anew where it is not, and every number beside its reference"
 	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
+	@echo "make benchmarks  where run time goes on this machine; nothing else should run"
 	@echo "make test     the tests"
 	@echo "make test-check     faults put into a study, which the check must find"
 	@echo "make test-docs     the commands of the docs, on small studies"
@@ -72,6 +73,9 @@ reference: $(VENV)/.run
 report: $(VENV)/.run
 	$(SNAKEMAKE) everything $(if $(CONFIG),--configfile $(CONFIG))
 	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG)) --report $(REPORT)
+
+benchmarks: paper
+	$(RUN) python -m verification run-times --output docs/data
 
 test: $(VENV)/.dev
 	$(RUN) OPENBLAS_NUM_THREADS=1 pytest -n 2

@@ -67,6 +67,8 @@ BY_HAND = {
     ),
     "python -m verification random-studies --coverage --studies 15 --fresh 2000 --seed 1 "
     "--output TABLE.csv": "about an hour",
+    "make benchmarks": "needs a machine where nothing else runs",
+    "pip install pyarrow": "a part of requirements-dev.lock",
     "make lock": "takes the newest versions of all packages from the network",
 }
 """Commands that nothing runs, and why."""

@@ -5,6 +5,7 @@ import pytest
 
 from squeezefilm.api import forces as simulation
 from squeezefilm.config.loading import Config
+from squeezefilm.studies import plans
 from squeezefilm.studies.plans import chunk_counts, expected_seconds
 
 
@@ -17,7 +18,10 @@ def test_a_plan_has_as_many_jobs_as_its_cost_asks_for(quick):
     counts = chunk_counts(with_jobs_of(quick, 5.5 * scene))
     assert counts["screen"] == 3  # 12 scenes
     assert counts["error_map"] == 7  # 36 scenes
-    assert set(chunk_counts(with_jobs_of(quick, 1000)).values()) == {1}
+    large = Config(quick.path, {**quick, "sweep": {"points": 10**6 + 1}})
+    counts = chunk_counts(with_jobs_of(large, 1e5))
+    assert counts.pop("sweep") == 3  # at most half a million scenes each
+    assert set(counts.values()) == {1}
     assert chunk_counts(with_jobs_of(quick, 1e-5))["screen"] == 12  # at least a scene each
 
 
@@ -27,6 +31,7 @@ def test_neither_chunks_nor_pieces_change_a_row(repository, tmp_path, monkeypatc
     names = ("scenes", "forces", "timings")
     whole = {name: str(tmp_path / f"{name}.{suffix}") for name in names}
     settings = {"params": {"keep_failed": False}, "plan": "sweep"}
+    monkeypatch.setattr(plans, "PIECE", 8)
     script("simulate", config, input={"sources": []}, output=whole, **settings)
     monkeypatch.setattr(simulation, "PIECE", 4)
     parts = [

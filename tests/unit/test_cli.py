@@ -66,27 +66,19 @@ def merged(plan: Path, *parts: Path, output: Path) -> Path:
 
 
 def test_a_failed_scene_is_named_and_nothing_written(plan, tmp_path):
-    parts = [part(tmp_path / "a.csv", "1", "2"), part(tmp_path / "b.csv", "3", status="no end")]
+    parts = [part(tmp_path / "a.csv", "1"), part(tmp_path / "b.csv", "2", "3", status="no end")]
     output = tmp_path / "forces.csv"
     with pytest.raises(RunError, match=r"point 3: no end \(.*b\.csv\)"):
         merged(plan, *parts, output=output)
     assert not output.exists()
     merge_forces(plan, parts, output=output, keep_failed=True)
-    assert list(read_forces(output)["status"]) == ["ok", "ok", "no end"]
+    assert list(read_forces(output)["status"]) == ["ok", "no end", "no end"]
 
 
-@pytest.mark.parametrize(
-    ("ids", "message"),
-    [
-        ((["1", "2"], ["2", "3"]), "b.csv: its points are not those .* from row 3 on"),
-        ((["1"], ["2"]), "point 3 is in no part"),
-    ],
-)
-def test_parts_that_do_not_make_the_plan_are_refused(ids, message, plan, tmp_path):
-    parts = [
-        part(tmp_path / name, *each) for name, each in zip(("a.csv", "b.csv"), ids, strict=True)
-    ]
-    with pytest.raises(InputError, match=message):
+@pytest.mark.parametrize("ids", ["2", "12", "24"])
+def test_parts_that_do_not_make_the_plan_are_refused(ids, plan, tmp_path):
+    parts = [part(tmp_path / "a.csv", "1"), part(tmp_path / "b.csv", *ids)]
+    with pytest.raises(InputError, match=r"b\.csv: its points are not those of part 2 of 2"):
         merged(plan, *parts, output=tmp_path / "forces.csv")
 
 

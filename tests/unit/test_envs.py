@@ -41,7 +41,7 @@ def third_party(path: Path) -> set[str]:
 @pytest.fixture(scope="module")
 def locked():
     """Version of each package, by its name on conda-forge; the one for the environments' Python."""
-    text = (REPOSITORY / "requirements.lock").read_text(encoding="utf-8")
+    text = (REPOSITORY / "requirements-dev.lock").read_text(encoding="utf-8")
     pins = re.findall(r"^([a-z0-9-]+)==([^ ;\\]+)(?: ; (.*?))? \\$", text, re.MULTILINE)
     return {
         CONDA_NAME.get(name, name): version

@@ -46,7 +46,12 @@ def valleys(x: np.ndarray) -> np.ndarray:
     return np.array([rosen(each) for each in x])
 
 
-@pytest.mark.parametrize("objective", [bumpy, stepped, valleys])
+def receding(x: np.ndarray) -> np.ndarray:
+    """The least value is at infinity, along a bent valley."""
+    return 1 + 1 / (1 + x[:, 0] ** 2) + (x[:, 1] - np.log(1 + x[:, 0] ** 2)) ** 2 + x[:, 2] ** 2
+
+
+@pytest.mark.parametrize("objective", [bumpy, stepped, valleys, receding])
 def test_simplexes_side_by_side_are_those_of_scipy(objective):
     """Number by number, with their restarts, whichever ends first."""
     starts = np.random.default_rng(3).uniform(LOWER, UPPER, (7, 3))
@@ -64,7 +69,7 @@ def test_simplexes_side_by_side_are_those_of_scipy(objective):
             fell = value - theirs.fun
             if fell > 0:
                 x, value = theirs.x, theirs.fun
-            if fell <= 1e-12 * value + 1e-26:
+            if fell <= (1e-12 if theirs.success else 1e-7) * value + 1e-26:
                 break
         assert np.array_equal(found.x, x)
         assert found.value == value

@@ -99,5 +99,5 @@ def test_what_needs_an_extra_names_it(installed):
     told = done.stdout.splitlines()
     assert [
         f"squeezefilm[{extra}]" in line
-        for extra, line in zip(("fields", "workflow", "fits"), told, strict=True)
+        for extra, line in zip(("fields", "parquet", "fits"), told, strict=True)
     ] == [True] * 3, done

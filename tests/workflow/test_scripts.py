@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from squeezefilm.provenance import WORKFLOW
+from verification.run_times import paper_times
 
 from .conftest import snakemake
 
@@ -51,7 +52,10 @@ def run(tmp_path):
 def test_all_that_a_script_prints_goes_to_its_log(run):
     status, terminal, log, result = run("pass")
     assert status == 0
-    assert log == "printed 1\nby another program\n"
+    assert log.startswith("printed 1\nby another program\nUsed: ")
+    used = paper_times(result.parent / "logs", nothing_s=0.0).iloc[0]
+    assert (used["rule"], used["jobs"]) == ("job", 1)
+    assert used["processor time (s)"] > 0.1
     assert "printed" not in terminal
     assert result.read_text() == "half"
 

@@ -1,6 +1,8 @@
 """The start of a script that Snakemake runs: where its output goes and how its errors are told."""
 
+import atexit
 import os
+import resource
 import sys
 import traceback
 from types import TracebackType
@@ -39,7 +41,17 @@ def begin() -> Any:
         print(last.rstrip(), file=terminal, flush=True)
 
     sys.excepthook = tell
+    atexit.register(report_use)
     return job
+
+
+def report_use() -> None:
+    """Write what this process and its children took, the log's last line."""
+    whose = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    used = [resource.getrusage(each) for each in whose]
+    seconds = sum(each.ru_utime + each.ru_stime for each in used)
+    megabytes = max(each.ru_maxrss for each in used) / 1024
+    print(f"Used: {seconds:.2f} s of processor time, {megabytes:.0f} MB", flush=True)
 
 
 def write(output: Any, **values: pd.DataFrame | dict[str, Any] | str) -> None:

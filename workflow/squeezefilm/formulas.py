@@ -154,20 +154,37 @@ class Expression:
 
     @cached_property
     def _value(self) -> Value:
-        """The parts as nested functions: a fit evaluates them a hundred thousand times."""
-        return fold(self.root, _leaf_value, _operation_value)
+        return self.with_known({})
 
+    def with_known(self, known: Mapping[str, Any]) -> Value:
+        """The formula as nested functions of the values that are not known yet.
 
-def _leaf_value(leaf: Any) -> Value:
-    return itemgetter(leaf) if isinstance(leaf, str) else lambda values: leaf
+        A fit evaluates them many thousand times: what known values alone decide is computed once.
+        """
 
+        def leaf(part: Any) -> Any:
+            return (
+                itemgetter(part)
+                if part in self.names and part not in known
+                else known.get(part, part)
+            )
 
-def _operation_value(part: Operation, arguments: list[Value]) -> Value:
-    operator = _OPERATIONS[part.operator]
-    first, last = arguments[0], arguments[-1]
-    if len(arguments) == 1:
-        return lambda values: operator(first(values))
-    return lambda values: operator(first(values), last(values))
+        def operation(part: Operation, arguments: list[Any]) -> Any:
+            operator = _OPERATIONS[part.operator]
+            first, last = arguments[0], arguments[-1]
+            if not (callable(first) or callable(last)):
+                return operator(*arguments)
+            if len(arguments) == 1:
+                return lambda values: operator(first(values))
+            if not callable(first):
+                return lambda values: operator(first, last(values))
+            if not callable(last):
+                return lambda values: operator(first(values), last)
+            return lambda values: operator(first(values), last(values))
+
+        with np.errstate(all="ignore"):
+            value = fold(self.root, leaf, operation)
+        return value if callable(value) else lambda values: value
 
 
 def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Expression:

@@ -1,13 +1,10 @@
 """Work on several processes, and how far it is."""
 
 import ctypes
-import multiprocessing
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
 from squeezefilm.errors import RunError
@@ -34,6 +31,10 @@ def parallel_map(
     main = threading.current_thread() is threading.main_thread()
     if processes == 1 or len(items) == 1 or sys.platform != "linux" or not main:
         return [task(item) for item in items]
+    import multiprocessing  # here: most processes share no work
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+
     _task = task
     interrupted = False
 

@@ -11,10 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from squeezefilm.errors import InputError
-
-if TYPE_CHECKING:
-    import pandas as pd
-
+from squeezefilm.lazy import pd
 
 POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 """The two forms in which a pad's position stands in tables."""
@@ -129,8 +126,6 @@ class Solutions(Sequence[Solution]):
 
     def to_frame(self, index: pd.Index | None = None) -> pd.DataFrame:
         """The columns of a table of forces, a row for each scene."""
-        import pandas as pd
-
         return pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS}, index=index)
 
 

@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.errors import InputError, needing
 from squeezefilm.files import read_text, whole_file, write_text
+from squeezefilm.lazy import pd
 from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
@@ -136,7 +136,8 @@ def _read(
     word = "row" if path.suffix == PARQUET else "line"
     place = f"{path}: {word}"
     for name in as_in(numbers, table):
-        values = table[name].map(_number).to_numpy(dtype=float)
+        cells = table[name] if path.suffix == PARQUET else table[name].map(_number)
+        values = cells.to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             cell = table[name].tolist()[row]
             raise InputError(f"{place} {lines[row]}: {name} is {cell!r}, not a finite number")
@@ -177,22 +178,26 @@ def _csv_rows(
 def _parquet_rows(
     path: Path, *, wanted: Callable[[Sequence[str]], list[str]], rows: Rows
 ) -> tuple[pd.DataFrame, list[int]]:
-    """Some rows of a Parquet file, and their numbers."""
-    with needing("workflow", what="a table in Parquet"):
+    """Some rows of a Parquet file, and their numbers; no others are held."""
+    with needing("parquet", what="a table in Parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
 
     try:
         with pq.ParquetFile(path) as file:
-            columns = wanted(file.schema_arrow.names)
-            read = file.read(columns=columns)
+            columns, about = wanted(file.schema_arrow.names), file.metadata
+            sizes = [about.row_group(group).num_rows for group in range(about.num_row_groups)]
+            ends = np.cumsum(sizes, dtype=int)
+            asked = range(about.num_rows)[rows(about.num_rows)]
+            groups = np.flatnonzero((ends > asked.start) & (ends - sizes < asked.stop))
+            read = file.read_row_groups(groups.tolist(), columns=columns)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such table") from None
     except (OSError, pa.ArrowException) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: the table cannot be read: {reason}") from None
-    asked = range(read.num_rows)[rows(read.num_rows)]
-    found = read.slice(asked.start, len(asked))
+    before = sum(sizes[: groups[0]]) if len(groups) else 0
+    found = read.slice(asked.start - before, len(asked))
     for column in found.schema:
         text = pa.types.is_string(column.type) or pa.types.is_large_string(column.type)
         number = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
@@ -282,7 +287,7 @@ def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
 
 @contextmanager
 def _parquet_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
-    with needing("workflow", what="a table in Parquet"):
+    with needing("parquet", what="a table in Parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
 

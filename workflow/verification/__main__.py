@@ -1,8 +1,13 @@
-"""Run the campaign of random studies: ``python -m verification random-studies``."""
+"""Commands that examine the solver: ``python -m verification COMMAND``."""
 
 from squeezefilm.cli.main import main
 
-GROUPS = {"The solver examined": {"verification.random_studies": "random-studies"}}
+GROUPS = {
+    "The solver examined": {
+        "verification.random_studies": "random-studies",
+        "verification.run_times": "run-times",
+    }
+}
 
 if __name__ == "__main__":
     raise SystemExit(main(groups=GROUPS))

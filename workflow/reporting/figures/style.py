@@ -124,14 +124,21 @@ def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
 
 def settle(figure: Figure) -> None:
     """Lay the figure out once, in places of nine digits: the last ones differ from run to run."""
-    if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
+    if _laid_out(figure):
         for part in figure.subfigs:
             part.bbox_relative.set_points(part.bbox_relative.get_points().round(9))
         for axes in figure.axes:
             places = axes.get_position(original=True).bounds
             axes.set_position((*(round(place, 9) for place in places),), which="both")
+
+
+def _laid_out(figure: Figure) -> bool:
+    """Lay a figure out, if an engine does; without one it is drawn once for a file, not twice."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine(None)
+    return isinstance(engine, ConstrainedLayoutEngine)
 
 
 def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
@@ -141,6 +148,8 @@ def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
         axis.set_minor_formatter(NullFormatter())
     for part in (*figure.findobj(Text), *figure.findobj(Legend)):
         part.set_visible(False)
+    figure.set_dpi(CHECK_DPI)
+    _laid_out(figure)
     for path in paths:
         with whole_file(path) as name:
             figure.savefig(name, format="png", dpi=CHECK_DPI, metadata=_NO_METADATA[".png"])

@@ -10,14 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import Config, config_of
 from squeezefilm.errors import InputError, needing
-from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.lazy import pd
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     import xarray
 
     from squeezefilm.api.points import Points
+    from squeezefilm.film.measured.smooth import SmoothedScan
 
 Values = str | float | Sequence[float] | np.ndarray
 """Values of one factor: a number in SI units (degrees for angles), several of them, or a text with

@@ -10,18 +10,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError, naming
-from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK, validity
+from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_bar
-from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
     budget_row,
@@ -29,7 +27,6 @@ from squeezefilm.quantities.model_error import (
     error_budgets,
     excluded_terms,
 )
-from squeezefilm.quantities.outputs import refusals, with_outputs
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
 from squeezefilm.reynolds.periodic.launch import warm
@@ -38,7 +35,6 @@ from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import film_in, scenes_in
-from squeezefilm.studies.tasks.scan_errors import scan_errors
 from squeezefilm.tables import (
     SCENE_COLUMNS,
     TIMING_COLUMNS,
@@ -48,6 +44,9 @@ from squeezefilm.tables import (
     table_writer,
 )
 from squeezefilm.units import in_lines
+
+if TYPE_CHECKING:
+    from squeezefilm.film.measured.smooth import SmoothedScan
 
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
@@ -184,6 +183,8 @@ def forces_of(
     scans: dict[int, Mapping[str, float]] = {}
     warnings: tuple[str, ...] = ()
     if smoothed is not None and known:
+        from squeezefilm.studies.tasks.scan_errors import scan_errors
+
         errors = scan_errors(with_force, smoothed, device=device).to_dict("records")
         scans = dict(zip(known, errors, strict=True))  # type: ignore[arg-type]
         warnings = smoothed.warnings
@@ -204,6 +205,9 @@ def solved_with(
     """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
     if not (derivatives or settings.outputs):
         return solve(scenes, **settings.how(device), report=report)
+    from squeezefilm.quantities.derivatives import with_derivatives
+    from squeezefilm.quantities.outputs import with_outputs
+
     found: list[Solution] = []
     how: dict[str, Any] = {"tolerance": settings.tolerance, "device": device}
     for first in range(0, len(scenes), WITH_STATES):
@@ -222,6 +226,8 @@ def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[
     """What a scan leaves open in a scene's force, in newtons: nothing where there is none."""
     if smoothed is None:
         return lambda scene: 0.0
+    from squeezefilm.studies.tasks.scan_errors import scan_errors
+
     return lambda scene: float(
         scan_errors([scene], smoothed, device=device)["scan_error_n"].iloc[0]
     )
@@ -293,6 +299,8 @@ def _preview_row(scene: Scene, preview: Preview, *, settings: SolverSettings) ->
     }
     if not settings.outputs:
         return row
+    from squeezefilm.quantities.outputs import refusals
+
     refused = refusals(scene, tolerance=settings.tolerance)
     lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
     return row | {"outputs_refused": "; ".join(lacking)}
@@ -426,32 +434,26 @@ def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
 def merge_forces(
     scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
 ) -> None:
-    """Put the forces of a plan's parts together, one part held at a time.
+    """Put the forces of a plan's parts together, one part and its rows of the plan held at a time.
 
     Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
     points without a force unless these may stay; then nothing is written.
     """
-    plan_rows = read_scenes(scenes)
-    columns = as_in(SCENE_COLUMNS, plan_rows)
     failures: list[str] = []
-    first = 0
     with table_writer(output) as write:
-        for part in parts:
+        for number, part in enumerate(parts, start=1):
+            planned = read_scenes(scenes, rows=partial(chunk_rows, number, len(parts)))
             rows = read_forces(part, whole=True)
-            planned = plan_rows.iloc[first : first + len(rows)].reset_index(drop=True)
-            if not planned.equals(rows.reindex(columns=columns)):
+            if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
                 raise InputError(
-                    f"{part}: its points are not those of {scenes} from row {first + 1} on; "
-                    "simulate it again"
+                    f"{part}: its points are not those of part {number} of {len(parts)} of "
+                    f"{scenes}; simulate it again"
                 )
             failed = rows[rows["status"] != "ok"]
             failures += [
                 f"point {row.point_id}: {row.status} ({part})" for row in failed.itertuples()
             ]
-            first += len(rows)
             write(rows)
-        if first < len(plan_rows):
-            raise InputError(f"{scenes}: point {plan_rows['point_id'].iloc[first]} is in no part")
         if failures and not keep_failed:
             raise RunError(no_force(failures, scenes))
 

@@ -5,25 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.api.film import Film, Position, Values, levels, points_of
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import OK
-from squeezefilm.models.data import factors_of
-from squeezefilm.models.export import source
-from squeezefilm.models.fit_file import FittedModel, read_fit, working_point
-from squeezefilm.models.force_model import get_model
+from squeezefilm.lazy import pd
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.plans import VALIDATION_SAMPLES, scenes_of
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scenes_in
-from squeezefilm.studies.tasks.fits import fit_to_forces, limit_table_values
 from squeezefilm.tables import write_json
+
+if TYPE_CHECKING:
+    from squeezefilm.models.fit_file import FittedModel
 
 GAPS = 6
 """Evenly spaced over the range of the fit, where a working point's gap is not said."""
@@ -45,6 +42,8 @@ class Fit:
 
         Raises InputError naming the file, for one that cannot be read or is none.
         """
+        from squeezefilm.models.fit_file import read_fit
+
         return cls(read_fit(path))
 
     @property
@@ -79,6 +78,8 @@ class Fit:
         film exceeds.
         Raises InputError naming the place, for values without physical meaning.
         """
+        from squeezefilm.models.data import factors_of
+
         fit = self.model
         with naming(place):
             factors = fit.represented(factors_of(points))
@@ -117,6 +118,9 @@ class Fit:
 
     def working_points_at(self, points: pd.DataFrame, force: str | float) -> pd.DataFrame:
         """The same for a table of points: h0_m and a position, if any."""
+        from squeezefilm.models.data import factors_of
+        from squeezefilm.models.fit_file import working_point
+
         forces_n = levels(force, called="force", unit="N")
         if len(forces_n) != 1:
             raise InputError(f"force: {force!r} are several; one is asked for")
@@ -145,6 +149,8 @@ class Fit:
 
         Raises InputError for a model of physics whose file has no table of it.
         """
+        from squeezefilm.models.export import source
+
         return source(self.model, language)
 
     def save(self, path: Path | str) -> None:
@@ -189,6 +195,8 @@ class Study(Film):
         study's positions too: h0_m, hv_m, and the position in the surface's form, phi_r_m and
         phi_deg or x_m and y_m.
         """
+        from squeezefilm.studies.plans import scenes_of
+
         screen = scenes_of("screen", self.config)
         return screen if centred else scenes_of("four_factor", self.config, design=screen)
 
@@ -208,6 +216,9 @@ class Study(Film):
         Raises InputError for an unknown model or one that cannot be fitted to these points,
         RunError for a point that has no force.
         """
+        from squeezefilm.models.force_model import get_model
+        from squeezefilm.studies.tasks.fits import fit_to_forces
+
         if seeds < 1:
             raise InputError(f"seeds: {seeds} must be 1 or more")
         config = self.config
@@ -229,6 +240,8 @@ class Study(Film):
 
     def _simulated(self, *, centred: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
         """The plan and the validation sample with their forces; simulated once for all models."""
+        from squeezefilm.studies.plans import VALIDATION_SAMPLES, scenes_of
+
         if centred not in self._simulations:
             sample = scenes_of(VALIDATION_SAMPLES[0 if centred else 1], self.config)
             points = self.plan(centred=centred)
@@ -237,6 +250,8 @@ class Study(Film):
 
     @cached_property
     def _limit_table(self) -> dict[str, Any]:
+        from squeezefilm.studies.tasks.fits import limit_table_values
+
         return limit_table_values(self.config)
 
     @cached_property

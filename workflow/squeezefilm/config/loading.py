@@ -145,8 +145,9 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
         return values
 
     try:
-        # BaseLoader takes every scalar as text.
-        node = yaml.compose(text, Loader=yaml.BaseLoader)
+        # A base loader takes every scalar as text; that in C is ten times faster.
+        loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
+        node = yaml.compose(text, Loader=loader)
         values = value_of(node, ()) if node else None
     except yaml.YAMLError as error:
         raise InputError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from None

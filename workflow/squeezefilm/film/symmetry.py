@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import atan2, degrees, isfinite, radians
 from typing import Any
 
@@ -152,7 +152,11 @@ def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
 
 # Places at which a profile is compared with its image, over half the surface: no two are related by
 # symmetry.
-PROBES = np.random.default_rng(1).uniform(-1, 1, (2, 5000))
+@cache
+def _probes() -> Array:
+    return np.random.default_rng(1).uniform(-1, 1, (2, 5000))
+
+
 EQUAL = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
 
@@ -230,7 +234,7 @@ def _keeps(
         if abs(image(vector, own_deg) - vector) > EQUAL * abs(vector):
             return False
     half_x_m, half_y_m = surface.half_m
-    x_m, y_m = half_x_m * PROBES[0], half_y_m * PROBES[1]
+    x_m, y_m = half_x_m * _probes()[0], half_y_m * _probes()[1]
     on_surface = surface.reach(x_m, y_m) <= 1
     x_m, y_m = x_m[on_surface], y_m[on_surface]
     there = image(x_m + 1j * y_m, turn_deg)

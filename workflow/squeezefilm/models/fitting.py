@@ -213,12 +213,12 @@ def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Obje
     """
     scale = float(np.sum(force_n**2))
     rows = max(LARGEST_PART // len(force_n), 1)
-    columns = model.columns_of(factors)
+    value = model.parsed.with_known(model.columns_of(factors))
 
     def sum_of_squares(u: Array) -> Array:
-        with np.errstate(over="ignore", invalid="ignore"):
+        with np.errstate(all="ignore"):
             theta = dict(zip(model.parameter_names, np.sinh(u).T[..., None], strict=True))
-            residual = model.parsed.evaluate(**theta, **columns) - force_n
+            residual = value(theta) - force_n
             squares = np.sum(residual**2, axis=-1) / scale
         return np.fmin(squares, UNDEFINED)  # which takes the number where squares are none
 

@@ -11,6 +11,11 @@ from squeezefilm.errors import needing
 Array = NDArray[np.float64]
 SAME, MOST_STEPS = 1e-8, 200
 """Distance of a simplex's corners at its end; most of its steps per dimension, as SciPy has it."""
+LEAST_FALL, CRAWLING = 1e-12, 1e-7
+"""Shares by which a simplex has to fall to be started anew: one that ended, and one whose steps ran
+out, as in a valley that leads to infinity."""
+STEPS = np.array([1.0, 2.0, 0.5, -0.5])[:, None, None]
+"""From the centre away from the worst corner: reflection, expansion, contractions on both sides."""
 Objective = Callable[[Array], Array]
 """Values (m,) of a population (m, d)."""
 
@@ -101,22 +106,27 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
     for _ in range(restarts):
         if not len(falling):
             break
-        lower, lower_value, count = _simplexes(objective, x[falling], 1e-12 * value[falling])
+        lower, lower_value, count, ended = _simplexes(
+            objective, x[falling], LEAST_FALL * value[falling]
+        )
         evaluations[falling] += count
         fell = value[falling] - lower_value
         x[falling] = np.where((fell > 0)[:, None], lower, x[falling])
         value[falling] = np.where(fell > 0, lower_value, value[falling])
-        falling = falling[fell > 1e-12 * value[falling] + 1e-26]
+        least = np.where(ended, LEAST_FALL, CRAWLING) * value[falling] + 1e-26
+        falling = falling[fell > least]
     return [Found(*each) for each in zip(x, value.tolist(), evaluations.tolist(), strict=True)]
 
 
 def _simplexes(
     objective: Objective, starts: Array, tolerance: Array
-) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Where simplexes end, shape (k, d), the values there and the evaluations of each, shape (k,).
+) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
+    """Where simplexes come to, shape (k, d), the values there, the evaluations that each needed and
+    whether it ended before its steps did, shape (k,).
 
     Each is number by number that of scipy.optimize.minimize with its usual coefficients: it ends
-    where its corners are as close as SAME and their values as the tolerance, shape (k,).
+    where its corners are as close as SAME and their values as the tolerance, shape (k,). All points
+    that a step may need are evaluated in one call, for it is the calls that take long.
     """
     count, size = starts.shape
     corners = np.repeat(starts[:, None], size + 1, axis=1)
@@ -134,28 +144,23 @@ def _simplexes(
             break
         best, second, worst = values[now][:, [0, -2, -1]].T
         centre, last = corners[now, :-1].sum(axis=1) / size, corners[now, -1]
-        new = 2 * centre - last
-        new_value = objective(new)
-        evaluations[now] += 1
-        kept = (new_value >= best) & (new_value < second)
+        tried = (1 + STEPS) * centre - STEPS * last
+        tried_value = objective(tried.reshape(-1, size)).reshape(len(STEPS), -1)
+        reflected = tried_value[0]
         # A second step unless the reflection is kept: outwards, or to either side of the centre.
-        far = np.where(new_value < best, 2.0, np.where(new_value < worst, 0.5, -0.5))
-        again = np.flatnonzero(~kept)
-        if len(again):
-            step = far[again, None]
-            other = (1 + step) * centre[again] - step * last[again]
-            other_value = objective(other)
-            evaluations[now[again]] += 1
-            # An expansion has to be better than the reflection, a contraction at least as good.
-            goal = np.minimum(new_value, worst)[again]
-            better = np.where(far[again] == 0.5, other_value <= goal, other_value < goal)
-            new[again[better]], new_value[again[better]] = other[better], other_value[better]
-            kept[again] = better | (far[again] == 2.0)
-        corners[now[kept], -1], values[now[kept], -1] = new[kept], new_value[kept]
-        if len(shrunk := now[~kept]):
+        step = np.where(reflected < best, 1, np.where(reflected < worst, 2, 3))
+        step[(reflected >= best) & (reflected < second)] = 0
+        evaluations[now] += 1 + (step > 0)
+        # An expansion has to be better than the reflection, a contraction at least as good.
+        value = tried_value[step, each[: len(now), 0]]
+        step[(step == 1) & (value >= reflected)] = 0
+        shrinks = np.where(step == 2, value > reflected, (step == 3) & (value >= worst))
+        kept, step = np.flatnonzero(~shrinks), step[~shrinks]
+        corners[now[kept], -1], values[now[kept], -1] = tried[step, kept], tried_value[step, kept]
+        if len(shrunk := now[shrinks]):
             corners[shrunk, 1:] = corners[shrunk, :1] + 0.5 * (
                 corners[shrunk, 1:] - corners[shrunk, :1]
             )
             values[shrunk, 1:] = objective(corners[shrunk, 1:].reshape(-1, size)).reshape(-1, size)
             evaluations[shrunk] += size
-    return corners[:, 0], values[:, 0], evaluations
+    return corners[:, 0], values[:, 0], evaluations, ~apart

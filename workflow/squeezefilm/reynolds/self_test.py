@@ -8,14 +8,13 @@ one small grid each, by the kernel that solves all others, and compared with sel
 from dataclasses import replace
 from pathlib import Path
 
-import pandas as pd
-
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
 from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch

@@ -29,7 +29,7 @@ VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
 GRIDS = ("screen", "error_map")
 """The plans of every gap with every amplitude, pad centred: of Fig. 7, and of control points."""
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
-PIECE = 2**17
+PIECE = 2**15
 
 # One thread of an AMD EPYC (Zen 5, registers of 64 bytes), 60 and 65 scenes of the paper at 1e-3 to
 # 1e-8: processor time, fitted.
@@ -41,6 +41,8 @@ SECONDS_PER_SCENE = 3e-4
 TIMES_FOR_OUTPUTS, SECONDS_OF_OUTPUTS = 4, 1e-2
 SAMPLE = 32
 MOST_CHUNKS = 20_000
+# Of a job, which holds its scenes and whose forces are merged at a time: 1 kB each.
+MOST_SCENES = 500_000
 
 
 def level_grid(section: Mapping[str, Any]) -> pd.DataFrame:
@@ -162,7 +164,7 @@ def plan_sizes(config: Config) -> dict[str, int]:
 
 
 def chunk_counts(config: Config) -> dict[str, int]:
-    """The number of jobs for each plan, of about ``simulation.seconds_per_job`` each.
+    """The number of jobs for each plan, of at most about ``simulation.seconds_per_job`` each.
 
     Raises InputError when a plan would need more jobs than a workflow can handle.
     """
@@ -170,7 +172,7 @@ def chunk_counts(config: Config) -> dict[str, int]:
     counts = {}
     for name, points in plan_sizes(config).items():
         seconds = points * expected_seconds(config, centred=name in GRIDS)
-        counts[name] = min(points, max(1, ceil(seconds / target)))
+        counts[name] = min(points, max(ceil(seconds / target), ceil(points / MOST_SCENES)))
         if counts[name] > MOST_CHUNKS:
             raise InputError(
                 f"{config.path}: simulation.seconds_per_job: {target:g} s make {counts[name]} jobs "

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, naming
@@ -21,6 +20,7 @@ from squeezefilm.film.scene import Actuator, Film, Gas, Scene, Scenes
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
 from squeezefilm.film.validity import check_scene, check_scenes
+from squeezefilm.lazy import pd
 from squeezefilm.solution import POLAR, as_in, cartesian
 from squeezefilm.tables import FACTOR_COLUMNS
 

@@ -29,9 +29,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.errors import InputError, naming, needing, refuse
+from squeezefilm.lazy import pd
 from squeezefilm.units import sizes
 
 LENGTHS_M = sizes("m")
