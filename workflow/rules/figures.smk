@@ -55,7 +55,10 @@ PAGES = {
 }
 # Figures of other stages, each on a page of its own.
 OTHERS = {
-    **{f"numerics/{name}": [f"numerics/{name}.csv"] for name in ("work_precision", "stability")},
+    **{
+        f"numerics/{name}": [f"numerics/{name}.csv"]
+        for name in ("work_precision", "stability", "published")
+    },
     **({"figures/profile": ["figures/profile.csv", "profile/summary.json"]} if SCAN else {}),
 }
 for space in FITS:

@@ -54,11 +54,26 @@ rule ablation:
         "../scripts/ablation.py"
 
 
+rule published:
+    output:
+        "<results>/numerics/published.csv",
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        code=CODE["verification"],
+        study=sections("solver", "numerics"),
+    message:
+        "Published numbers beside exact solutions and the solver"
+    script:
+        "../scripts/published.py"
+
+
 rule verification:
     input:
         expand(
             "<results>/numerics/{table}.{format}",
-            table=["work_precision", "stability"],
+            table=["work_precision", "stability", "published"],
             format=["csv", "png", "svg"],
         ),
         "<results>/numerics/ablation.csv",

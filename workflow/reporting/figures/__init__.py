@@ -16,7 +16,7 @@ from reporting.figures.film import budget, levitation, response
 from reporting.figures.maps import error_map, force_map, profile
 from reporting.figures.models import model_errors, refined, sensitivity
 from reporting.figures.overview import overview
-from reporting.figures.verification import stability, work_precision
+from reporting.figures.verification import published, stability, work_precision
 from reporting.results import Results
 from squeezefilm.errors import InputError
 from squeezefilm.tables import write_table
@@ -27,7 +27,9 @@ FIGURES: dict[str, Draw] = {
     f"figures/{function.__name__}": function
     for function in (overview, error_map, force_map, budget, response, levitation, profile)
 }
-FIGURES |= {f"numerics/{function.__name__}": function for function in (work_precision, stability)}
+FIGURES |= {
+    f"numerics/{function.__name__}": function for function in (work_precision, stability, published)
+}
 for _space in ("two_factor", "four_factor"):
     FIGURES[f"models/{_space}_errors"] = partial(model_errors, space=_space)
     FIGURES[f"designs/optimal_{_space}_sensitivity"] = partial(sensitivity, space=_space)

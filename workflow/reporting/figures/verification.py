@@ -97,3 +97,39 @@ def work_precision(results: Results) -> Figure:
     note = "Orange: error of the empirical model; grey: what the reference cannot tell apart."
     style.add_note(figure, note)
     return figure
+
+
+def published(results: Results) -> Figure:
+    """Left exact profiles beside finite elements, right depth averaging beside exact profiles."""
+    data = results.table("numerics/published.csv", "source", "exact_deviation")
+
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.4)
+    left, right = figure.subplots(1, 2, sharey=True)
+    profiles = data.dropna(subset=["viscous_deviation"])
+    holes = profiles.dropna(subset=["exact_deviation"]).groupby("quantity")
+    for fill, (quantity, films) in zip(("white", None), holes, strict=True):
+        for column, name, colour, marker in (
+            ("viscous_deviation", "Reynolds equation", style.VERMILLION, "s"),
+            ("exact_deviation", "exact profiles", style.BLUE, "o"),
+        ):
+            label = f"{name}, {str(quantity).partition(', ')[2]}"
+            look: dict[str, Any] = {"color": colour, "mfc": fill, "ms": 4, "label": label}
+            left.plot(films["reynolds"], films[column], marker, **look)
+    left.set(ylabel="relative deviation (–)", title="(a) p(r) from finite elements")
+    averaged = profiles.dropna(subset=["solver_deviation"])
+    colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
+    for colour, (sigma, films) in zip(colours, averaged.groupby("sigma"), strict=True):
+        for case, line, label in (
+            ("inertia", "o-", f"σ = {sigma:g}"),
+            ("inertia and heat", "D:", ""),
+        ):
+            look = {"color": colour, "ms": 3, "label": label}
+            some = films[films["case"] == case]
+            right.plot(some["reynolds"], some["solver_deviation"], line, **look)
+    right.set_title("(b) first harmonic of the solver from exact profiles")
+    for panel in (left, right):
+        panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")
+        panel.legend(loc="lower right")
+        panel.grid(True)
+    style.add_note(figure, "Given: where the stored pressure is prescribed; dotted: with heat.")
+    return figure

@@ -1,0 +1,105 @@
+"""Published numbers and exact solutions come out again, and the docs' tables show them."""
+
+import csv
+
+import numpy as np
+import pytest
+from physics_facts import (
+    CUT_OFF_SIGMA,
+    DAMPING_AT_CUT_OFF,
+    SPRING_AT_20,
+    SPRING_AT_CUT_OFF,
+)
+from physics_facts import (
+    piston_response as double_series,
+)
+
+from squeezefilm.errors import RunError
+from verification.numpy_periodic import chebyshev_grid
+from verification.published import comparison
+from verification.published.linear_film import (
+    Factors,
+    depth_averaged,
+    exact,
+    piston_response,
+    radial_pressure,
+)
+
+AIR = {"prandtl": 0.71, "heat_capacity_ratio": 1.4}
+
+
+def docs_rows(repository, table):
+    """The rows of a table of the docs without its head."""
+    lines = (repository / f"docs/data/{table}.csv").read_text("utf-8").splitlines()
+    return list(csv.reader(line for line in lines if not line.startswith("# ")))[1:]
+
+
+@pytest.mark.parametrize("reynolds", [0.1, 4.0, 40.0])
+def test_the_factors_are_means_of_profiles_solved_for_across_the_gap(reynolds):
+    grid = chebyshev_grid(40)
+
+    def mean(rate):
+        """That of y with rate · y − y″ = 1, y = 0 at the walls."""
+        operator = 1j * rate * np.eye(len(grid.x)) - grid.second
+        inside = np.linalg.solve(operator[1:-1, 1:-1], np.ones(40))
+        return grid.weights[1:-1] @ inside
+
+    flow, density = exact(reynolds, **AIR)
+    assert flow == pytest.approx(12 * mean(reynolds), rel=1e-10)
+    heat = AIR["prandtl"] * reynolds
+    assert density == pytest.approx(1 - 0.4 / 1.4 * 1j * heat * mean(heat), rel=1e-10)
+    assert exact(reynolds, **AIR | {"prandtl": 0.0}).density == 1
+    parabolic = depth_averaged(1e-3 * reynolds, **AIR)
+    assert exact(1e-3 * reynolds, **AIR) == pytest.approx(parabolic, abs=1e-6 * reynolds**2)
+
+
+def test_the_series_is_blechs_and_keeps_power_for_any_factors():
+    found = piston_response(CUT_OFF_SIGMA)
+    assert (found.real, found.imag) == pytest.approx((SPRING_AT_CUT_OFF, DAMPING_AT_CUT_OFF), 2e-7)
+    assert piston_response(20.0).real == pytest.approx(SPRING_AT_20, rel=1e-9)
+    for aspect in (0.5, 3.0):
+        assert piston_response(60.0, aspect) == pytest.approx(
+            complex(*double_series(60.0, aspect)), rel=2e-5
+        )
+    factors = exact(4.0, **AIR)
+    as_sigma = piston_response(60.0 * factors.density / factors.flow) / factors.density
+    assert piston_response(60.0, factors=factors) == pytest.approx(as_sigma, rel=1e-12)
+
+
+def test_a_pressure_of_a_known_motion_comes_back_around_a_hole():
+    factors, squeeze, r = Factors(0.9 - 0.3j, 0.95 + 0.05j), 30.0, np.linspace(0.2, 1.0, 60)
+    pressure = (1 - r) ** 2 * (1 + 2j) + 3
+    laplacian = (1 + 2j) * (2 - 2 * (1 - r) / r)
+    motion = factors.flow * laplacian / (1j * squeeze) - factors.density * pressure
+    found = radial_pressure(r, motion, pressure[0], squeeze=squeeze, factors=factors)
+    assert found == pytest.approx(pressure, abs=1e-6)
+
+
+def test_plate_slider_and_holes_are_as_the_docs_show_them(repository):
+    rows = [*comparison.plate(), *comparison.inclined_slider(), *comparison.radial_films()]
+    shown = [row for row in rows if row.quantity != comparison.RADIAL.format(0)]
+    exact_values = [0.01529838, 28651.31, 2.410886, 0.57365352, 0.710850]
+    assert [row.exact for row in shown[:5]] == pytest.approx(exact_values, rel=1e-6)
+    assert max(row.solver_deviation for row in shown[:5]) < 1e-6
+    assert max(row.exact_deviation for row in shown[:5]) < 1.2e-3
+    assert all(20 * row.exact_deviation < row.viscous_deviation < 0.6 for row in shown[5:])
+    cells = docs_rows(repository, "published")
+    for row, (*names, _, published, exact_value, _, off, _, viscous) in zip(
+        shown, cells, strict=True
+    ):
+        assert names == [row.source, row.case, row.quantity]
+        assert off == f"{row.exact_deviation:.1e}"
+        if np.isnan(row.exact):
+            assert viscous == f"{row.viscous_deviation:.1e}"
+        else:
+            values = [f"{value:.7g}" for value in (row.published, row.exact)]
+            assert [published, exact_value] == values
+
+
+def test_depth_averaging_is_as_the_docs_show_it_and_of_no_other_terms(repository, monkeypatch):
+    found = [row.solver_deviation for row in comparison.depth_averaging((4.0,), (1.0, 100.0))]
+    shown = [cells for cells in docs_rows(repository, "depth_averaging") if cells[1] == "4"]
+    assert [f"{each:.1e}" for each in found] == [row[k] for row in shown for k in (2, 4)]
+    monkeypatch.setattr(comparison, "depth_averaged", exact)
+    with pytest.raises(RunError, match="first harmonic at Re 4, σ 1: "):
+        list(comparison.depth_averaging((4.0,), (1.0,)))

@@ -1,0 +1,1 @@
+"""Published numbers beside exact solutions and the solver: ``snakemake verification``."""

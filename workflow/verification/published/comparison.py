@@ -1,0 +1,219 @@
+"""Published numbers beside exact solutions, and these beside the solver.
+
+A row is one number. Its deviations are of the exact solution from what was published, of the solver
+from the exact solution, and of the Reynolds equation without inertia and heat from what the exact
+solution is compared with: absolute values, relative, of complex numbers and fields too.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import product
+from math import nan, pi
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.errors import RunError
+from squeezefilm.film.pad import GapShape, Pad
+from squeezefilm.film.scene import Actuator, Film, Gas, Scene
+from squeezefilm.film.surfaces import Disc
+from squeezefilm.quantities.outputs import with_outputs
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import Device
+from verification.films import PISTON, film
+from verification.published import slider
+from verification.published.linear_film import (
+    VISCOUS,
+    depth_averaged,
+    exact,
+    piston_response,
+    radial_pressure,
+)
+
+HERE = Path(__file__).parent
+SMALL = 1e-4
+"""ε of a linear film: what is left of the next order is 2e-8 of the first harmonic."""
+# ANSYS Mechanical APDL Verification Manual, VM245: damping in N s/m, stiffness in N/m.
+DAMPING, STIFFNESS = 15.29e-3, 28.65e3
+# Air of the finite elements (DisplacementPressure_Space.py): density, sound speed, viscosity, γ,
+# heat capacity, conductivity, in SI units.
+AIR = {"density": 1.18, "sound": 345.9, "viscosity": 1.83e-5, "gamma": 1.4}
+AIR_PA = AIR["density"] * AIR["sound"] ** 2 / AIR["gamma"]
+AIR_PRANDTL = AIR["viscosity"] * 1005 / 24.4e-3
+# Distances from the hole's edge, in gaps, at which the pressure is prescribed: flow around the
+# edge, which no film equation has, has decayed at the second.
+DISTANCES, RADIAL = (0, 2), "p(r), given {} gaps from the hole"
+REYNOLDS, SIGMA = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
+SAMPLE = (4.0,), (1.0, 100.0)
+# Relative error of the solver's first harmonic against its own equation's.
+SAME = 1e-6
+# github.com/hannes-holey/hans, tests/inclined-slider1D_x_ideal-gas.yaml; and two widths whose
+# difference is free of the ends.
+SLIDER_GAPS_M, SLIDER_LENGTH_M, SLIDER_WIDTHS_M = (66e-6, 10e-6), 0.1, (0.5, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One number; NaN where a kind of value or deviation does not exist."""
+
+    source: str
+    case: str
+    quantity: str
+    reynolds: float = nan
+    sigma: float = nan
+    published: float = nan
+    exact: float = nan
+    solver: float = nan
+    exact_deviation: float = nan
+    solver_deviation: float = nan
+    viscous_deviation: float = nan
+
+
+def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
+    """All comparisons; of depth averaging a small sample, if asked for."""
+    reynolds, sigma = SAMPLE if sample else (REYNOLDS, SIGMA)
+    rows = [
+        *plate(device),
+        *inclined_slider(device),
+        *radial_films(),
+        *depth_averaging(reynolds, sigma, device),
+    ]
+    return pd.DataFrame([asdict(row) for row in rows])
+
+
+def plate(device: Device | None = None) -> Iterator[Row]:
+    """Linear damping and stiffness of a plate of 2 mm by 1 mm over a gap of 5 µm at 100 kHz."""
+    gas = Gas(viscosity_pa_s=18.3e-6, ambient_pressure_pa=1e5, inertia="none", heat="none")
+    pad, h0_m = Pad(2e-3, 1e-3, 0.0), 5e-6
+    scene = Film(gas, Actuator(1e5, Disc(1.0), PISTON), pad).scene(h0_m, SMALL * h0_m)
+    response = scene.force_scale_n / h0_m * piston_response(scene.sigma, scene.aspect)
+    rate = scene.actuator.angular_frequency_rad_per_s
+    (found,) = _quantities([scene], "harmonics", tolerance=1e-6, device=device)
+    row = partial(_valued, source="ANSYS VM245", case="plate, 100 kHz", sigma=scene.sigma)
+    yield row("damping / (N s/m)", DAMPING, response.imag / rate, found["film_damping"])
+    yield row("stiffness / (N/m)", STIFFNESS, response.real, found["film_stiffness"])
+
+
+def inclined_slider(device: Device | None = None) -> Iterator[Row]:
+    """Largest pressure, load and centre of pressure of a wide slider with a gap ratio of 6.6."""
+    (wide_m, narrow_m), length_m = SLIDER_GAPS_M, SLIDER_LENGTH_M
+    gas = Gas(viscosity_pa_s=1.846e-5, inertia="none", heat="none")
+    pads = [Pad(length_m, w, 50.0, gap=GapShape(narrow_m - wide_m)) for w in SLIDER_WIDTHS_M]
+    films = [Film(gas, Actuator(1e3, Disc(1.0), PISTON), pad) for pad in pads]
+    scenes = [each.scene((wide_m + narrow_m) / 2, 0.0) for each in films]
+    one, other = _quantities(scenes, "moments", "extremes", tolerance=1e-7, device=device)
+    p0_pa, force_n = gas.ambient_pressure_pa, other["force"] - one["force"]
+    ours = slider.Slider(
+        largest=1 + other["gauge_pressure_max"] / p0_pa,
+        load=force_n / (scenes[1].force_scale_n - scenes[0].force_scale_n),
+        centre=0.5 - (other["moment_y"] - one["moment_y"]) / force_n / length_m,
+    )
+    stored = pd.read_csv(HERE / "slider.csv", comment="#")
+    theirs = slider.of_cells(stored["x"].to_numpy(), stored["pressure_pa"].to_numpy() / p0_pa)
+    names = "largest pressure / p0", "load / (p0 area)", "centre of pressure / length"
+    for numbers in zip(names, theirs, slider.exact(scenes[1]), ours, strict=True):
+        yield _valued(*numbers, source="hans (Holey)", case="inclined slider, Λ 54.66")
+
+
+def radial_films() -> Iterator[Row]:
+    """Pressure behind membranes and plates around a hole, their motion and one pressure given."""
+    stored = pd.read_csv(HERE / "radial_films.csv", comment="#")
+    for _, nodes in stored.groupby(["plate", "gap_m", "frequency_hz"]):
+        kind, frequency_hz, hole_m, gap_m = nodes.iloc[0, :4]
+        omega, viscosity = 2 * pi * frequency_hz, AIR["viscosity"]
+        reynolds = AIR["density"] * omega * gap_m**2 / viscosity
+        squeeze = 12 * viscosity * omega / (AIR_PA * gap_m**2)
+        resolved = exact(reynolds, prandtl=AIR_PRANDTL, heat_capacity_ratio=AIR["gamma"])
+        for distance in DISTANCES:
+            away = nodes["r_m"] >= hole_m * (1 - 1e-9) + distance * gap_m
+            r_m, xi_real, xi_imag, p_real, p_imag = nodes.loc[away, "r_m":].to_numpy().T
+            pressure, motion = (p_real + 1j * p_imag) / AIR_PA, (xi_real + 1j * xi_imag) / gap_m
+            found = [
+                radial_pressure(r_m, motion, pressure[0], squeeze=squeeze, factors=factors)
+                for factors in (resolved, VISCOUS)
+            ]
+            deviation = np.linalg.norm(np.array(found) - pressure, axis=1)
+            deviation /= np.linalg.norm(pressure)
+            yield Row(
+                source="Honzík et al.",
+                case=f"{kind}, {1e6 * gap_m:.0f} µm, {1e-3 * frequency_hz:.0f} kHz",
+                quantity=RADIAL.format(distance),
+                reynolds=reynolds,
+                exact_deviation=deviation[0],
+                viscous_deviation=deviation[1],
+            )
+
+
+def depth_averaging(
+    reynolds: Sequence[float], sigma: Sequence[float], device: Device | None = None
+) -> Iterator[Row]:
+    """First harmonic of a square piston's force by the solver, with inertia, then heat too.
+
+    Raises RunError where it is not that of the parabolic profiles.
+    """
+    for heat, (re, s) in product(("none", "included"), product(reynolds, sigma)):
+        scene = film("", SMALL, s, profile=PISTON, reynolds=re).with_gas(heat=heat)
+        (found,) = _quantities([scene], "harmonics", tolerance=1e-5, device=device)
+        force = -(found["force_sin"] + 1j * found["force_cos"])
+        ours = force / (scene.force_scale_n * scene.epsilon)
+        prandtl = scene.gas.prandtl if heat == "included" else 0.0
+        gas = {"prandtl": prandtl, "heat_capacity_ratio": scene.gas.heat_capacity_ratio}
+        parabolic = piston_response(s, factors=depth_averaged(re, **gas))
+        if not abs(ours / parabolic - 1) < SAME:
+            raise RunError(f"first harmonic at Re {re:g}, σ {s:g}: {ours:.9g}, not {parabolic:.9g}")
+        resolved = piston_response(s, factors=exact(re, **gas))
+        yield Row(
+            source="depth averaging",
+            case="inertia and heat" if heat == "included" else "inertia",
+            quantity="first harmonic",
+            reynolds=re,
+            sigma=s,
+            exact=abs(resolved),
+            solver=abs(ours),
+            solver_deviation=abs(ours / resolved - 1),
+            viscous_deviation=abs(piston_response(s) / resolved - 1),
+        )
+
+
+def _valued(
+    quantity: str,
+    published: float,
+    exact: float,
+    solver: float,
+    *,
+    source: str,
+    case: str,
+    sigma: float = nan,
+) -> Row:
+    return Row(
+        source=source,
+        case=case,
+        quantity=quantity,
+        sigma=sigma,
+        published=published,
+        exact=exact,
+        solver=solver,
+        exact_deviation=abs(exact / published - 1),
+        solver_deviation=abs(solver / exact - 1),
+    )
+
+
+def _quantities(
+    scenes: Sequence[Scene], *outputs: str, tolerance: float, device: Device | None
+) -> list[dict[str, float]]:
+    """The mean force, ``force``, and outputs of each scene; raises RunError where there is none."""
+    solutions = with_outputs(
+        scenes,
+        solve(scenes, tolerance=tolerance, method="periodic", device=device, keep_states=True),
+        outputs=outputs,
+        tolerance=tolerance,
+        device=device,
+    )
+    found = []
+    for solution in solutions:
+        if solution.status != "ok" or solution.outputs is None or solution.outputs.refused:
+            raise RunError(f"published: {solution.status}; {solution.outputs}")
+        found.append({"force": solution.force_n, **solution.outputs.value})
+    return found

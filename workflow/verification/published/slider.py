@@ -1,0 +1,56 @@
+"""An infinitely wide, inclined slider on a gas: exact, and as its pressure was published.
+
+Between a pad at rest and a surface that moves, (H³ P P′ − Λ H P)′ = 0 and P = 1 at both ends
+(Harrison 1913): an equation of first order in which one constant, the flow, is to be determined.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_bvp
+
+from squeezefilm.errors import RunError
+from squeezefilm.film.scene import Scene
+
+PLACES = 200_001
+"""Among which the largest pressure is taken."""
+
+
+class Slider(NamedTuple):
+    """Largest pressure over p0, load over p0 and area, centre of pressure over the length.
+
+    The centre is counted from the end where the surface enters.
+    """
+
+    largest: float
+    load: float
+    centre: float
+
+
+def of_cells(x: np.ndarray, pressure: np.ndarray) -> Slider:
+    """Those of pressures over p0 in the middles x of equal cells along the length."""
+    load = np.mean(pressure - 1)
+    return Slider(float(pressure.max()), float(load), float(np.mean(x * (pressure - 1)) / load))
+
+
+def exact(scene: Scene) -> Slider:
+    """Those of a scene's gap at rest along x, its speed and its gas.
+
+    Raises RunError where the boundary-value problem is not solved.
+    """
+
+    def slopes(x: np.ndarray, y: np.ndarray, flow: np.ndarray) -> np.ndarray:
+        gap, pressure = scene.rest_gap(x, 0.5 * np.ones_like(x)), y[0]
+        slope = (scene.bearing_number * gap * pressure - flow) / (gap**3 * pressure)
+        return np.stack([slope, pressure - 1, x * (pressure - 1)])
+
+    def ends(left: np.ndarray, right: np.ndarray, _: np.ndarray) -> np.ndarray:
+        return np.append(left - [1, 0, 0], right[0] - 1)
+
+    x = np.linspace(0, 1, 401)
+    start = np.stack([1 + x * (1 - x), x / 6, x / 12])
+    found = solve_bvp(slopes, ends, x, start, p=[scene.bearing_number], tol=1e-9, max_nodes=10**5)
+    if not found.success:
+        raise RunError(f"exact slider: {found.message}")
+    pressure, load, moment = found.sol(np.linspace(0, 1, PLACES))
+    return Slider(float(pressure.max()), float(load[-1]), float(moment[-1] / load[-1]))
