@@ -32,30 +32,28 @@ def curve(table: pd.DataFrame) -> Figure:
     Raises InputError for a single point, and for more than MOST_LINES.
     """
     counts = {name: table[name].nunique() for name in AXES if name in table}
-    along = max(counts, key=lambda name: counts[name])
+    along = max(counts, key=counts.__getitem__)
     others = [name for name in counts if counts[name] > 1 and name != along]
     lines = list(table.groupby(others)) if others else [((), table)]
     if counts[along] < 2 or len(lines) > MOST_LINES:
-        raise InputError(
-            f"{counts[along]} values of {along} on {len(lines)} lines: a curve has at least 2, on "
-            f"at most {MOST_LINES} lines"
-        )
+        what = f"{counts[along]} values of {along} on {len(lines)} lines"
+        raise InputError(f"{what}: a curve has 2 or more, on at most {MOST_LINES} lines")
     figure, axes = style.subplots(height_in=3.0)
     label, unit, size = AXES[along]
     axes.set(xlabel=f"{label} ({unit})", ylabel="mean force $F$ (N)")
     axes.grid(True)
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, len(lines)))
     for colour, (values, rows) in zip(colours, lines, strict=True):
-        rows = rows.assign(at=rows[along] * size).sort_values("at")
         named = [(*AXES[name], value) for name, value in zip(others, values, strict=True)]
         text = ", ".join(f"{word.split()[-1]} = {v * k:.4g} {u}" for word, u, k, v in named)
-        axes.errorbar("at", "force_n", "force_error_n", data=rows, color=colour, label=text)
-        for fill, some in rows.groupby(rows["validity"] == OK):
-            look = {"color": colour, "markerfacecolor": colour if fill else "white"}
-            axes.plot("at", "force_n", "o", data=some, markersize=3.5, **look)
+        data = rows.assign(at=rows[along] * size).sort_values("at")
+        look = {"color": colour, "fmt": "o-", "markersize": 3.5, "label": text}
+        axes.errorbar("at", "force_n", "force_error_n", data=data, **look)
+        outside = data[data["validity"] != OK]
+        axes.plot(outside["at"], outside["force_n"], "o", color="white", markersize=2, zorder=3)
     if others:
         axes.legend()
     share = float((table["force_error_n"] / table["force_n"]).abs().max())
     note = f"Bars: estimated error of the force, at most {percent(share)} of it."
-    style.add_note(figure, f"{note} Hollow: outside the limits of validity.")
+    style.add_note(figure, note, "Hollow: outside the limits of validity.")
     return figure

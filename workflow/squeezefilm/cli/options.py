@@ -100,10 +100,8 @@ def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]
     Raises InputError as ``columns_in`` does, for both or neither, and without h0 or hv.
     """
     points = columns_in(options)
-    if (options.scenes is None) == (not points):
+    if points if options.scenes else not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give a table of scenes, or points by --h0 and --hv")
-    if points and not {"h0_m", "hv_m"} <= set(points):
-        raise InputError("give both --h0 and --hv")
     return points
 
 

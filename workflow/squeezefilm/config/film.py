@@ -187,12 +187,12 @@ def gases() -> np.ndarray:
 def _numbers_of(gas: Gas) -> dict[str, float]:
     """Return the numbers of a gas by its name, temperature and pressure; powers of T between rows.
 
-    Twelve digits, so that they are those of a row at its own temperature.
+    Five digits, so that they are those of a row at its own temperature.
     """
     rows, own = gases()[gases()["gas"] == gas.name], {}
     at, kelvin = np.log(gas.ambient_temperature_k), np.log(rows["temperature_k"])
     for name in rows.dtype.names[2:]:
-        own[name] = float(f"{np.exp(np.interp(at, kelvin, np.log(rows[name]))):.12g}")
+        own[name] = float(f"{np.exp(np.interp(at, kelvin, np.log(rows[name]))):.5g}")
     pressure = gas.ambient_pressure_pa / Gas.ambient_pressure_pa
     own["density_kg_per_m3"] *= pressure
     own["mean_free_path_m"] /= pressure
