@@ -43,8 +43,8 @@ def curve(table: pd.DataFrame) -> Figure:
     axes.set(xlabel=f"{label} ({unit})", ylabel="mean force $F$ (N)")
     axes.grid(True)
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, len(lines)))
-    for colour, (values, rows) in zip(colours, lines, strict=True):
-        named = [(*AXES[name], value) for name, value in zip(others, values, strict=True)]
+    for colour, (_, rows) in zip(colours, lines, strict=True):
+        named = [(*AXES[name], rows[name].iloc[0]) for name in others]
         text = ", ".join(f"{word.split()[-1]} = {v * k:.4g} {u}" for word, u, k, v in named)
         data = rows.assign(at=rows[along] * size).sort_values("at")
         look = {"color": colour, "fmt": "o-", "markersize": 3.5, "label": text}
