@@ -9,13 +9,17 @@ from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
+    JSON,
     SCENES,
     SOLVER,
+    check_json,
     command,
     film_at,
     option,
     points,
     points_in,
+    print_table,
+    show_row,
     write_rows,
 )
 from squeezefilm.dynamics.levitation import levitations, trustworthy
@@ -23,12 +27,14 @@ from squeezefilm.dynamics.response import all_gains, all_steps, responses
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import GAPS_M, OK
 from squeezefilm.reynolds.device import one_build_at_a_time
+from squeezefilm.reynolds.terms import scene_row
 from squeezefilm.studies.solver_settings import device_of, solver_settings
-from squeezefilm.tables import read_scenes
+from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities, quantity
 
 AMPLITUDES_M = (1e-9, 1e-4)
 GRAVITY_M_PER_S2 = 9.80665
+GAINS = ["frequency_hz", "gain", "phase_deg", "error"]
 FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
@@ -79,14 +85,17 @@ def levitate(options: argparse.Namespace) -> None:
     how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
     scan = film.scan
     off_n = scan_error_of(scan, device=device)
-    table = levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg)
+    check_json(options, len(points) * len(loads_n))
+    alone = options.output is None and len(scenes) * len(loads_n) == 1
+    table = levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg, whole=alone)
     if scan is not None:
-        without = "note: errors of stiffness are without the scan's"
+        without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     status = table["status"].iloc[0]
-    if options.output is None and len(table) == 1 and status != OK:
+    if options.json or not (alone and status != OK):
+        write_rows(table, options)
+    if alone and status != OK:
         raise RunError(f"{status}; {trustworthy(scenes[0], **how)}")
-    write_rows(table, options.output)
 
 
 def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]:
@@ -116,7 +125,7 @@ def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]
         f"of the modulation: several with commas, or first:last:count; {FREQUENCIES}",
         default=FREQUENCIES,
     ),
-    *(CONFIG, DEVICE),
+    *(CONFIG, DEVICE, JSON),
     points(many=False),
 )
 def response(options: argparse.Namespace) -> None:
@@ -164,9 +173,15 @@ def response(options: argparse.Namespace) -> None:
             raise RunError(found["status"].iloc[0])
         for reason in gained.loc[gained["status"] != OK, "status"] if alone else ():
             raise InputError(f"--frequencies {options.frequencies}: {reason}")
-        write_rows(found, options.output)
-    if alone or options.gains is not None:
-        shown = ["frequency_hz", "gain", "phase_deg", "error"]
-        write_rows(gained if options.gains else gained[shown], options.gains)
+        if alone and options.output is None:
+            more = scene_row(scenes[0].viscous())
+            more |= {"gains": gained[GAINS].to_dict("records")} if options.json else {}
+            show_row(found.to_dict("records")[0] | more, options)
+        else:
+            write_rows(found, options)
+    if options.gains is not None:
+        write_table(gained, options.gains)
+    elif alone and not options.json:
+        print_table(gained[GAINS])
     if options.steps is not None:
-        write_rows(all_steps(table, scenes), options.steps)
+        write_table(all_steps(table, scenes), options.steps)

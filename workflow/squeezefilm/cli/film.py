@@ -9,7 +9,6 @@ from typing import Any
 from squeezefilm.api.film import INSTANTS, PLACES, Film
 from squeezefilm.api.forces import (
     budget_table,
-    force_of,
     forces_of,
     forces_table,
     missing_of,
@@ -20,16 +19,19 @@ from squeezefilm.api.forces import (
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
+    JSON,
     POINTS,
     SCENES,
     SOLVER,
     STUDY,
+    check_json,
     columns_in,
     command,
     film_at,
     flag,
     option,
     points,
+    show_row,
     write_rows,
 )
 from squeezefilm.config.loading import load_config
@@ -37,6 +39,7 @@ from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
+from squeezefilm.reynolds.terms import scene_row
 from squeezefilm.solution import OUTPUTS
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
@@ -95,10 +98,16 @@ def simulate(options: argparse.Namespace) -> None:
         with naming(path):
             scenes = film.scenes(read_scenes(path) if path else points)
         device = device_of(film.config, option=options.device)
-        table = preview_table(scenes, settings=settings, device=device)
+        resolved = settings.resolved(scenes, device)
+        table = preview_table(resolved, settings=settings)
+        check_json(options, len(table))
         if options.output is not None:
             write_table(table, options.output)
-        print(preview_text(table, tolerance=settings.tolerance))
+        if len(table) == 1:
+            row = scene_row(resolved[0]) | {"tolerance": settings.tolerance}
+            show_row(row | table.to_dict("records")[0], options)
+        else:
+            print(preview_text(table, tolerance=settings.tolerance))
     elif path is None:
         _simulate_points(points, options, film, settings)
     else:
@@ -116,12 +125,12 @@ def _simulate_points(
     device = device_of(film.config, option=options.device)
     how: dict[str, Any] = {"settings": settings, "device": device, "smoothed": smoothed}
     alone = len(scenes) == 1 and not options.output
+    how["budget"] = alone or options.budget
+    forces = forces_of(scenes, derivatives=options.derivatives, **how)
     if alone:
-        forces = [force_of(scenes[0], derivatives=options.derivatives, **how)]
-        print(forces[0])
+        show_row(forces[0].row, options)
     else:
-        forces = forces_of(scenes, derivatives=options.derivatives, budget=options.budget, **how)
-        write_rows(forces_table(pd.DataFrame(points), forces), options.output)
+        write_rows(forces_table(pd.DataFrame(points), forces), options)
         for warning in smoothed.warnings if smoothed else ():
             print(warning, file=sys.stderr)
     failures = [
@@ -136,8 +145,8 @@ def _simulate_points(
 
 
 def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSettings) -> None:
-    if options.output is None:
-        raise InputError("a table of scenes needs --output")
+    if options.output is None or options.json:
+        raise InputError("a table of scenes needs --output, and has no --json")
     if options.budget:
         raise InputError("--budget is of points; `squeezefilm budget` is of a table of scenes")
     failures, incomplete = simulate_table(
@@ -163,8 +172,8 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
 @command(
     option("scenes", "SCENES.csv", "table of scenes"),
     STUDY,
-    option("--output", "BUDGET.csv", "table to write", required=True),
-    DEVICE,
+    option("--output", "BUDGET.csv", "table to write, else a single scene is shown"),
+    *(DEVICE, JSON),
 )
 def budget(options: argparse.Namespace) -> None:
     """Estimate the modelling error of each force: inertia, heat, slip, edge loss, sliding, in %.
@@ -183,8 +192,10 @@ def budget(options: argparse.Namespace) -> None:
     limits of validity that a scene exceeds.
     """
     config = load_config(options.config)
-    table = budget_table(read_scenes(options.scenes), config, device_name=options.device)
-    write_table(table, options.output)
+    scenes = read_scenes(options.scenes)
+    if len(scenes) > 1 and not options.output:
+        raise InputError("a table of scenes needs --output")
+    write_rows(budget_table(scenes, config, device_name=options.device), options)
 
 
 @command(
