@@ -16,6 +16,9 @@ LABELS = {
     "force": "mean force",
     "h0": "gap h0",
     "hv": "amplitude hv",
+    "corner": "corner frequency",
+    "rise": "rise time",
+    "release": "release time",
     "error_99": "prediction error (99 %)",
     "profile_uncertainty": "measurement noise (95 %)",
     "inertia": "gas inertia",
@@ -31,13 +34,13 @@ NUMBERS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
 FACTORS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
 RESULTS = ("force_n", "h0_m", "hv_m")
 FRACTIONS = ("error", "global_error", "worst_relative_error", "worst_error")
-NOT_SHOWN = (
-    *("point_id", "terms", "domain", "inertia", "newton_steps", "residual", "sum_lower_percent"),
-    *("sum_upper_percent", "h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
-)
+NOT_SHOWN = {"point_id", "terms", "domain", "inertia", "newton_steps", "residual"} | {
+    *("sum_lower_percent", "sum_upper_percent", "bearing_percent"),
+    *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
+}
 NOT_AVAILABLE, REMAINDER = "not available", "_remainder_percent"
-# Least length or time in milli, least number without an exponent, least effect shown in per cent.
-LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT = 1e-4, 1e-4, 0.01
+DOMAINS = ("whole", "half", "quarter")
+LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.01
 
 Row = dict[str, Any]
 Lines = list[tuple[str, str]]
@@ -45,6 +48,9 @@ Lines = list[tuple[str, str]]
 
 def label_of(name: str) -> str:
     """Return the label of a column without its unit."""
+    effect, _, what = name.partition("_")
+    if effect in ("slip", "inertia", "heat") and what:
+        return f"modelling error of {label_of(what)} ({effect})"
     return LABELS.get(name, name.replace("dforce_d", "dF/d").replace("_", " "))
 
 
@@ -82,63 +88,71 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
 def in_lines(row: Mapping[Any, Any]) -> str:
     """Return a row as lines: the result, its errors, other values, scene and solver, notes."""
     rest = {name: value for name, value in row.items() if name not in NOT_SHOWN}
-    effects, result, scene = _effects(rest), _result(rest), _scene(rest)
-    scene = [("validity", rest.pop("validity", "")), *scene, *_solver(rest)]
-    scene += [(name, rest.pop(name, "")) for name in ("device", "model", "validation", "note")]
-    scene += [("note", note.removeprefix("note: ")) for note in rest.pop("notes", ())]
-    errors = {name: error_column(name, rest) for name in rest}
+    effects, result = _effects(rest), _result(rest)
+    last = [*_scene(rest), *_solver(rest)]
+    last += [(name, rest.pop(name, "")) for name in ("device", "model", "validation", "note")]
+    last += [("note", each.removeprefix("note: ")) for each in rest.pop("notes", ())]
+    errors = {error_column(name, rest) for name in rest}
     others = [
-        (label_of(stem), value_text(100 * value, "%") if stem in FRACTIONS else text)
+        (label_of(unit_of_column(name)[0]), _text(name, each, rest))
         for name, value in rest.items()
-        if name not in errors.values() and value not in ("", "ok", None)
-        for stem, unit in [unit_of_column(name)]
-        for text in [value_text(value, unit, error=rest.get(errors[name]))]
+        if name not in errors
+        for each in (value if isinstance(value, list) else [value])
     ]
-    lines = [(label, text) for label, text in (*result, *effects, *others, *scene) if text]
-    wide, before = max(len(label) for label, _ in lines), ["", *(label for label, _ in lines)]
-    return "\n".join(
-        f"{label if label != above else '':{wide}}  {text}"
-        for (label, text), above in zip(lines, before, strict=False)
-    )
+    lines = [each for each in (*result, *effects, *others, *last) if each[1] not in ("", "None")]
+    wide = max(len(label) for label, _ in lines)
+    labels = [label * (k == 0 or label != lines[k - 1][0]) for k, (label, _) in enumerate(lines)]
+    return "\n".join(f"{a:{wide}}  {text}" for a, (_, text) in zip(labels, lines, strict=True))
+
+
+def _text(name: str, value: Any, row: Mapping[str, Any]) -> str:
+    """Return a value of a row with its error, or what is listed there by columns of its own."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{label_of(k)} {_text(k, each, value)}" for k, each in value.items())
+    (stem, unit), error = unit_of_column(name), error_column(name, row)
+    if stem in FRACTIONS:
+        return value_text(100 * value, "%")
+    return value_text(value, unit, error=row[error] if error else None)
 
 
 def _result(row: Row) -> Lines:
     """Take the result and its errors from a row: lines about them, or why there is none."""
     name = next((each for each in RESULTS if error_column(each, row)), "")
-    value, (stem, unit), status = row.pop(name, nan), unit_of_column(name), row.pop("status", "ok")
+    value, status, (stem, unit) = row.pop(name, nan), row.pop("status", "ok"), unit_of_column(name)
     why = f": {status}" * (status != "ok")
     if not isfinite(value):
         return [(label_of(stem or "force"), NOT_AVAILABLE + why)] if name or why else []
-    column, noise = str(error_column(name, row)), row.pop("h0_noise_m", 0.0)
-    tolerance = f" (tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
-    label = "prediction error (95 %)" if "95" in column else "numerical error"
-    errors = [
-        (label, row.pop(column) - noise, tolerance),
-        ("measurement noise", row.pop("noise_n", noise), " (95 %, from the scan)"),
-        ("quadrature motion", row.pop("out_of_phase_n", 0.0), " (in the scan, neglected)"),
-    ]
-    number, _, rest = value_text(value, unit, error=max(each for _, each, _ in errors)).partition(
-        "±"
-    )
-    lines = [(label_of(stem), f"{number}{rest.split()[-1]}")]
-    for what, error, source in errors:
+
+    def off(error: float, source: str) -> str:
         share = f", {percent(100 * abs(error / value), sign='', digits=1)}" if value else ""
         text = f"± {value_text(error, unit, digits=1)}{share}{source}"
-        if error or what == label:
-            lines.append((what, text if isfinite(error) else NOT_AVAILABLE))
-    return [*lines, ("note", why.removeprefix(": "))]
+        return text if isfinite(error) else NOT_AVAILABLE
+
+    column, noise = str(error_column(name, row)), row.pop("noise_n", row.pop("h0_noise_m", 0.0))
+    error, bias = row.pop(column) - noise * (name == "h0_m"), row.pop("out_of_phase_n", 0.0)
+    tolerance = f" (tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
+    number, _, rest = value_text(value, unit, error=max(error, noise)).partition("±")
+    return [
+        (label_of(stem), f"{number}{rest.split()[-1]}"),
+        ("prediction error (95 %)" if "95" in column else "numerical error", off(error, tolerance)),
+        ("measurement noise", off(noise, " (95 %, from the scan)") * bool(noise)),
+        ("quadrature motion", off(bias, " (in the scan, neglected)") * (bias > error)),
+        ("note", why.removeprefix(": ")),
+    ]
 
 
 def _scene(row: Row) -> Lines:
-    """Take the operating point, its dimensionless numbers and the equation from a row."""
-    units = {name: unit_of_column(name) for name in FACTORS if name in row}
-    point = [
-        f"{k} = {value_text(row.pop(name), unit, digits=6)}" for name, (k, unit) in units.items()
-    ]
+    """Take validity, operating point, dimensionless numbers and equation from a row."""
+    point = {unit_of_column(name): row.pop(name) for name in FACTORS if name in row}
     numbers = {name: row.pop(name, 0) for name in NUMBERS}
+    texts = [f"{name} = {value_text(each, unit, digits=6)}" for (name, unit), each in point.items()]
     named = [f"{label_of(name)} {value_text(each)}" for name, each in numbers.items() if each]
-    lines = [("operating point", ", ".join(point)), ("dimensionless", ", ".join(named))]
-    return [*lines, ("equation", row.pop("equation", ""))]
+    return [
+        ("validity", row.pop("validity", "")),
+        ("operating point", ", ".join(texts)),
+        ("dimensionless", ", ".join(named)),
+        ("equation", row.pop("equation", "")),
+    ]
 
 
 def _effects(row: Row) -> Lines:
@@ -160,19 +174,21 @@ def _effects(row: Row) -> Lines:
     total = f"{change(*ends)} of the force" if isfinite(ends[0]) else NOT_AVAILABLE
     total += f": {status}" * (status != "ok") + f" for this pad, but for {other}" * bool(other)
     total += ", not reliable" * bool({*invalid} - {*have, ""})
+    lines = [("modelling error", total)]
     names = [name.removesuffix(REMAINDER) for name in row if name.endswith(REMAINDER)]
-    effects = {k: (row.pop(f"{k}_percent"), row.pop(f"{k}{REMAINDER}")) for k in names}
-    lines, _ = [("modelling error", total)], row.pop("bearing_percent")
-    for name, (effect, off) in sorted(effects.items(), key=lambda each: -abs(each[1][0])):
-        text = (
-            change(effect, *[edge] * (name == "edge_loss")) if isfinite(effect) else NOT_AVAILABLE
-        )
-        text += f" ± {percent(off, sign='', digits=1)}" * (name == "depth_averaged")
+    for name in sorted(names, key=lambda each: -abs(row[f"{each}_percent"])):
+        effect, remainder = row.pop(f"{name}_percent"), row.pop(name + REMAINDER)
+        text = change(effect, *[edge] * (name == "edge_loss"))
+        text += f" ± {percent(remainder, sign='', digits=1)}" * (name == "depth_averaged")
         if name in invalid:
             first = f"first-order estimate {percent(effect)}"
             text = f"not reliable ({first}, outside its validity range)"
-        if status == "ok" and name not in have and not abs(effect) + off < LEAST_EFFECT:
-            lines.append((f"  {label_of(name)}", text))
+        if (
+            status == "ok"
+            and name not in have
+            and not abs(effect) + remainder < LEAST_EFFECT_PERCENT
+        ):
+            lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
     return lines
 
 
@@ -181,15 +197,12 @@ def _solver(row: Row) -> Lines:
     sizes = [f"{size:.0f}" for name in ("nx", "ny", "nt") if (size := row.pop(name, 0))]
     flat, folds = row.pop("pad_shape", "rectangle") == "rectangle", row.pop("simplifications", "")
     axes = ("x", "y", "time") if flat else ("radius", "angle", "time")
-    grid = f", grid {' × '.join(sizes)} ({', '.join(axes[: len(sizes)])})" * bool(sizes)
-    steps = f", {row.get('krylov_iterations')} GMRES iterations" * bool(
-        row.pop("krylov_iterations", 0)
-    )
+    solver = [row.pop("method", ""), f"grid {' × '.join(sizes)} ({', '.join(axes[: len(sizes)])})"]
+    steps = row.pop("krylov_iterations", 0)
     halves = [axis for axis in "xy" if f"mirror half in {axis}" in folds]
-    domain = (
-        f"{' and '.join(halves) or 'none'} ({('whole', 'half', 'quarter')[len(halves)]} domain)"
-    )
-    lines = [("solver", row.pop("method", "") + grid + steps), ("symmetry", domain * bool(sizes))]
+    symmetry = f"{' and '.join(halves) or 'none'} ({DOMAINS[len(halves)]} domain)"
+    solver = solver[: 1 + bool(sizes)] + [f"{steps} GMRES iterations"] * bool(steps)
+    lines = [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(sizes))]
     if mflop := row.pop("expected_mflop", 0):
         expected = f"± {percent(100 * row.pop('expected_error'), sign='', digits=1)} expected"
         lines.insert(0, ("numerical error", f"{expected} (tolerance {row.pop('tolerance'):g})"))

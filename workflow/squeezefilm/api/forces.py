@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
 NOT_ASKED = "not asked for"
-ALIKE = ["method", "domain", "terms", "simplifications"]
+ALIKE = ["method", "domain", "terms", "simplifications", "status", "validity", "notes"]
 
 
 @dataclass(frozen=True)
@@ -287,21 +287,15 @@ def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.Da
     return pd.DataFrame(rows)
 
 
-def preview_text(table: pd.DataFrame, *, tolerance: float) -> str:
-    """Return a table of previews as text, by how scenes are treated."""
-    largest = {name: (name, "max") for name in ("nx", "ny", "nt", "expected_error")}
-    summary = table.groupby(ALIKE, sort=False, as_index=False).agg(
-        scenes=("point_id", "size"), **largest, expected_mflop=("expected_mflop", "sum")
-    )
-    summary = summary.drop(columns="simplifications")
-    lines = [f"{len(table)} scenes at tolerance {tolerance:g}:", ""]
-    lines.append(summary.to_string(index=False, float_format="{:.3g}".format))
-    for column in ("status", "validity", "outputs_refused", "notes"):
-        for words, alike in table.groupby(column, sort=False) if column in table else ():
-            if words not in ("", OK):
-                first = alike["point_id"].iloc[0]
-                lines.append(f"{column} of {len(alike)} scenes, such as point {first}: {words}")
-    return "\n".join(lines)
+def preview_rows(
+    scenes: Sequence[Scene], table: pd.DataFrame, *, tolerance: float
+) -> Iterator[dict[str, Any]]:
+    """Rows to be shown of a table of previews: one for all scenes that are treated alike."""
+    for rows in table.groupby(ALIKE, sort=False).indices.values():
+        first, mflop = rows[0], table["expected_mflop"].iloc[rows].sum()
+        count = {"scenes": f"{len(rows)}, the first:"} if len(table) > 1 else {}
+        row = count | scene_row(scenes[first]) | {"tolerance": tolerance}
+        yield row | table.iloc[first].to_dict() | {"expected_mflop": mflop}
 
 
 PIECE = 4096

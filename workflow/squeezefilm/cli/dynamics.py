@@ -12,13 +12,11 @@ from squeezefilm.cli.options import (
     JSON,
     SCENES,
     SOLVER,
-    check_json,
     command,
     film_at,
     option,
     points,
     points_in,
-    print_table,
     show_row,
     write_rows,
 )
@@ -34,7 +32,6 @@ from squeezefilm.units import quantities, quantity
 
 AMPLITUDES_M = (1e-9, 1e-4)
 GRAVITY_M_PER_S2 = 9.80665
-GAINS = ["frequency_hz", "gain", "phase_deg", "error"]
 FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
@@ -74,7 +71,7 @@ def levitate(options: argparse.Namespace) -> None:
     if mass_kg is not None and mass_kg <= 0:
         raise InputError(f"--mass {options.mass!r} must be positive")
     loads_n = _loads(options, mass_kg=mass_kg)
-    points = points_in(options)
+    points = points_in(options, times=len(loads_n))
     least, most = AMPLITUDES_M
     for wrong in points.loc[~points["hv_m"].between(least, most), "hv_m"]:
         raise InputError(f"--hv: {wrong:g} m must lie within {least:g} … {most:g} m")
@@ -85,14 +82,13 @@ def levitate(options: argparse.Namespace) -> None:
     how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
     scan = film.scan
     off_n = scan_error_of(scan, device=device)
-    check_json(options, len(points) * len(loads_n))
     alone = options.output is None and len(scenes) * len(loads_n) == 1
     table = levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg, whole=alone)
     if scan is not None:
         without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     status = table["status"].iloc[0]
-    if options.json or not (alone and status != OK):
+    if options.json or status == OK or not alone:
         write_rows(table, options)
     if alone and status != OK:
         raise RunError(f"{status}; {trustworthy(scenes[0], **how)}")
@@ -174,14 +170,12 @@ def response(options: argparse.Namespace) -> None:
         for reason in gained.loc[gained["status"] != OK, "status"] if alone else ():
             raise InputError(f"--frequencies {options.frequencies}: {reason}")
         if alone and options.output is None:
-            more = scene_row(scenes[0].viscous())
-            more |= {"gains": gained[GAINS].to_dict("records")} if options.json else {}
-            show_row(found.to_dict("records")[0] | more, options)
+            own = gained[["frequency_hz", "gain", "phase_deg", "error"]].to_dict("records")
+            row = found.to_dict("records")[0] | scene_row(scenes[0].viscous())
+            show_row(row | {"gains": own}, options)
         else:
             write_rows(found, options)
     if options.gains is not None:
         write_table(gained, options.gains)
-    elif alone and not options.json:
-        print_table(gained[GAINS])
     if options.steps is not None:
         write_table(all_steps(table, scenes), options.steps)

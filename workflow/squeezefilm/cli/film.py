@@ -12,8 +12,8 @@ from squeezefilm.api.forces import (
     forces_of,
     forces_table,
     missing_of,
+    preview_rows,
     preview_table,
-    preview_text,
     simulate_table,
 )
 from squeezefilm.cli.options import (
@@ -39,7 +39,6 @@ from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
-from squeezefilm.reynolds.terms import scene_row
 from squeezefilm.solution import OUTPUTS
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
@@ -103,11 +102,8 @@ def simulate(options: argparse.Namespace) -> None:
         check_json(options, len(table))
         if options.output is not None:
             write_table(table, options.output)
-        if len(table) == 1:
-            row = scene_row(resolved[0]) | {"tolerance": settings.tolerance}
-            show_row(row | table.to_dict("records")[0], options)
-        else:
-            print(preview_text(table, tolerance=settings.tolerance))
+        for row in preview_rows(resolved, table, tolerance=settings.tolerance):
+            show_row(row, options)
     elif path is None:
         _simulate_points(points, options, film, settings)
     else:

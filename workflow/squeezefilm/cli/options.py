@@ -89,19 +89,19 @@ def film_at(path: str | None) -> Film:
     return Film(load_config(path or PAPER_CONFIG, model=FilmSections))
 
 
-def columns_in(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
+def columns_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[float, ...]]:
     """Every combination of the options' values, a column for each factor given.
 
     Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
     found = columns_of(option="--{}", **{name: getattr(options, name, None) for name in POINTS})
-    check_json(options, len(next(iter(found.values()), ())))
+    check_json(options, times * len(next(iter(found.values()), ())))
     return found
 
 
-def points_in(options: argparse.Namespace) -> pd.DataFrame:
-    """The same as a table."""
-    return pd.DataFrame(columns_in(options))
+def points_in(options: argparse.Namespace, times: int = 1) -> pd.DataFrame:
+    """The same as a table, of whose points each has so many results."""
+    return pd.DataFrame(columns_in(options, times))
 
 
 def check_json(options: argparse.Namespace, count: int) -> None:
@@ -124,12 +124,11 @@ def write_rows(table: pd.DataFrame, options: argparse.Namespace, **about: str) -
         about: what is known of all rows.
     """
     check_json(options, len(table))
-    path = getattr(options, "output", None)
-    if len(table) == 1 and not path:
+    if options.output:
+        write_table(table, options.output)
+    elif len(table) == 1:
         show_row(table.to_dict("records")[0] | about, options)
         return
-    if path:
-        write_table(table, path)
     else:
         print_table(table)
     if about:

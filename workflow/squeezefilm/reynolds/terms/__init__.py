@@ -53,7 +53,7 @@ def scene_row(scene: Scene) -> dict[str, Any]:
     absent = [each.assumption for each in absent_terms(terms_of(scene)) if each.assumption]
     if (exponent := scene.gas.polytropic_exponent) != 1:
         absent[-1] = f"polytropic exponent {exponent:g}"
-    equation = ", ".join([f"Reynolds{' with ' * bool(named)}{', '.join(named)}", *absent])
+    equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *absent])
     factors = {name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")}
     numbers = {name: getattr(scene, name) for name in NUMBERS}
     return factors | numbers | {"pad_shape": scene.pad.shape, "equation": equation}
