@@ -21,6 +21,7 @@ from squeezefilm.quantities.model_error import (
     BASIS,
     NAMES,
     ErrorBudget,
+    budget_row,
     edge_loss_remainder,
     error_budgets,
 )

@@ -81,7 +81,7 @@ def test_a_position_is_cartesian_unless_the_formula_is_polar():
 
 def test_a_row_in_lines_has_texts_and_says_what_is_not_known():
     row = {"h0_m": 4e-6, "damping_ratio": math.nan, "stable": True}
-    assert [line.split("  ")[-1] for line in in_lines(row).splitlines()] == [
+    assert [line.split("  ")[-1].strip() for line in in_lines(row).splitlines()] == [
         *("not available", "yes", "h0 = 4 µm"),
     ]
 

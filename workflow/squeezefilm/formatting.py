@@ -51,7 +51,7 @@ def label_of(name: str) -> str:
     effect, _, what = name.partition("_")
     if effect in ("slip", "inertia", "heat") and what:
         return f"modelling error of {label_of(what)} ({effect})"
-    return LABELS.get(name, name.replace("dforce_d", "dF/d").replace("_", " "))
+    return LABELS.get(name, name.replace("dforce_d", "dF/d ").replace("_", " "))
 
 
 def plain(value: float, *, sign: str = "+", digits: int = 2, least: float = LEAST_PLAIN) -> str:
@@ -96,7 +96,7 @@ def in_lines(row: Mapping[Any, Any]) -> str:
     others = [
         (label_of(unit_of_column(name)[0]), _text(name, each, rest))
         for name, value in rest.items()
-        if name not in errors
+        if name not in errors and value != "ok"
         for each in (value if isinstance(value, list) else [value])
     ]
     lines = [each for each in (*result, *effects, *others, *last) if each[1] not in ("", "None")]
@@ -108,7 +108,8 @@ def in_lines(row: Mapping[Any, Any]) -> str:
 def _text(name: str, value: Any, row: Mapping[str, Any]) -> str:
     """Return a value of a row with its error, or what is listed there by columns of its own."""
     if isinstance(value, Mapping):
-        return ", ".join(f"{label_of(k)} {_text(k, each, value)}" for k, each in value.items())
+        stems = {k: unit_of_column(k)[0] for k in value}
+        return ", ".join(f"{label_of(stems[k])} {_text(k, value[k], value)}" for k in stems)
     (stem, unit), error = unit_of_column(name), error_column(name, row)
     if stem in FRACTIONS:
         return value_text(100 * value, "%")

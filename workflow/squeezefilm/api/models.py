@@ -167,8 +167,9 @@ class Fit:
         fit = self.model
         units = dict(zip(self.theta, fit.force_model.parameter_units, strict=True))
         theta = {name: f"{value:.6g} {units[name]}" for name, value in self.theta.items()}
-        row = {"formula": fit.force_model.expression, **theta, "fitted_points": fit.points}
-        return in_lines(row | {"global_error": fit.global_error} | self.about)
+        formula = f"{self.name}: {fit.force_model.expression}"
+        row = {"formula": formula, **theta, "fitted_points": fit.points}
+        return in_lines(row | {"global_error": fit.global_error, "validation": self.statement})
 
     __repr__ = __str__
 

@@ -171,8 +171,8 @@ def response(options: argparse.Namespace) -> None:
             raise InputError(f"--frequencies {options.frequencies}: {reason}")
         if alone and options.output is None:
             own = gained[["frequency_hz", "gain", "phase_deg", "error"]].to_dict("records")
-            row = found.to_dict("records")[0] | scene_row(scenes[0].viscous())
-            show_row(row | {"gains": own}, options)
+            row = found.to_dict("records")[0] | {"gains": own, **scene_row(scenes[0].viscous())}
+            show_row(row | {"equation": f"period-averaged {row['equation']}"}, options)
         else:
             write_rows(found, options)
     if options.gains is not None:

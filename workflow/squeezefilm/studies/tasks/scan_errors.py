@@ -124,13 +124,13 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
         "largest_force_error_share": error,
         "notes": smoothed.warnings,
     }
-    point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m)
-    rms = f"{percent(100 * smoothed.quadrature)} rms with its noise"
+    point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
+    rms = f"{percent(100 * smoothed.quadrature, sign='')} rms with its noise"
     row = {
-        "measurement noise of a force": f"at most {percent(100 * noise)} (95 %)",
+        "measurement noise of a force": f"at most {percent(100 * noise, sign='')} (95 %)",
         "largest amplitude": f"{peak_um:.4g} µm",
         "noise of a point": f"{point_noise} of the largest amplitude",
-        "standard error of the profile": f"at most {percent(100 * unsure)} of it",
+        "standard error of the profile": f"at most {percent(100 * unsure, sign='')} of it",
         "quadrature motion": rms + ("" if complex_ else ", neglected"),
         "points": len(smoothed.measured_m),
         "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
