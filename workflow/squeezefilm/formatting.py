@@ -28,18 +28,21 @@ LABELS = {
     "sigma": "squeeze number",
     "knudsen": "Knudsen number",
     "modified_reynolds": "modified Reynolds number",
+    "why": "not needed",
+    "notes": "note",
+    "expected_mflop": "expected cost (Mflop)",
 }
 """Of columns without their unit, where the name itself is none."""
 NUMBERS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
 FACTORS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
 RESULTS = ("force_n", "h0_m", "hv_m")
-FRACTIONS = ("error", "global_error", "worst_relative_error", "worst_error")
+LAST = ("device", "model", "validation", "why", "notes", "note")
+FRACTIONS = ("error", "expected_error", "global_error", "worst_relative_error", "worst_error")
 NOT_SHOWN = {"point_id", "terms", "domain", "inertia", "newton_steps", "residual"} | {
     *("sum_lower_percent", "sum_upper_percent", "bearing_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
 NOT_AVAILABLE, REMAINDER = "not available", "_remainder_percent"
-DOMAINS = ("whole", "half", "quarter")
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.01
 
 Row = dict[str, Any]
@@ -90,23 +93,28 @@ def in_lines(row: Mapping[Any, Any]) -> str:
     rest = {name: value for name, value in row.items() if name not in NOT_SHOWN}
     effects, result = _effects(rest), _result(rest)
     last = [*_scene(rest), *_solver(rest)]
-    last += [(name, rest.pop(name, "")) for name in ("device", "model", "validation", "note")]
-    last += [("note", each.removeprefix("note: ")) for each in rest.pop("notes", ())]
+    last += [(label_of(name), rest.pop(name, "")) for name in LAST]
     errors = {error_column(name, rest) for name in rest}
     others = [
-        (label_of(unit_of_column(name)[0]), _text(name, each, rest))
+        (label_of(unit_of_column(name)[0]), _text(name, value, rest))
         for name, value in rest.items()
         if name not in errors and value != "ok"
-        for each in (value if isinstance(value, list) else [value])
     ]
-    lines = [each for each in (*result, *effects, *others, *last) if each[1] not in ("", "None")]
+    lines = [
+        (label, text)
+        for label, texts in (*result, *effects, *others, *last)
+        for text in (texts if isinstance(texts, list) else [texts])
+        if text not in ("", "None")
+    ]
     wide = max(len(label) for label, _ in lines)
     labels = [label * (k == 0 or label != lines[k - 1][0]) for k, (label, _) in enumerate(lines)]
     return "\n".join(f"{a:{wide}}  {text}" for a, (_, text) in zip(labels, lines, strict=True))
 
 
-def _text(name: str, value: Any, row: Mapping[str, Any]) -> str:
+def _text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     """Return a value of a row with its error, or what is listed there by columns of its own."""
+    if isinstance(value, list):
+        return [_text(name, each, row) for each in value]
     if isinstance(value, Mapping):
         stems = {k: unit_of_column(k)[0] for k in value}
         return ", ".join(f"{label_of(stems[k])} {_text(k, value[k], value)}" for k in stems)
@@ -201,15 +209,10 @@ def _solver(row: Row) -> Lines:
     solver = [row.pop("method", ""), f"grid {' × '.join(sizes)} ({', '.join(axes[: len(sizes)])})"]
     steps = row.pop("krylov_iterations", 0)
     halves = [axis for axis in "xy" if f"mirror half in {axis}" in folds]
-    symmetry = f"{' and '.join(halves) or 'none'} ({DOMAINS[len(halves)]} domain)"
+    domain = ("whole", "half", "quarter")[len(halves)]
+    symmetry = f"{' and '.join(halves) or 'none'} ({domain} domain)"
     solver = solver[: 1 + bool(sizes)] + [f"{steps} GMRES iterations"] * bool(steps)
-    lines = [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(sizes))]
-    if mflop := row.pop("expected_mflop", 0):
-        expected = f"± {percent(100 * row.pop('expected_error'), sign='', digits=1)} expected"
-        lines.insert(0, ("numerical error", f"{expected} (tolerance {row.pop('tolerance'):g})"))
-        lines.append(("expected cost", f"{plain(mflop, sign='')} Mflop"))
-    reasons = row.pop("why", "").split("; ")
-    return [*lines, *(("not needed", each) for each in reasons if "mirror half" not in each)]
+    return [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(sizes))]
 
 
 def json_text(row: Mapping[Any, Any]) -> str:

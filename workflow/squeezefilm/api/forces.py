@@ -121,7 +121,7 @@ class Force:
             **self.solution.asked_columns,
             "tolerance": self.tolerance,
             "device": self.device,
-            "notes": [*self.notes, *notes_of(self.scene)],
+            "notes": [each.removeprefix("note: ") for each in (*self.notes, *notes_of(self.scene))],
         }
 
     def __str__(self) -> str:
@@ -293,9 +293,13 @@ def preview_rows(
     """Rows to be shown of a table of previews: one for all scenes that are treated alike."""
     for rows in table.groupby(ALIKE, sort=False).indices.values():
         first, mflop = rows[0], table["expected_mflop"].iloc[rows].sum()
-        count = {"scenes": f"{len(rows)}, the first:"} if len(table) > 1 else {}
+        count = (
+            {"scenes": f"{len(rows)} of {len(table)}, the first of them:"} if len(table) > 1 else {}
+        )
         row = count | scene_row(scenes[first]) | {"tolerance": tolerance}
-        yield row | table.iloc[first].to_dict() | {"expected_mflop": mflop}
+        row |= table.iloc[first].to_dict() | {"expected_mflop": mflop}
+        why = [each for each in row["why"].split("; ") if "mirror half" not in each]
+        yield row | {"why": why}
 
 
 PIECE = 4096

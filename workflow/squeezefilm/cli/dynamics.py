@@ -17,7 +17,7 @@ from squeezefilm.cli.options import (
     option,
     points,
     points_in,
-    show_row,
+    shown,
     write_rows,
 )
 from squeezefilm.dynamics.levitation import levitations, trustworthy
@@ -172,7 +172,8 @@ def response(options: argparse.Namespace) -> None:
         if alone and options.output is None:
             own = gained[["frequency_hz", "gain", "phase_deg", "error"]].to_dict("records")
             row = found.to_dict("records")[0] | {"gains": own, **scene_row(scenes[0].viscous())}
-            show_row(row | {"equation": f"period-averaged {row['equation']}"}, options)
+            row["equation"] = f"period-averaged {row['equation']}"
+            print(shown(row, options))
         else:
             write_rows(found, options)
     if options.gains is not None:

@@ -31,7 +31,7 @@ from squeezefilm.cli.options import (
     flag,
     option,
     points,
-    show_row,
+    shown,
     write_rows,
 )
 from squeezefilm.config.loading import load_config
@@ -102,8 +102,8 @@ def simulate(options: argparse.Namespace) -> None:
         check_json(options, len(table))
         if options.output is not None:
             write_table(table, options.output)
-        for row in preview_rows(resolved, table, tolerance=settings.tolerance):
-            show_row(row, options)
+        rows = preview_rows(resolved, table, tolerance=settings.tolerance)
+        print(*(shown(row, options) for row in rows), sep="\n\n")
     elif path is None:
         _simulate_points(points, options, film, settings)
     else:
@@ -124,7 +124,7 @@ def _simulate_points(
     how["budget"] = alone or options.budget
     forces = forces_of(scenes, derivatives=options.derivatives, **how)
     if alone:
-        show_row(forces[0].row, options)
+        print(shown(forces[0].row, options))
     else:
         write_rows(forces_table(pd.DataFrame(points), forces), options)
         for warning in smoothed.warnings if smoothed else ():

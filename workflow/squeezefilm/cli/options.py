@@ -110,9 +110,9 @@ def check_json(options: argparse.Namespace, count: int) -> None:
         raise InputError("--json prints one point: give a single one, and no --output")
 
 
-def show_row(row: Mapping[Any, Any], options: argparse.Namespace) -> None:
-    """Print one result as lines for people, or as a JSON object for scripts."""
-    print(json_text(row) if getattr(options, "json", False) else in_lines(row))
+def shown(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
+    """Return one result as lines for people, or as a JSON object for scripts."""
+    return json_text(row) if getattr(options, "json", False) else in_lines(row)
 
 
 def write_rows(table: pd.DataFrame, options: argparse.Namespace, **about: str) -> None:
@@ -127,7 +127,7 @@ def write_rows(table: pd.DataFrame, options: argparse.Namespace, **about: str) -
     if options.output:
         write_table(table, options.output)
     elif len(table) == 1:
-        show_row(table.to_dict("records")[0] | about, options)
+        print(shown(table.to_dict("records")[0] | about, options))
         return
     else:
         print_table(table)
@@ -137,9 +137,9 @@ def write_rows(table: pd.DataFrame, options: argparse.Namespace, **about: str) -
 
 def print_table(table: pd.DataFrame) -> None:
     """Print a table for people."""
-    shown = table.copy()
+    texts = table.copy()
     for name in map(str, table):
         if error := error_column(name, table):
             pairs = [to_its_error(*each) for each in zip(table[name], table[error], strict=True)]
-            shown[name], shown[error] = zip(*pairs, strict=True)
-    print(shown.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))
+            texts[name], texts[error] = zip(*pairs, strict=True)
+    print(texts.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))

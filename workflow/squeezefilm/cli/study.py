@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from squeezefilm.api.models import Fit
-from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, print_table, show_row
+from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, print_table, shown
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import naming
 from squeezefilm.files import digest
@@ -106,7 +106,7 @@ def validate(options: argparse.Namespace) -> None:
     with naming(f"{options.fit} on {options.forces}"):
         table, summary = errors_on(fitted, forces, config)
     write_table(table, options.output)
-    show_row(summary, options)
+    print(shown(summary, options))
 
 
 @command(

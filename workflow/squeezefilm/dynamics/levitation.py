@@ -335,38 +335,23 @@ def _unknown(reason: str) -> Resonance:
     return Resonance(nan, nan, f"resonance not known: {reason}")
 
 
-COLUMNS = (
-    *("load_n", "hv_m", "h0_m", "h0_error_m", "h0_modelling_error_lower_m"),
-    *("h0_modelling_error_upper_m", "others_m", "stiffness_n_per_m", "stiffness_error_n_per_m"),
-    *("stable", "epsilon", "modified_reynolds", "inertia", "modelling_error_lower_percent"),
-    *("modelling_error_upper_percent", "first_order_invalid", "status", "note"),
-)
-"""Of a table of levitations."""
-
-
-def _row(found: Levitation, noise_m: float) -> dict[str, Any]:
-    """Return all that is known of a gap, by the names of columns.
-
-    Args:
-        noise_m: the part of the gap's error that the scan leaves open.
-    """
-    lower_m, upper_m = found.modelling_error_m
-    return {
-        **scene_row(found.scene),
-        **budget_row(found.budget),
-        "h0_m": found.scene.h0_m,
-        "h0_error_m": found.h0_error_m + noise_m,
-        "h0_noise_m": noise_m,
-        "h0_modelling_error_lower_m": lower_m,
-        "h0_modelling_error_upper_m": upper_m,
-        "others_m": "; ".join(f"{each:.3g}" for each in found.others_m),
-        "stiffness_n_per_m": found.stiffness_n_per_m,
-        "stiffness_error_n_per_m": found.stiffness_error_n_per_m,
-        "stable": found.stable,
-        "inertia": found.scene.gas.inertia,
-        "first_order_invalid": "; ".join(found.budget.first_order_invalid),
-        "budget_status": found.budget.status,
-    }
+# Of a table of levitations, between the load and its status.
+COLUMNS: dict[str, Callable[[Levitation], object]] = {
+    "h0_m": lambda found: found.scene.h0_m,
+    "h0_error_m": lambda found: found.h0_error_m,
+    "h0_modelling_error_lower_m": lambda found: found.modelling_error_m[0],
+    "h0_modelling_error_upper_m": lambda found: found.modelling_error_m[1],
+    "others_m": lambda found: "; ".join(f"{each:.3g}" for each in found.others_m),
+    "stiffness_n_per_m": lambda found: found.stiffness_n_per_m,
+    "stiffness_error_n_per_m": lambda found: found.stiffness_error_n_per_m,
+    "stable": lambda found: found.stable,
+    "epsilon": lambda found: found.scene.epsilon,
+    "modified_reynolds": lambda found: found.scene.modified_reynolds,
+    "inertia": lambda found: found.scene.gas.inertia,
+    "modelling_error_lower_percent": lambda found: found.budget.modelling_error_percent[0],
+    "modelling_error_upper_percent": lambda found: found.budget.modelling_error_percent[1],
+    "first_order_invalid": lambda found: "; ".join(found.budget.first_order_invalid),
+}
 
 
 def loads_like(path: str) -> tuple[list[float], list[float]]:
@@ -399,8 +384,8 @@ def levitations(
         how: the settings of ``levitate``.
         scan_error_n: what the scan of a measured profile leaves open in a scene's force.
         mass_kg: that floats, for its resonance.
-        whole: with the scenes' and the modelling errors' columns too, and the part of the gap's
-            error that the scan leaves open.
+        whole: with the columns of scenes and error budgets too, and with ``h0_noise_m``, the part
+            of the gap's error that the scan leaves open.
     """
     rows = []
     with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
@@ -410,10 +395,13 @@ def levitations(
                 try:
                     found = levitate(scene, load_n=load_n, **how)
                     more_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
+                    found = replace(found, h0_error_m=found.h0_error_m + more_m)
                     notes = [*found.notes]
                     if basis := found.budget.basis:
                         notes.append(f"neglected effects: of {basis}")
-                    row |= _row(found, more_m)
+                    row |= scene_row(found.scene) | budget_row(found.budget)
+                    row |= {"budget_status": found.budget.status, "h0_noise_m": more_m}
+                    row |= {name: of(found) for name, of in COLUMNS.items()}
                     if mass_kg is not None:
                         moving = resonance(found, mass_kg=mass_kg)
                         row["resonance_hz"] = moving.frequency_hz
@@ -424,5 +412,6 @@ def levitations(
                     row["status"] = str(error).removeprefix("load: ")
                 rows.append(row)
                 bar.update(1)
-    columns = [*COLUMNS, *["resonance_hz", "damping_ratio"] * (mass_kg is not None)]
+    columns = ["load_n", "hv_m", *COLUMNS, "status", "note"]
+    columns += ["resonance_hz", "damping_ratio"] if mass_kg is not None else []
     return pd.DataFrame(rows) if whole else pd.DataFrame(rows).reindex(columns=columns)

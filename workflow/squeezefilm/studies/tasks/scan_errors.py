@@ -135,7 +135,7 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
         "points": len(smoothed.measured_m),
         "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
         "degree of the modes": smoothed.fit.degree,
-        "notes": smoothed.warnings,
+        "notes": [each.removeprefix("note: ") for each in smoothed.warnings],
     }
     text = in_lines(row if outliers else row | {"outliers": ""})
     shown = "; ".join(" ".join(line.split()) for line in text.splitlines())
