@@ -68,11 +68,7 @@ def test_a_force_has_its_error_and_what_its_equation_leaves_out(study):
     assert force.status == "ok"
     lines = str(force).splitlines()
     assert lines[0].startswith("mean force          0.962")
-    assert [line.split("  ")[1] for line in lines[3:6]] == [
-        "gas inertia",
-        "slip",
-        "edge inflow loss",
-    ]
+    assert [line.split("  ")[1] for line in lines[3:5]] == ["gas inertia", "slip"]
     assert "operating point     h0 = 5 µm, hv = 2.2 µm, x = 0 m, y = 0 m" in lines
 
 

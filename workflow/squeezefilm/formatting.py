@@ -19,6 +19,7 @@ LABELS = {
     "corner": "corner frequency",
     "rise": "rise time",
     "release": "release time",
+    "error_95": "prediction error of the force (95 %)",
     "error_99": "prediction error (99 %)",
     "profile_uncertainty": "measurement noise (95 %)",
     "inertia": "gas inertia",
@@ -54,7 +55,8 @@ def label_of(name: str) -> str:
     effect, _, what = name.partition("_")
     if effect in ("slip", "inertia", "heat") and what:
         return f"modelling error of {label_of(what)} ({effect})"
-    return LABELS.get(name, name.replace("dforce_d", "dF/d ").replace("_", " "))
+    spaced = name.replace("dforce_d", "dF/d ").replace("_", " ") if name.islower() else name
+    return LABELS.get(name, spaced)
 
 
 def plain(value: float, *, sign: str = "+", digits: int = 2, least: float = LEAST_PLAIN) -> str:
@@ -139,6 +141,7 @@ def _result(row: Row) -> Lines:
 
     column, noise = str(error_column(name, row)), row.pop("noise_n", row.pop("h0_noise_m", 0.0))
     error, bias = row.pop(column) - noise * (name == "h0_m"), row.pop("out_of_phase_n", 0.0)
+    row.pop("error_95_percent" if name == "force_n" else "", None)
     tolerance = f" (tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
     number, _, rest = value_text(value, unit, error=max(error, noise)).partition("±")
     return [
