@@ -23,6 +23,9 @@ LABELS = {
     "error_99": "prediction error (99 %)",
     "profile_uncertainty": "measurement noise (95 %)",
     "inertia": "gas inertia",
+    "bearing": "Couette term",
+    "gap that is shaped at rest": "non-uniform gap",
+    "vibration in two phases": "two quadrature components",
     "edge_loss": "edge inflow loss",
     "flow_factor": "slip beyond first order",
     "epsilon": "excursion ratio",
@@ -130,8 +133,10 @@ def _result(row: Row) -> Lines:
     """Take the result and its errors from a row: lines about them, or why there is none."""
     name = next((each for each in RESULTS if error_column(each, row)), "")
     value, status, (stem, unit) = row.pop(name, nan), row.pop("status", "ok"), unit_of_column(name)
-    why = f": {status}" * (status != "ok")
+    column, why = str(error_column(name, row)), f": {status}" * (status != "ok")
+    error = row.pop(column, nan)
     if not isfinite(value):
+        row.pop("tolerance", None)
         return [(label_of(stem or "force"), NOT_AVAILABLE + why)] if name or why else []
 
     def off(error: float, source: str) -> str:
@@ -139,8 +144,8 @@ def _result(row: Row) -> Lines:
         text = f"± {value_text(error, unit, digits=1)}{share}{source}"
         return text if isfinite(error) else NOT_AVAILABLE
 
-    column, noise = str(error_column(name, row)), row.pop("noise_n", row.pop("h0_noise_m", 0.0))
-    error, bias = row.pop(column) - noise * (name == "h0_m"), row.pop("out_of_phase_n", 0.0)
+    noise, bias = row.pop("noise_n", row.pop("h0_noise_m", 0.0)), row.pop("out_of_phase_n", 0.0)
+    error -= noise * (name == "h0_m")  # a gap's has both
     row.pop("error_95_percent" if name == "force_n" else "", None)
     tolerance = f" (tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
     number, _, rest = value_text(value, unit, error=max(error, noise)).partition("±")
@@ -184,7 +189,7 @@ def _effects(row: Row) -> Lines:
     other, edge = row.pop("geometry").removeprefix(THIS_SCENE), row.pop("edge_loss_upper_percent")
     status = row.pop("budget_status" if "budget_status" in row else "status")
     total = f"{change(*ends)} of the force" if isfinite(ends[0]) else NOT_AVAILABLE
-    total += f": {status}" * (status != "ok") + f" for this pad, but for {other}" * bool(other)
+    total += f": {status}" * (status != "ok") + f", below for {other}" * bool(other)
     total += ", not reliable" * bool({*invalid} - {*have, ""})
     lines = [("modelling error", total)]
     names = [name.removesuffix(REMAINDER) for name in row if name.endswith(REMAINDER)]
