@@ -67,12 +67,11 @@ def test_a_force_has_its_error_and_what_its_equation_leaves_out(study):
     assert force.scene.epsilon == pytest.approx(0.44)
     assert force.status == "ok"
     lines = str(force).splitlines()
-    assert lines[0].startswith("mean force          0.962")
     assert [line.split("  ")[1] for line in lines[3:5]] == ["gas inertia", "slip"]
     assert "operating point     h0 = 5 µm, hv = 2.2 µm, x = 0 m, y = 0 m" in lines
 
 
-def test_the_command_line_says_what_the_library_says(study, capsys):
+def test_the_command_line_says_what_the_library_says(study, capsys, refused):
     words = ["--config", str(study.config.path), "--h0=5um", "--hv=1.5um"]
     assert main(["simulate", *words, "--x", "-1mm", "--y", "0.5mm"]) == 0
     told = capsys.readouterr().out
@@ -80,8 +79,7 @@ def test_the_command_line_says_what_the_library_says(study, capsys):
     assert told.strip() == str(force)
     assert main(["simulate", *words, "--x", "-1mm", "--y", "0.5mm", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["force_n"] == float(force)
-    assert main(["simulate", *words, "--x", "-1mm,1mm", "--json"]) == 2
-    assert "--json prints one point" in capsys.readouterr().err
+    assert "--json prints one" in refused("simulate", *words, "--x=-1mm,1mm", "--json")
 
 
 def test_a_range_makes_a_curve_by_either_door(study, tmp_path):

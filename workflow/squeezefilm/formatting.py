@@ -136,7 +136,7 @@ def _result(row: Row) -> Lines:
     column, why = str(error_column(name, row)), f": {status}" * (status != "ok")
     error = row.pop(column, nan)
     if not isfinite(value):
-        row.pop("tolerance", None)
+        row.pop("tolerance" if name else "", None)
         return [(label_of(stem or "force"), NOT_AVAILABLE + why)] if name or why else []
 
     def off(error: float, source: str) -> str:
