@@ -13,6 +13,7 @@ from periodic_strip import PeriodicStrip
 from squeezefilm.film.profiles import Formula
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.formatting import in_lines
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities import model_error as budget_module
 from squeezefilm.quantities.adjoint import Fields
@@ -20,7 +21,7 @@ from squeezefilm.quantities.model_error import (
     BASIS,
     NAMES,
     ErrorBudget,
-    budget_text,
+    budget_row,
     edge_loss_remainder,
     error_budgets,
 )
@@ -175,6 +176,6 @@ def test_what_is_not_known_has_no_number(scene: Scene) -> None:
     assert all(isnan(each.percent) for each in still.effects.values())
     assert isnan(heated.effects["heat"].percent)
     assert round_pad.basis == BASIS
-    assert BASIS in budget_text(round_pad)
+    assert BASIS in in_lines(budget_row(round_pad))
     assert np.isnan([heated.sums(neglected_only=True), round_pad.sums(neglected_only=True)]).all()
     assert round_pad.effects["inertia"] != flat.effects["inertia"]

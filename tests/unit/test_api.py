@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import json
 import subprocess
 import sys
 
@@ -65,17 +66,20 @@ def test_a_force_has_its_error_and_what_its_equation_leaves_out(study):
     assert -0.3 < least < 0.1 < 0.5 < most < 1.0  # README: −0.16 to +0.77 %
     assert force.scene.epsilon == pytest.approx(0.44)
     assert force.status == "ok"
-    told = dict(line.split(maxsplit=1) for line in str(force).splitlines())
-    assert told["force"].startswith("0.962")
-    assert (told["h0"], told["x"]) == ("5 µm", "0 m")
-    assert "neglected: inertia +2.1 %" in told["modelling"]
+    lines = str(force).splitlines()
+    assert [line.split("  ")[1] for line in lines[3:5]] == ["gas inertia", "slip"]
+    assert "operating point     h0 = 5 µm, hv = 2.2 µm, x = 0 m, y = 0 m" in lines
 
 
-def test_the_command_line_says_what_the_library_says(study, capsys):
+def test_the_command_line_says_what_the_library_says(study, capsys, refused):
     words = ["--config", str(study.config.path), "--h0=5um", "--hv=1.5um"]
     assert main(["simulate", *words, "--x", "-1mm", "--y", "0.5mm"]) == 0
     told = capsys.readouterr().out
-    assert told.strip() == str(study.force("5 um", 1.5e-6, x=-1e-3, y="0.5 mm"))
+    force = study.force("5 um", 1.5e-6, x=-1e-3, y="0.5 mm")
+    assert told.strip() == str(force)
+    assert main(["simulate", *words, "--x", "-1mm", "--y", "0.5mm", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["force_n"] == float(force)
+    assert "--json prints one" in refused("simulate", *words, "--x=-1mm,1mm", "--json")
 
 
 def test_a_range_makes_a_curve_by_either_door(study, tmp_path):

@@ -81,5 +81,5 @@ def test_the_forces_of_the_walk_through_are_those_of_its_commands(
     for command, force in zip(commands, (example, exact), strict=True):
         words = command.replace("config/paper", f"{repository}/config/paper").split()
         assert cli.main(words) == 0
-        found = float(re.match(r"force +(\S+) ", capsys.readouterr().out).group(1))
+        found = float(re.match(r"mean force +(\S+) ", capsys.readouterr().out).group(1))
         assert f"{found:.{len(force) - 2}f}" == force, command

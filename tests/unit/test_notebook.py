@@ -14,7 +14,7 @@ import pytest
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 # The line about the device: points and iterations may differ between processors.
-OF_THE_MACHINE = "Krylov iterations"
+OF_THE_MACHINE = "GMRES iterations"
 
 
 def shown(cell: dict[str, Any]) -> str:

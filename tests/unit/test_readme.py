@@ -17,11 +17,10 @@ def test_the_force_is_the_one_that_is_shown(readme, capsys):
     command, *shown = re.findall(r"^    (.*)$", readme.partition("## One force")[2], re.MULTILINE)
     assert main(shlex.split(command.removeprefix("$ squeezefilm "))) == 0
     lines = capsys.readouterr().out.splitlines()
-    (device,) = [place for place, line in enumerate(lines) if line.startswith("method ")]
+    (device,) = [place for place, line in enumerate(lines) if line.startswith("device ")]
     assert [line for place, line in enumerate(lines) if place != device] == [
         line for place, line in enumerate(shown[: len(lines)]) if place != device
     ]
-    assert lines[device].split()[1] == "periodic"
 
 
 def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
@@ -31,6 +30,6 @@ def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
     names: dict[str, object] = {}
     exec(compile(code, "README.md", "exec"), names)
     told = capsys.readouterr().out
-    assert re.match(r"force +0\.95", told)
+    assert re.match(r"mean force +0\.95", told)
     assert "error_95_percent" in told
     assert len(names["curve"]) == 9

@@ -1,5 +1,8 @@
 """`squeezefilm response`: what a user gets, and what is said of a mistake."""
 
+import json
+import re
+
 import pandas as pd
 import pytest
 
@@ -10,10 +13,9 @@ ONE = ["response", "--h0", "5um", "--hv", "2.2um"]
 
 def test_one_scene_is_told_in_words_and_a_table(capsys):
     assert main([*ONE, "--frequencies", "100Hz,1kHz"]) == 0
-    words = [line.split() for line in capsys.readouterr().out.splitlines()]
-    told = {first: rest for first, *rest in words}
-    assert (told["static_gain"], told["instantaneous_gain"]) == (["2.17"], ["1.32"])
-    assert (told["100"][0], told["1000"][0]) == ("2.134", "1.644")
+    told = dict(re.split("  +", line) for line in capsys.readouterr().out.splitlines())
+    assert [told[f"{k} gain"] for k in ("static", "instantaneous")] == ["2.17", "1.32"]
+    assert told["gains"].startswith("frequency 100 Hz, gain 2.13, phase -4.09 °")
 
 
 def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
@@ -42,14 +44,12 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
 
 def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     """Forces at amplitudes 1 % apart: a gain of 2.16455 with inertia and 2.16695 without."""
-    assert main([*ONE, "--frequencies", "100Hz"]) == 0
-    told = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
-    slip = [
-        float(told[f"slip_{what}"].split()[0]) for what in ("gain", "corner", "rise", "release")
-    ]
+    assert main([*ONE, "--frequencies", "100Hz", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    slip = [told[f"slip_{what}_percent"] for what in ("gain", "corner", "rise", "release")]
     assert slip == pytest.approx([0.12, 7.6, -7.8, -8.0], rel=0.03)
-    assert told["inertia_gain"].startswith("-0.11 ± 0.0")
-    assert told["heat_gain"].startswith("0.0")
+    changes = [told[f"{effect}_gain_percent"] for effect in ("inertia", "heat")]
+    assert changes == pytest.approx([-0.11, 0.01], abs=0.01)
 
 
 @pytest.mark.parametrize("frequencies", ["10kHz", "0Hz,100Hz"])

@@ -6,8 +6,8 @@ import pytest
 from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
 from squeezefilm.errors import InputError
+from squeezefilm.formatting import in_lines, percent
 from squeezefilm.models.force_model import ExpressionModel, make_model
-from squeezefilm.units import in_lines
 
 
 def model(expression: str, **settings) -> ExpressionModel:
@@ -80,7 +80,7 @@ def test_a_position_is_cartesian_unless_the_formula_is_polar():
 
 
 def test_a_row_in_lines_has_texts_and_says_what_is_not_known():
-    row = {"h0_m": 4e-6, "others_m": "2e-06", "h0_modelling_error_lower_m": math.nan}
-    assert [line.split(maxsplit=1)[1] for line in in_lines(row).splitlines()] == [
-        *("4 µm", "2e-06 m", "not known"),
-    ]
+    row = {"h0_m": 4e-6, "damping_ratio": math.nan, "gain_percent": 5263.0}
+    shown = [line.split("  ")[-1].strip() for line in in_lines(row).splitlines()]
+    assert shown == ["not available", "5263 %", "h0 = 4 µm"]
+    assert percent(-0.499, 7e-5) == "-0.50 to +0.000070 %"

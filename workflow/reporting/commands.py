@@ -97,7 +97,7 @@ def recommend(options: argparse.Namespace) -> None:
     table = recommend(Results.of(options.results, options.config))
     if table["model"].isna().all():
         raise RunError(f"{options.results}: no model can be judged; models/*.md say why")
-    write_rows(table, options.output)
+    write_rows(table, options)
 
 
 @command(

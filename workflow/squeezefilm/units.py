@@ -16,10 +16,6 @@ Dimension = Mapping[str, Fraction]
 BASES = ("N", "m", "s", "deg", "K")
 NONE: Dimension = {}
 MOST_LEVELS = 10_000
-LEAST_MILLI = 1e-4
-NOT_KNOWN = ("modelling_error", "slip_", "inertia_gain_p", "heat_gain_p")
-"""Parts of the names of columns whose values are missed where there are none."""
-FACTORS = ("h0", "hv", "x", "y", "phi_r", "phi")
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -188,29 +184,3 @@ def error_column(name: str, names: Any) -> str | None:
     start = name.removesuffix(end)
     known = (f"{start}_error{end}", f"{start}_error_95{end}", *["error_95_n"] * (name == "force_n"))
     return next((each for each in known if each in names), None)
-
-
-def in_lines(row: Mapping[Any, Any]) -> str:
-    """A row of a table for people: a line for each value that there is, with unit and error."""
-    errors = {error for name in row if (error := error_column(name, row))}
-    shown: dict[str, str] = {}
-    for name, value in row.items():
-        label, unit = unit_of_column(name)
-        if value != value and any(part in name for part in NOT_KNOWN):
-            shown[label] = "not known"
-        if name in errors or value is None or value == "" or value != value:
-            continue
-        size = 1.0
-        if isinstance(value, float) and unit in ("m", "s") and 0 < abs(value) < 1:
-            prefix, size = ("m", 1e3) if abs(value) >= LEAST_MILLI else ("µ", 1e6)
-            unit = prefix + unit
-        # Without an error three digits, and all before the point; a factor as it was asked for.
-        text = str(value)
-        if isinstance(value, float):
-            digits = 6 if label in FACTORS else max(3, len(f"{abs(value * size):.0f}"))
-            text = f"{value * size:.{digits}g}"
-        if error := error_column(name, row):
-            text = " ± ".join(to_its_error(size * value, size * row[error]))
-        shown[label] = f"{text} {unit}".strip()
-    wide = max(map(len, shown))
-    return "\n".join(f"{label:{wide}}  {text}" for label, text in shown.items())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -17,12 +17,12 @@ from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK, validity
+from squeezefilm.formatting import NUMBERS, in_lines
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
     budget_row,
-    budget_text,
     error_budgets,
     excluded_terms,
 )
@@ -30,12 +30,11 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.reynolds.solver import previews
-from squeezefilm.reynolds.terms import notes_of
-from squeezefilm.solution import Solutions, as_in
+from squeezefilm.reynolds.terms import notes_of, scene_row
+from squeezefilm.solution import SOLUTION_COLUMNS, Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import film_in, scenes_in
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_scenes, read_timings, table_writer
-from squeezefilm.units import in_lines
 
 if TYPE_CHECKING:
     from squeezefilm.film.measured.smooth import SmoothedScan
@@ -43,7 +42,7 @@ if TYPE_CHECKING:
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
 NOT_ASKED = "not asked for"
-ALIKE = ["method", "domain", "terms", "simplifications"]
+ALIKE = ["method", "domain", "terms", "simplifications", "status", "validity", "notes"]
 
 
 @dataclass(frozen=True)
@@ -61,6 +60,7 @@ class Force:
             that holds the noise's part in 95 % of all scans; ``out_of_phase_n``, by what the force
             is low without the motion out of phase; ``scan_error_n``, both. None without a scan.
         device: the name of the OpenCL device.
+        tolerance: the required relative error.
         notes: which terms ``auto`` could not include and why, and what was seen of the scan.
 
     Answers beside the force that were asked for are ``solution.outputs``.
@@ -71,6 +71,7 @@ class Force:
     budget: ErrorBudget
     scan: Mapping[str, float] | None
     device: str
+    tolerance: float
     notes: tuple[str, ...] = ()
 
     @property
@@ -108,30 +109,23 @@ class Force:
     def __float__(self) -> float:
         return self.force_n
 
-    def __str__(self) -> str:
-        scene, found = self.scene, self.solution
-        parts: dict[str, float] = {}
-        if self.scan is not None:
-            parts = {f"scan's {name}": self.scan[name] for name in ("noise_n", "out_of_phase_n")}
-            parts["solver's error_n"] = found.force_error_n
-        row = {
-            "force_n": self.force_n,
-            "force_error_n": self.error_n,
-            **parts,
-            "modelling error": budget_text(self.budget),
-            **{name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")},
-            "epsilon": scene.epsilon,
-            "sigma": scene.sigma,
-            "method": f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
-            f"{found.krylov_iterations} Krylov iterations, on {self.device}",
-            "simplifications": found.simplifications,
-            "validity": self.validity,
-            **found.asked_columns,
+    @property
+    def row(self) -> dict[str, Any]:
+        """All that is known of the force, by the names of columns; its error is the solver's."""
+        budget, scan = budget_row(self.budget), self.scan or {}
+        return {
+            **scene_row(self.scene),
+            **{name: getattr(self.solution, name) for name in SOLUTION_COLUMNS},
+            **{name: scan[name] for name in ("noise_n", "out_of_phase_n") if name in scan},
+            **(budget | {"budget_status": budget["status"], "status": self.status}),
+            **self.solution.asked_columns,
+            "tolerance": self.tolerance,
+            "device": self.device,
+            "notes": [each.removeprefix("note: ") for each in (*self.notes, *notes_of(self.scene))],
         }
-        notes = (*self.notes, *notes_of(scene), *([self.status] * (self.status != OK)))
-        return "\n".join(
-            [in_lines(row), *("note: " + note.removeprefix("note: ") for note in notes)]
-        )
+
+    def __str__(self) -> str:
+        return in_lines(self.row)
 
     __repr__ = __str__
 
@@ -181,7 +175,10 @@ def forces_of(
         scans = dict(zip(known, errors, strict=True))  # type: ignore[arg-type]
         warnings = smoothed.warnings
     return [
-        Force(scene, solutions[k], beyond[k], scans.get(k), device.name, (*warnings, *notes[k]))
+        Force(
+            *(scene, solutions[k], beyond[k], scans.get(k), device.name, settings.tolerance),
+            (*warnings, *notes[k]),
+        )
         for k, scene in enumerate(scenes)
     ]
 
@@ -259,19 +256,15 @@ def budget_table(
     return pd.concat([table, pd.DataFrame(rows)], axis=1)
 
 
-def preview_table(
-    scenes: Sequence[Scene], *, settings: SolverSettings, device: Device
-) -> pd.DataFrame:
+def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.DataFrame:
     """A row for each scene: its numbers, method, domain, terms and first grid, nothing solved.
 
-    But for what decides on terms that are ``auto``: a state on a coarse grid.
+    Terms that are ``auto`` must be decided.
     """
-    scenes = settings.resolved(scenes, device)
-    numbers = ("point_id", "epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
     found, rows = previews(scenes, tolerance=settings.tolerance, method=settings.method), []
     for scene, preview in zip(scenes, found, strict=True):
         row = {
-            **{name: getattr(scene, name) for name in numbers},
+            **{name: getattr(scene, name) for name in ("point_id", *NUMBERS)},
             "method": preview.method,
             "status": preview.status,
             "validity": validity(scene),
@@ -294,22 +287,19 @@ def preview_table(
     return pd.DataFrame(rows)
 
 
-def preview_text(table: pd.DataFrame, *, tolerance: float) -> str:
-    """A table of previews in words: one scene by itself, several by how they are treated."""
-    if len(table) == 1:
-        return in_lines(table.drop(columns=["point_id", "simplifications"]).to_dict("records")[0])
-    largest = {name: (name, "max") for name in ("nx", "ny", "nt", "expected_error")}
-    summary = table.groupby(ALIKE, sort=False, as_index=False).agg(
-        scenes=("point_id", "size"), **largest, expected_mflop=("expected_mflop", "sum")
-    )
-    lines = [f"{len(table)} scenes at tolerance {tolerance:g}:", ""]
-    lines.append(summary.to_string(index=False, float_format="{:.3g}".format))
-    for column in ("status", "validity", "outputs_refused", "notes"):
-        for words, alike in table.groupby(column, sort=False) if column in table else ():
-            if words not in ("", OK):
-                first = alike["point_id"].iloc[0]
-                lines.append(f"{column} of {len(alike)} scenes, such as point {first}: {words}")
-    return "\n".join(lines)
+def preview_rows(
+    scenes: Sequence[Scene], table: pd.DataFrame, *, tolerance: float
+) -> Iterator[dict[str, Any]]:
+    """Rows to be shown of a table of previews: one for all scenes that are treated alike."""
+    for rows in table.groupby(ALIKE, sort=False).indices.values():
+        first, mflop = rows[0], table["expected_mflop"].iloc[rows].sum()
+        count = (
+            {"scenes": f"{len(rows)} of {len(table)}, the first of them:"} if len(table) > 1 else {}
+        )
+        row = count | scene_row(scenes[first]) | {"tolerance": tolerance}
+        row |= table.iloc[first].to_dict() | {"expected_mflop": mflop}
+        why = [each for each in row["why"].split("; ") if "mirror half" not in each]
+        yield row | {"why": why}
 
 
 PIECE = 4096

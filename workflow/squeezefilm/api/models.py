@@ -13,6 +13,7 @@ from squeezefilm.api.film import Film, Position, Values, levels, points_of
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import OK
+from squeezefilm.formatting import in_lines
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import solver_settings
@@ -55,6 +56,11 @@ class Fit:
     def name(self) -> str:
         """The model's name."""
         return self.model.model
+
+    @property
+    def about(self) -> dict[str, str]:
+        """The model's name and what is known of its error, as a row."""
+        return {"model": self.name, "validation": self.statement}
 
     @property
     def theta(self) -> dict[str, float]:
@@ -159,16 +165,11 @@ class Fit:
 
     def __str__(self) -> str:
         fit = self.model
-        units = fit.force_model.parameter_units
-        theta = ", ".join(
-            f"{name} = {value:.6g}" + (f" {unit}" if unit != "1" else "")
-            for (name, value), unit in zip(self.theta.items(), units, strict=True)
-        )
-        return (
-            f"{fit.model}: {fit.force_model.expression}\n{theta or 'no parameters'}\n"
-            f"fitted to {fit.points} points, global error {100 * fit.global_error:.2g} %\n"
-            f"{fit.statement}"
-        )
+        units = dict(zip(self.theta, fit.force_model.parameter_units, strict=True))
+        theta = {name: f"{value:.6g} {units[name]}" for name, value in self.theta.items()}
+        formula = f"{self.name}: {fit.force_model.expression}"
+        row = {"formula": formula, **theta, "fitted_points": fit.points}
+        return in_lines(row | {"global_error": fit.global_error, "validation": self.statement})
 
     __repr__ = __str__
 

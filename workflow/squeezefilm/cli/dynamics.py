@@ -9,6 +9,7 @@ from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
+    JSON,
     SCENES,
     SOLVER,
     command,
@@ -17,6 +18,7 @@ from squeezefilm.cli.options import (
     points,
     points_in,
     points_or_scenes,
+    shown,
     write_rows,
 )
 from squeezefilm.dynamics.levitation import levitations, trustworthy
@@ -25,8 +27,9 @@ from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import GAPS_M, OK
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import one_build_at_a_time
+from squeezefilm.reynolds.terms import scene_row
 from squeezefilm.studies.solver_settings import device_of, solver_settings
-from squeezefilm.tables import read_scenes
+from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities, quantity
 
 AMPLITUDES_M = (1e-9, 1e-4)
@@ -70,7 +73,7 @@ def levitate(options: argparse.Namespace) -> None:
     if mass_kg is not None and mass_kg <= 0:
         raise InputError(f"--mass {options.mass!r} must be positive")
     loads_n = _loads(options, mass_kg=mass_kg)
-    points = points_in(options)
+    points = points_in(options, times=len(loads_n))
     least, most = AMPLITUDES_M
     for wrong in points.loc[~points["hv_m"].between(least, most), "hv_m"]:
         raise InputError(f"--hv: {wrong:g} m must lie within {least:g} … {most:g} m")
@@ -81,14 +84,16 @@ def levitate(options: argparse.Namespace) -> None:
     how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
     scan = film.scan
     off_n = scan_error_of(scan, device=device)
-    table = levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg)
+    alone = options.output is None and len(scenes) * len(loads_n) == 1
+    table = levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg, whole=alone)
     if scan is not None:
-        without = "note: errors of stiffness are without the scan's"
+        without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     status = table["status"].iloc[0]
-    if options.output is None and len(table) == 1 and status != OK:
+    if options.json or status == OK or not alone:
+        write_rows(table, options)
+    if alone and status != OK:
         raise RunError(f"{status}; {trustworthy(scenes[0], **how)}")
-    write_rows(table, options.output)
 
 
 def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]:
@@ -118,7 +123,7 @@ def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]
         f"of the modulation: several with commas, or first:last:count; {FREQUENCIES}",
         default=FREQUENCIES,
     ),
-    *(CONFIG, DEVICE),
+    *(CONFIG, DEVICE, JSON),
     points(many=False),
 )
 def response(options: argparse.Namespace) -> None:
@@ -164,9 +169,14 @@ def response(options: argparse.Namespace) -> None:
             raise RunError(found["status"].iloc[0])
         for reason in gained.loc[gained["status"] != OK, "status"] if alone else ():
             raise InputError(f"--frequencies {options.frequencies}: {reason}")
-        write_rows(found, options.output)
-    if alone or options.gains is not None:
-        shown = ["frequency_hz", "gain", "phase_deg", "error"]
-        write_rows(gained if options.gains else gained[shown], options.gains)
+        if alone and options.output is None:
+            own = gained[["frequency_hz", "gain", "phase_deg", "error"]].to_dict("records")
+            row = found.to_dict("records")[0] | {"gains": own, **scene_row(scenes[0].viscous())}
+            row["equation"] = f"period-averaged {row['equation']}"
+            print(shown(row, options))
+        else:
+            write_rows(found, options)
+    if options.gains is not None:
+        write_table(gained, options.gains)
     if options.steps is not None:
-        write_rows(all_steps(table, scenes), options.steps)
+        write_table(all_steps(table, scenes), options.steps)

@@ -9,27 +9,29 @@ from typing import Any
 from squeezefilm.api.film import INSTANTS, PLACES, Film
 from squeezefilm.api.forces import (
     budget_table,
-    force_of,
     forces_of,
     forces_table,
     missing_of,
+    preview_rows,
     preview_table,
-    preview_text,
     simulate_table,
 )
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
+    JSON,
     OUTPUT,
     POINTS,
     SCENES,
     SOLVER,
+    check_json,
     command,
     film_at,
     flag,
     option,
     points,
     points_or_scenes,
+    shown,
     write_rows,
 )
 from squeezefilm.errors import InputError, RunError, naming
@@ -90,10 +92,13 @@ def simulate(options: argparse.Namespace) -> None:
         with naming(path):
             scenes = film.scenes(read_scenes(path) if path else points)
         device = device_of(film.config, option=options.device)
-        table = preview_table(scenes, settings=settings, device=device)
+        resolved = settings.resolved(scenes, device)
+        table = preview_table(resolved, settings=settings)
+        check_json(options, len(table))
         if options.output is not None:
             write_table(table, options.output)
-        print(preview_text(table, tolerance=settings.tolerance))
+        rows = preview_rows(resolved, table, tolerance=settings.tolerance)
+        print(*(shown(row, options) for row in rows), sep="\n\n")
     elif path is None:
         _simulate_points(points, options, film, settings)
     else:
@@ -111,12 +116,12 @@ def _simulate_points(
     device = device_of(film.config, option=options.device)
     how: dict[str, Any] = {"settings": settings, "device": device, "smoothed": smoothed}
     alone = len(scenes) == 1 and not options.output
+    how["budget"] = alone or options.budget
+    forces = forces_of(scenes, derivatives=options.derivatives, **how)
     if alone:
-        forces = [force_of(scenes[0], derivatives=options.derivatives, **how)]
-        print(forces[0])
+        print(shown(forces[0].row, options))
     else:
-        forces = forces_of(scenes, derivatives=options.derivatives, budget=options.budget, **how)
-        write_rows(forces_table(pd.DataFrame(points), forces), options.output)
+        write_rows(forces_table(pd.DataFrame(points), forces), options)
         for warning in smoothed.warnings if smoothed else ():
             print(warning, file=sys.stderr)
     failures = [
@@ -131,8 +136,8 @@ def _simulate_points(
 
 
 def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSettings) -> None:
-    if options.output is None:
-        raise InputError("a table of scenes needs --output")
+    if options.output is None or options.json:
+        raise InputError("a table of scenes needs --output, and has no --json")
     if options.budget:
         raise InputError("--budget is of points; `squeezefilm budget` is of a table of scenes")
     failures, incomplete = simulate_table(
@@ -155,7 +160,7 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
         raise RunError(f"{what} for " + "; ".join(missing))
 
 
-@command(SCENES, OUTPUT, CONFIG, DEVICE, points())
+@command(SCENES, OUTPUT, CONFIG, DEVICE, JSON, points())
 def budget(options: argparse.Namespace) -> None:
     """Estimate the modelling error of each force: inertia, heat, slip, edge loss, sliding, in %.
 
@@ -175,8 +180,7 @@ def budget(options: argparse.Namespace) -> None:
     """
     points, film = points_or_scenes(options), film_at(options.config)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)
-    table = budget_table(scenes, film.config, device_name=options.device)
-    write_rows(table, options.output)
+    write_rows(budget_table(scenes, film.config, device_name=options.device), options)
 
 
 @command(

@@ -3,7 +3,7 @@
 import argparse
 
 from squeezefilm.api.models import Fit
-from squeezefilm.cli.options import FIT, OUTPUT, command, option, points, points_in, write_rows
+from squeezefilm.cli.options import FIT, SHOWN, command, option, points, points_in, write_rows
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.validity import OK
@@ -12,7 +12,7 @@ from squeezefilm.models.fit_file import FILM_UNKNOWN
 from squeezefilm.tables import read_columns
 
 
-@command(FIT, option("--points", "POINTS.csv", "points as a table"), OUTPUT, points())
+@command(FIT, option("--points", "POINTS.csv", "points as a table"), *SHOWN, points())
 def predict(options: argparse.Namespace) -> None:
     """Forces by a fitted model, from its file alone.
 
@@ -38,8 +38,7 @@ def predict(options: argparse.Namespace) -> None:
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=place)
-    write_rows(predicted, options.output)
-    print(fit.statement)
+    write_rows(predicted, options, **fit.about)
     valid = predicted["validity"].iloc[0]
     alone = len(predicted) == 1 and not (options.points or options.output)
     if alone and valid not in (OK, FILM_UNKNOWN):
@@ -49,7 +48,7 @@ def predict(options: argparse.Namespace) -> None:
 @command(
     FIT,
     option("--force", "QUANTITY", "wanted, e.g. 1.0N", required=True),
-    OUTPUT,
+    *SHOWN,
     points("hv"),
 )
 def working_point(options: argparse.Namespace) -> None:
@@ -66,8 +65,7 @@ def working_point(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
-    write_rows(fit.working_points_at(points_in(options), options.force), options.output)
-    print(fit.statement)
+    write_rows(fit.working_points_at(points_in(options), options.force), options, **fit.about)
 
 
 @command(

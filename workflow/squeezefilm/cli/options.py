@@ -6,7 +6,7 @@ The docstring of a command is its help.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,10 +15,11 @@ from squeezefilm.api.film import Film, columns_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.formatting import in_lines, json_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import write_table
-from squeezefilm.units import error_column, in_lines, to_its_error
+from squeezefilm.units import error_column, to_its_error
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""
@@ -69,11 +70,13 @@ STUDY = option("--config", "CONFIG.yaml", "the study", required=True)
 DEVICE = option("--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device")
 TOLERANCE = option("--tolerance", help="instead of the config's solver.tolerance", type=float)
 METHOD = option("--method", help="instead of the config's solver.method", choices=METHODS)
-SOLVER = (CONFIG, TOLERANCE, METHOD, DEVICE)
+JSON = flag("--json", "print one point as a JSON object, whose keys are names of columns")
+SOLVER = (CONFIG, TOLERANCE, METHOD, DEVICE, JSON)
 FIT = option("fit", "FIT.json", "the fitted model")
 FORCES = option("forces", "FORCES.csv", "simulated forces")
 SCENES = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
 OUTPUT = option("--output", "TABLE.csv", "table to write, else it is shown")
+SHOWN = (OUTPUT, JSON)
 
 
 def film_at(path: str | None) -> Film:
@@ -86,12 +89,14 @@ def film_at(path: str | None) -> Film:
     return Film(load_config(path or PAPER_CONFIG, model=FilmSections))
 
 
-def columns_in(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
+def columns_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[float, ...]]:
     """Every combination of the options' values, a column for each factor given.
 
     Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
-    return columns_of(option="--{}", **{name: getattr(options, name, None) for name in POINTS})
+    found = columns_of(option="--{}", **{name: getattr(options, name, None) for name in POINTS})
+    check_json(options, times * len(next(iter(found.values()), ())))
+    return found
 
 
 def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
@@ -105,25 +110,47 @@ def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]
     return points
 
 
-def points_in(options: argparse.Namespace) -> pd.DataFrame:
-    """The same as a table."""
-    return pd.DataFrame(columns_in(options))
+def points_in(options: argparse.Namespace, times: int = 1) -> pd.DataFrame:
+    """The same as a table, of whose points each has so many results."""
+    return pd.DataFrame(columns_in(options, times))
 
 
-def write_rows(table: pd.DataFrame, path: str | None) -> None:
-    """Write a table, or print it for people where no path is given: one row in lines.
+def check_json(options: argparse.Namespace, count: int) -> None:
+    """Raise InputError where ``--json`` is given for other than one point, or with a table."""
+    if getattr(options, "json", False) and (count > 1 or options.output):
+        raise InputError("--json prints one point: give a single one, and no --output")
+
+
+def shown(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
+    """Return one result as lines for people, or as a JSON object for scripts."""
+    return json_text(row) if getattr(options, "json", False) else in_lines(row)
+
+
+def write_rows(table: pd.DataFrame, options: argparse.Namespace, **about: str) -> None:
+    """Write a table to ``--output``, or print it: one row in lines, or as a JSON object.
 
     What is printed has no more digits than its error leaves.
+
+    Args:
+        about: what is known of all rows.
     """
-    if path:
-        write_table(table, path)
+    check_json(options, len(table))
+    if options.output:
+        write_table(table, options.output)
+    elif len(table) == 1:
+        print(shown(table.to_dict("records")[0] | about, options))
         return
-    if len(table) == 1:
-        print(in_lines(table.to_dict("records")[0]))
-        return
-    shown = table.copy()
+    else:
+        print_table(table)
+    if about:
+        print(in_lines(about))
+
+
+def print_table(table: pd.DataFrame) -> None:
+    """Print a table for people."""
+    texts = table.copy()
     for name in map(str, table):
         if error := error_column(name, table):
             pairs = [to_its_error(*each) for each in zip(table[name], table[error], strict=True)]
-            shown[name], shown[error] = zip(*pairs, strict=True)
-    print(shown.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))
+            texts[name], texts[error] = zip(*pairs, strict=True)
+    print(texts.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))

@@ -13,12 +13,12 @@ from squeezefilm.config.loading import effective_text, load_config, parse_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
+from squeezefilm.formatting import in_lines
 from squeezefilm.models.force_model import NAMING, SPACES, check_models
 from squeezefilm.provenance import versions
 from squeezefilm.reynolds.device import choose_device, describe, device_name, list_devices
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
-from squeezefilm.units import in_lines
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
 

@@ -3,9 +3,8 @@
 import argparse
 from pathlib import Path
 
-import pandas as pd
-
-from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, write_rows
+from squeezefilm.api.models import Fit
+from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, print_table, shown
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import naming
 from squeezefilm.files import digest
@@ -88,7 +87,7 @@ def fit(options: argparse.Namespace) -> None:
     if options.runs:
         write_table(runs, options.runs)
     write_json(fitted.to_dict(), options.output)
-    print(fitted.statement)
+    print(Fit(fitted))
 
 
 @command(
@@ -107,7 +106,7 @@ def validate(options: argparse.Namespace) -> None:
     with naming(f"{options.fit} on {options.forces}"):
         table, summary = errors_on(fitted, forces, config)
     write_table(table, options.output)
-    write_rows(pd.DataFrame([summary]), None)
+    print(shown(summary, options))
 
 
 @command(
@@ -145,4 +144,4 @@ def optimal(options: argparse.Namespace) -> None:
             existing=read_scenes(options.existing) if options.existing else None,
         )
     write_table(found["designs"], options.output)
-    write_rows(found["efficiencies"][["plan", "points", "d_efficiency", "lower_bound"]], None)
+    print_table(found["efficiencies"][["plan", "points", "d_efficiency", "lower_bound"]])

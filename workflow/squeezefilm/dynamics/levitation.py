@@ -23,6 +23,7 @@ from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import (
     OPEN,
     ErrorBudget,
+    budget_row,
     error_budgets,
     excluded_terms,
     resolve_auto_terms,
@@ -30,7 +31,7 @@ from squeezefilm.quantities.model_error import (
 from squeezefilm.quantities.outputs import STEP, falls
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import notes_of
+from squeezefilm.reynolds.terms import notes_of, scene_row
 from squeezefilm.tables import read_forces
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
@@ -375,6 +376,7 @@ def levitations(
     how: dict[str, Any],
     scan_error_n: Callable[[Scene], float],
     mass_kg: float | None = None,
+    whole: bool = False,
 ) -> pd.DataFrame:
     """A table with a row for each scene and load, whose gap is sought.
 
@@ -382,6 +384,8 @@ def levitations(
         how: the settings of ``levitate``.
         scan_error_n: what the scan of a measured profile leaves open in a scene's force.
         mass_kg: that floats, for its resonance.
+        whole: with the columns of scenes and error budgets too, and with ``h0_noise_m``, the part
+            of the gap's error that the scan leaves open.
     """
     rows = []
     with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
@@ -395,6 +399,8 @@ def levitations(
                     notes = [*found.notes]
                     if basis := found.budget.basis:
                         notes.append(f"neglected effects: of {basis}")
+                    row |= scene_row(found.scene) | budget_row(found.budget)
+                    row |= {"budget_status": found.budget.status, "h0_noise_m": more_m}
                     row |= {name: of(found) for name, of in COLUMNS.items()}
                     if mass_kg is not None:
                         moving = resonance(found, mass_kg=mass_kg)
@@ -408,4 +414,4 @@ def levitations(
                 bar.update(1)
     columns = ["load_n", "hv_m", *COLUMNS, "status", "note"]
     columns += ["resonance_hz", "damping_ratio"] if mass_kg is not None else []
-    return pd.DataFrame(rows).reindex(columns=columns)
+    return pd.DataFrame(rows) if whole else pd.DataFrame(rows).reindex(columns=columns)

@@ -49,18 +49,11 @@ SLIP_REMAINDER = 1.2
 EDGE_LOSS_REMAINDER, EDGE_LOSS_PER_EPSILON = 0.022, 0.04
 # Of the convected profile, for each unit of the squared bearing number (marched on a strip).
 CONVECTED_REMAINDER = 4.0
-# The effects, by their names in tables, and in words.
-CALLED = {
-    "inertia": "inertia",
-    "heat": "heat",
-    "depth_averaged": "the error of depth-averaged terms",
-    "slip": "slip",
-    "flow_factor": "slip beyond first order",
-    "edge_loss": "inlet loss at the film edge",
-    "bearing": "sliding",
-    "convected": "convection of the mode shape past a sliding pad",
-}
-NAMES = tuple(CALLED)
+# The effects, by their names in tables.
+NAMES = (
+    *("inertia", "heat", "depth_averaged", "slip", "flow_factor"),
+    *("edge_loss", "bearing", "convected"),
+)
 
 
 class Effect(NamedTuple):
@@ -421,31 +414,6 @@ def _refused(scene: Scene, name: str, method: str) -> str:
     return refused_on_grid(scene, terms_of(scene))
 
 
-# Per cent of the force, from which on the error of depth-averaged terms is shown.
-LEAST_SHOWN = 0.01
-ABOVE = " (first order, outside its range)"
-
-
-def budget_text(budget: ErrorBudget) -> str:
-    """Return the modelling error of a force, and the effects that it neglects and includes."""
-    if budget.status != "ok":
-        return f"not known: {budget.status}"
-    lower, upper = budget.modelling_error_percent
-    total = "not known" if isnan(lower) else f"{_band(lower, upper)} of the force"
-    if budget.first_order_invalid:
-        total += f" (outside the range of first orders: {', '.join(budget.first_order_invalid)})"
-    parts = [total + (f" (of {budget.basis})" if budget.basis else "")]
-    for what, included in (("neglected", False), ("included", True)):
-        effects = [
-            _shown(name, effect)
-            for name, effect in budget.effects.items()
-            if effect.included == included
-            and not (effect.upper_percent < LEAST_SHOWN if effect.estimate else effect.percent == 0)
-        ]
-        parts += [f"{what}: {', '.join(effects)}"] if effects else []
-    return "; ".join(parts)
-
-
 def budget_row(budget: ErrorBudget) -> dict[str, object]:
     """A budget as columns of a table, in per cent of the force.
 
@@ -470,20 +438,3 @@ def budget_row(budget: ErrorBudget) -> dict[str, object]:
         "geometry": budget.basis or THIS_SCENE,
         "status": budget.status,
     }
-
-
-def _shown(name: str, effect: Effect) -> str:
-    label = CALLED[name].removeprefix("the ")
-    if isnan(effect.percent):
-        return f"{label} not known"
-    if effect.estimate:
-        return f"{label} about {effect.percent:+.2g} % ± {effect.remainder_percent:.1g} %"
-    above = "" if effect.usable else ABOVE
-    if name == "edge_loss":
-        ends = sorted((each * effect.percent for each in (ENTRANCE_LEAST, ENTRANCE_MOST)), key=abs)
-        return f"{label} {_band(*ends)}{above}"
-    return f"{label} {effect.percent:+.2g} %{above}"
-
-
-def _band(first: float, last: float) -> str:
-    return f"{first:+.2g} to {last:+.2g} %"

@@ -46,7 +46,7 @@ class AnyGap(Term):
     NAME = "any_gap"
     OVER_PERIOD = "terms/gap_over_period.cl"
     IN_SINGLE = True
-    ABSENT = Simplification("gap of any shape", "it is even at rest and moves in one phase")
+    ABSENT = Simplification("gap of any shape", "it is uniform at rest and moves in phase")
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:

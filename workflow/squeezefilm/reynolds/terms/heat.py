@@ -53,7 +53,7 @@ class Heat(Term):
     label: str = "heat"
 
     NAME = "heat"
-    ABSENT = Simplification("heat", "gas.heat is none")
+    ABSENT = Simplification("heat", "not included by gas.heat", "isothermal")
     OVER_PERIOD = "terms/heat_over_period.cl"
     HOOKS = ("residual", "response")
     OWN_FIELDS = 9

@@ -65,7 +65,7 @@ class Inertia(Term):
     label: str = "inertia"
 
     NAME = "inertia"
-    ABSENT = Simplification("inertia", "gas.inertia is none")
+    ABSENT = Simplification("inertia", "not included by gas.inertia", "no inertia")
     OVER_PERIOD = "terms/inertia_over_period.cl"
     HOOKS = ("residual", "response", "step", "carry")
     UNKNOWN_FIELDS = 2

@@ -43,7 +43,7 @@ class Rarefaction(Term):
     """``label`` is the gas' ``rarefaction``, ``slip`` or ``fukui-kaneko``."""
 
     NAME = "rarefaction"
-    ABSENT = Simplification("rarefaction", "gas.rarefaction is none")
+    ABSENT = Simplification("rarefaction", "gas.rarefaction is none", "no slip")
 
     @classmethod
     def of(cls, scene: Scene) -> Rarefaction | None:

@@ -35,10 +35,15 @@ Arrays = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Simplification:
-    """One thing that a scene does not need, and why not."""
+    """One thing that a scene does not need, and why not.
+
+    Attributes:
+        assumption: what the equation assumes without a term; empty where that is said elsewhere.
+    """
 
     what: str
     why: str
+    assumption: str = ""
 
 
 @dataclass(frozen=True)

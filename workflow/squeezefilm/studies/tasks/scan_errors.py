@@ -16,6 +16,7 @@ from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Directions
+from squeezefilm.formatting import in_lines, percent
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
@@ -94,7 +95,7 @@ def errors_in_study(config: Config, smoothed: SmoothedScan) -> pd.DataFrame:
 def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
     """Smooth the scan of a study and simulate some of its scenes with other noise.
 
-    Returns: forces of some scenes, the profile as a table, and a summary in numbers and in words.
+    Returns: forces of some scenes, the profile as a table, and a summary in numbers and as lines.
 
     Raises InputError for a study whose profile is not measured.
     """
@@ -123,22 +124,22 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
         "largest_force_error_share": error,
         "notes": smoothed.warnings,
     }
-    phases = f"motion out of phase {100 * smoothed.quadrature:.2g} % in rms with its noise"
-    lines = [
-        f"points {len(smoothed.measured_m)}",
-        *[f"outliers, not fitted {len(outliers)} (lines {str(outliers[:6])[1:-1]})"][
-            : len(outliers)
-        ],
-        f"degree of the modes {smoothed.fit.degree}",
-        f"largest amplitude {peak_um:.4g} µm",
-        f"noise {100 * smoothed.noise_m / smoothed.peak_m:.2g} % of it",
-        f"standard error of the profile {100 * unsure:.2g} % of it, at most",
-        f"error of a force by the noise {100 * noise:.2g} % at most, at 95 %",
-        phases + ("" if complex_ else ", neglected"),
-        *smoothed.warnings,
-    ]
-    table = profile_table(smoothed).assign(note="; ".join(lines))
-    return forces, table, summary, "\n".join(lines)
+    point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
+    rms = f"{percent(100 * smoothed.quadrature, sign='')} rms with its noise"
+    row = {
+        "measurement noise of a force": f"at most {percent(100 * noise, sign='')} (95 %)",
+        "largest amplitude": f"{peak_um:.4g} µm",
+        "noise of a point": f"{point_noise} of the largest amplitude",
+        "standard error of the profile": f"at most {percent(100 * unsure, sign='')} of it",
+        "quadrature motion": rms + ("" if complex_ else ", neglected"),
+        "points": len(smoothed.measured_m),
+        "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
+        "degree of the modes": smoothed.fit.degree,
+        "notes": [each.removeprefix("note: ") for each in smoothed.warnings],
+    }
+    text = in_lines(row if outliers else row | {"outliers": ""})
+    shown = "; ".join(" ".join(line.split()) for line in text.splitlines())
+    return forces, profile_table(smoothed).assign(note=shown), summary, text
 
 
 def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:

@@ -1,0 +1,230 @@
+"""Results for people, a line ``label  value unit`` for each item, and for scripts as JSON.
+
+Both come from a row: values by the names of a table's columns. A function that takes something from
+a row removes it, so that the columns that nothing takes are shown by their names.
+"""
+
+import json
+from collections.abc import Mapping
+from math import floor, isfinite, log10, nan
+from typing import Any
+
+from squeezefilm.tables import THIS_SCENE
+from squeezefilm.units import error_column, to_its_error, unit_of_column
+
+LABELS = {
+    "force": "mean force",
+    "h0": "gap h0",
+    "hv": "amplitude hv",
+    "corner": "corner frequency",
+    "rise": "rise time",
+    "release": "release time",
+    "error_95": "prediction error of the force (95 %)",
+    "error_99": "prediction error (99 %)",
+    "profile_uncertainty": "measurement noise (95 %)",
+    "inertia": "gas inertia",
+    "bearing": "Couette term",
+    "gap that is shaped at rest": "non-uniform gap",
+    "vibration in two phases": "two quadrature components",
+    "edge_loss": "edge inflow loss",
+    "flow_factor": "slip beyond first order",
+    "epsilon": "excursion ratio",
+    "sigma": "squeeze number",
+    "knudsen": "Knudsen number",
+    "modified_reynolds": "modified Reynolds number",
+    "why": "not needed",
+    "notes": "note",
+    "expected_mflop": "expected cost (Mflop)",
+}
+"""Of columns without their unit, where the name itself is none."""
+NUMBERS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
+FACTORS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
+RESULTS = ("force_n", "h0_m", "hv_m")
+LAST = ("device", "model", "validation", "why", "notes", "note")
+FRACTIONS = ("error", "expected_error", "global_error", "worst_relative_error", "worst_error")
+NOT_SHOWN = {"point_id", "terms", "domain", "inertia", "newton_steps", "residual"} | {
+    *("sum_lower_percent", "sum_upper_percent", "bearing_percent"),
+    *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
+}
+NOT_AVAILABLE, REMAINDER = "not available", "_remainder_percent"
+LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.01
+
+Row = dict[str, Any]
+Lines = list[tuple[str, str]]
+
+
+def label_of(name: str) -> str:
+    """Return the label of a column without its unit."""
+    effect, _, what = name.partition("_")
+    if effect in ("slip", "inertia", "heat") and what:
+        return f"modelling error of {label_of(what)} ({effect})"
+    spaced = name.replace("dforce_d", "dF/d ").replace("_", " ") if name.islower() else name
+    return LABELS.get(name, spaced)
+
+
+def plain(value: float, *, sign: str = "+", digits: int = 2, least: float = LEAST_PLAIN) -> str:
+    """Return some digits of a number, and all before the point; an exponent below the least."""
+    shown = f"{value:{sign}.{digits - 1}e}"
+    if not isfinite(value) or 0 < abs(value) < least:
+        return shown
+    places = digits - 1 - floor(log10(abs(float(shown)))) if value else 0
+    return f"{value:{sign}.{max(places, 0)}f}"
+
+
+def percent(*values: float, sign: str = "+", digits: int = 2) -> str:
+    """Return per cent, or the ends of a range of them, as people write them."""
+    return " to ".join(plain(each, sign=sign, digits=digits, least=1e-9) for each in values) + " %"
+
+
+def value_text(value: Any, unit: str = "", *, error: float | None = None, digits: int = 3) -> str:
+    """Return a value with its unit and error, by the digits that this leaves."""
+    if not isinstance(value, float) or value != value:
+        return {"True": "yes", "False": "no", "nan": NOT_AVAILABLE}.get(str(value), str(value))
+    if unit == "%":
+        off = "" if error is None else f"± {percent(error, sign='', digits=1)}"
+        return percent(value, sign="").replace("%", off or "%")
+    size = 1.0
+    if unit in ("m", "s") and 0 < abs(value) < 1:
+        prefix, size = ("m", 1e3) if abs(value) >= LEAST_MILLI else ("µ", 1e6)
+        unit = prefix + unit
+    text = f"{size * value:.{max(digits, len(f'{abs(size * value):.0f}'))}g}"
+    if error is not None:
+        text = " ± ".join(to_its_error(size * value, size * error))
+    return f"{text} {unit}".strip()
+
+
+def in_lines(row: Mapping[Any, Any]) -> str:
+    """Return a row as lines: the result, its errors, other values, scene and solver, notes."""
+    rest = {name: value for name, value in row.items() if name not in NOT_SHOWN}
+    effects, result = _effects(rest), _result(rest)
+    last = [*_scene(rest), *_solver(rest)]
+    last += [(label_of(name), rest.pop(name, "")) for name in LAST]
+    errors = {error_column(name, rest) for name in rest}
+    others = [
+        (label_of(unit_of_column(name)[0]), _text(name, value, rest))
+        for name, value in rest.items()
+        if name not in errors and value != "ok"
+    ]
+    lines = [
+        (label, text)
+        for label, texts in (*result, *effects, *others, *last)
+        for text in (texts if isinstance(texts, list) else [texts])
+        if text not in ("", "None")
+    ]
+    wide = max(len(label) for label, _ in lines)
+    labels = [label * (k == 0 or label != lines[k - 1][0]) for k, (label, _) in enumerate(lines)]
+    return "\n".join(f"{a:{wide}}  {text}" for a, (_, text) in zip(labels, lines, strict=True))
+
+
+def _text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
+    """Return a value of a row with its error, or what is listed there by columns of its own."""
+    if isinstance(value, list):
+        return [_text(name, each, row) for each in value]
+    if isinstance(value, Mapping):
+        stems = {k: unit_of_column(k)[0] for k in value}
+        return ", ".join(f"{label_of(stems[k])} {_text(k, value[k], value)}" for k in stems)
+    (stem, unit), error = unit_of_column(name), error_column(name, row)
+    if stem in FRACTIONS:
+        return value_text(100 * value, "%")
+    return value_text(value, unit, error=row[error] if error else None)
+
+
+def _result(row: Row) -> Lines:
+    """Take the result and its errors from a row: lines about them, or why there is none."""
+    name = next((each for each in RESULTS if error_column(each, row)), "")
+    value, status, (stem, unit) = row.pop(name, nan), row.pop("status", "ok"), unit_of_column(name)
+    column, why = str(error_column(name, row)), f": {status}" * (status != "ok")
+    error = row.pop(column, nan)
+    if not isfinite(value):
+        row.pop("tolerance" if name else "", None)
+        return [(label_of(stem or "force"), NOT_AVAILABLE + why)] if name or why else []
+
+    def off(error: float, source: str) -> str:
+        share = f", {percent(100 * abs(error / value), sign='', digits=1)}" if value else ""
+        text = f"± {value_text(error, unit, digits=1)}{share}{source}"
+        return text if isfinite(error) else NOT_AVAILABLE
+
+    noise, bias = row.pop("noise_n", row.pop("h0_noise_m", 0.0)), row.pop("out_of_phase_n", 0.0)
+    error -= noise * (name == "h0_m")  # a gap's has both
+    row.pop("error_95_percent" if name == "force_n" else "", None)
+    tolerance = f" (tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
+    number, _, rest = value_text(value, unit, error=max(error, noise)).partition("±")
+    return [
+        (label_of(stem), f"{number}{rest.split()[-1]}"),
+        ("prediction error (95 %)" if "95" in column else "numerical error", off(error, tolerance)),
+        ("measurement noise", off(noise, " (95 %, from the scan)") * bool(noise)),
+        ("quadrature motion", off(bias, " (in the scan, neglected)") * (bias > error)),
+        ("note", why.removeprefix(": ")),
+    ]
+
+
+def _scene(row: Row) -> Lines:
+    """Take validity, operating point, dimensionless numbers and equation from a row."""
+    point = {unit_of_column(name): row.pop(name) for name in FACTORS if name in row}
+    numbers = {name: row.pop(name, 0) for name in NUMBERS}
+    texts = [f"{name} = {value_text(each, unit, digits=6)}" for (name, unit), each in point.items()]
+    named = [f"{label_of(name)} {value_text(each)}" for name, each in numbers.items() if each]
+    return [
+        ("validity", row.pop("validity", "")),
+        ("operating point", ", ".join(texts)),
+        ("dimensionless", ", ".join(named)),
+        ("equation", row.pop("equation", "")),
+    ]
+
+
+def _effects(row: Row) -> Lines:
+    """Take the modelling error from a row: lines about all neglected effects, and each of them."""
+    if "geometry" not in row:
+        return []
+    size, unit = row.get("force_n", nan) / 100, "N"
+    if "stiffness_n_per_m" in row:
+        size, unit = 1e4 * row["load_n"] / abs(row["stiffness_n_per_m"]), "µm"
+
+    def change(*percents: float) -> str:
+        ends = " to ".join(plain(size * each) for each in percents)
+        return f"{ends} {unit}, " * isfinite(size) + percent(*percents)
+
+    have, invalid = (row.pop(k).split("; ") for k in ("included_effects", "first_order_invalid"))
+    ends = [row.pop(f"modelling_error_{end}_percent") for end in ("lower", "upper")]
+    other, edge = row.pop("geometry").removeprefix(THIS_SCENE), row.pop("edge_loss_upper_percent")
+    status = row.pop("budget_status" if "budget_status" in row else "status")
+    total = f"{change(*ends)} of the force" if isfinite(ends[0]) else NOT_AVAILABLE
+    total += f": {status}" * (status != "ok") + f", below for {other}" * bool(other)
+    total += ", not reliable" * bool({*invalid} - {*have, ""})
+    lines = [("modelling error", total)]
+    names = [name.removesuffix(REMAINDER) for name in row if name.endswith(REMAINDER)]
+    for name in sorted(names, key=lambda each: -abs(row[f"{each}_percent"])):
+        effect, remainder = row.pop(f"{name}_percent"), row.pop(name + REMAINDER)
+        text = change(effect, *[edge] * (name == "edge_loss"))
+        text += f" ± {percent(remainder, sign='', digits=1)}" * (name == "depth_averaged")
+        if name in invalid:
+            first = f"first-order estimate {percent(effect)}"
+            text = f"not reliable ({first}, outside its validity range)"
+        if (
+            status == "ok"
+            and name not in have
+            and not abs(effect) + remainder < LEAST_EFFECT_PERCENT
+        ):
+            lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
+    return lines
+
+
+def _solver(row: Row) -> Lines:
+    """Take from a row how its force was found, or would be."""
+    sizes = [f"{size:.0f}" for name in ("nx", "ny", "nt") if (size := row.pop(name, 0))]
+    flat, folds = row.pop("pad_shape", "rectangle") == "rectangle", row.pop("simplifications", "")
+    axes = ("x", "y", "time") if flat else ("radius", "angle", "time")
+    solver = [row.pop("method", ""), f"grid {' × '.join(sizes)} ({', '.join(axes[: len(sizes)])})"]
+    steps = row.pop("krylov_iterations", 0)
+    halves = [axis for axis in "xy" if f"mirror half in {axis}" in folds]
+    domain = ("whole", "half", "quarter")[len(halves)]
+    symmetry = f"{' and '.join(halves) or 'none'} ({domain} domain)"
+    solver = solver[: 1 + bool(sizes)] + [f"{steps} GMRES iterations"] * bool(steps)
+    return [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(sizes))]
+
+
+def json_text(row: Mapping[Any, Any]) -> str:
+    """Return a row as a JSON object; what is not a number is null."""
+    text = json.dumps(row, default=lambda each: each.item())
+    values = json.loads(text, parse_constant=lambda name: None)
+    return json.dumps(values, ensure_ascii=False, indent=2)
