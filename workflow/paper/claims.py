@@ -1,10 +1,10 @@
 """The paper's claims beside ours, each with a verdict by a rule that is written down.
 
-papers_claims.csv says what the paper claims, of which interval our value agrees with it, how our
-value is shown, and what a reader should know of it: texts in which the names in braces are values
-of the results. The intervals were set from what the paper states and with how many digits, and
-reviewed; nothing was tuned to make a claim agree. The reasons in ``because`` are what we know; a
-guess is called a guess.
+papers_claims.csv has what the paper claims, which plan decides it, in which interval our value
+agrees with it, how our value is shown, and what a reader should know of it: texts in which the
+names in braces are values of the results. The intervals were set from what the paper states and
+with how many digits, and reviewed; nothing was tuned to make a claim agree. The reasons in
+``because`` are what we know; a guess is called a guess.
 """
 
 import math
@@ -29,6 +29,13 @@ CLAIMS = pd.read_csv(
     index_col="claim_id",
 )
 PAPERS_SPACE = {"hv_min": 0.2, "hv_max": 2.0, "h0_min": 5.0, "h0_max": 10.0}
+PAPERS_SIZES = {
+    "screen_points": (60, "simulations of the screen"),
+    "four_factor_points": (65, "simulations of the four-factor plan"),
+    "searches": (20, "searches for patterns"),
+    "bound_count": (2, "bounds of the genetic algorithm"),
+}
+"""Sizes of the paper's plans that a study needs to decide a claim (column ``needs``)."""
 TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
 Values = dict[str, Any]
@@ -54,10 +61,13 @@ def judge(results: Results) -> pd.DataFrame:
 def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     """The claim with its texts filled in and the verdict."""
     ours = values[claim["claim_id"]]
-    agrees = claim["least"] <= ours <= claim["largest"]
-    claim["verdict"] = (
-        f"agrees {claim['within']}" if agrees else f"differs because {claim['because']}"
-    )
+    needed, words = PAPERS_SIZES.get(claim["needs"], (0, ""))
+    if needed and values[claim["needs"]] < needed:
+        claim["verdict"] = f"undecided: {values[claim['needs']]} of the paper's {needed} {words}"
+    elif claim["least"] <= ours <= claim["largest"]:
+        claim["verdict"] = f"agrees {claim['within']}"
+    else:
+        claim["verdict"] = f"differs because {claim['because']}"
     for text in ("ours", "explanation"):
         claim[text] = re.sub(r"-(?=\d)", "−", claim[text].format(value=ours, **values))
     return claim
@@ -86,6 +96,7 @@ def _two_factor_values(results: Results) -> Values:
         "gaps": screen["h0_m"].nunique(),
         "amplitudes": screen["hv_m"].nunique(),
         "bounds": spread if len(bounds) > 1 else math.inf,
+        "bound_count": len(bounds),
         "bounds_shown": same if len(bounds) > 1 else "one bound only",
         "bounds_tried": ", ".join(f"±{bound:g}" for bound in bounds),
         "runs": len(runs),

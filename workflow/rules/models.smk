@@ -56,7 +56,6 @@ rule compare:
         limits="<results>/simulations/validation_{space}/limits.csv",
     output:
         table="<results>/models/{space}.csv",
-        markdown="<results>/models/{space}.md",
         errors="<results>/models/{space}_errors.csv",
         page=listed("models/{space}.html", "6 Models", caption="models", shows="table, {space}"),
     params:
@@ -94,7 +93,7 @@ rule models:
         expand(
             "<results>/models/{space}{end}",
             space=FITS,
-            end=[".csv", ".md", ".html", "_errors.csv", "_errors.png", "_errors.svg"],
+            end=[".csv", ".html", "_errors.csv", "_errors.png", "_errors.svg"],
         ),
     message:
         "Candidates for the force model are compared"

@@ -111,8 +111,8 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     ]
     parts.label_points(axes, design, labels=labels)
     note = (
-        f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches; O = "
-        f"{pattern['objective']:.7g}"
+        f"Dashed: equal hv/h0. Pattern {pattern['pattern']}: {pattern['count']} of {number} "
+        f"searches; O = {pattern['objective']:.7g}"
     )
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]

@@ -1,5 +1,6 @@
 """Common style of the figures: size, type, colour, the note below, and saving."""
 
+import logging
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -15,7 +16,8 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from squeezefilm.files import whole_file
+from squeezefilm.errors import InputError
+from squeezefilm.files import read_text, whole_file
 
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
@@ -72,12 +74,37 @@ _NO_METADATA: dict[str, dict[str, None]] = {
 _with_notes: ContextVar[bool] = ContextVar("with_notes", default=True)
 
 
+def read_style(file: Path) -> dict[Any, Any]:
+    """Return the settings in a style file of matplotlib.
+
+    Raises InputError naming the file and the line that matplotlib does not take.
+    """
+    read_text(file, what="style file")
+    problems: list[str] = []
+    # Matplotlib logs what it does not take, and draws without it.
+    listener = logging.Handler()
+    listener.emit = lambda record: problems.append(record.getMessage())  # type: ignore[method-assign]
+    logging.getLogger("matplotlib").addHandler(listener)
+    try:
+        settings = dict(mpl.rc_params_from_file(file, use_default_template=False))
+    finally:
+        logging.getLogger("matplotlib").removeHandler(listener)
+    if problems:
+        raise InputError(f"{file}: not a style file of matplotlib: {' '.join(problems[0].split())}")
+    return settings
+
+
 @contextmanager
-def settings(*, notes: bool = True) -> Iterator[None]:
-    """The style, as a context in which figures are drawn and saved, with their notes or without."""
-    everything: dict[Any, Any] = dict(mpl.rcParamsDefault)
+def settings(*, notes: bool = True, file: Path | None = None) -> Iterator[None]:
+    """The style, as a context in which figures are drawn and saved, with their notes or without.
+
+    Args:
+        file: a style file of matplotlib, whose settings are used beside those here.
+    """
+    chosen: dict[Any, Any] = dict(mpl.rcParamsDefault) | _SETTINGS
+    chosen |= (read_style(file) if file else {}) | {"backend": "agg"}
     token = _with_notes.set(notes)
-    with mpl.rc_context(everything | {"backend": "agg"} | _SETTINGS):
+    with mpl.rc_context(chosen):
         yield
     _with_notes.reset(token)
 
