@@ -63,7 +63,9 @@ def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     ours = values[claim["claim_id"]]
     needed, words = PAPERS_SIZES.get(claim["needs"], (0, ""))
     if needed and values[claim["needs"]] < needed:
-        claim["verdict"] = f"undecided: {values[claim['needs']]} of the paper's {needed} {words}"
+        claim["verdict"] = (
+            f"undecided with {values[claim['needs']]} of the paper's {needed} {words}"
+        )
     elif claim["least"] <= ours <= claim["largest"]:
         claim["verdict"] = f"agrees {claim['within']}"
     else:

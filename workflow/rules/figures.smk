@@ -47,7 +47,7 @@ if PAPER:
     )
 else:
     PAGES["model"] = (
-        ["fitted_model", "design", *([] if SCAN else ["vibration"])],
+        ["vibration", "fitted_model", "design"],
         [*TWO_FACTOR_DESIGN, "simulations/screen/scenes.csv", "designs/two_factor.csv"],
     )
     PAGES["amplitudes"] = (["amplitudes"], ["models/recommended.csv"])

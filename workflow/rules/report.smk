@@ -7,7 +7,7 @@ SUMMARY_PLANS += FITS["four_factor"][1:]
 
 # The figures with which the summary opens, by what they show.
 PICTURES = {
-    "vibration": "fig05" if PAPER else "profile" if SCAN else "vibration",
+    "vibration": "fig05" if PAPER else "vibration",
     "forces": "forces",
     "fitted_model": "fig08" if PAPER else "fitted_model",
     "design": "fig12" if PAPER else "design",

@@ -2,9 +2,11 @@
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
@@ -20,6 +22,8 @@ DECADE = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
 FEW = 100
 """Simulations of a map, at most, that are drawn as dots."""
+MARKERS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
+"""Of positions: whether a model has an amplitude there, and whether it is validated."""
 LINES = 101
 """Of the grid along each side on which a vibration is drawn."""
 
@@ -76,7 +80,7 @@ def forces(results: Results) -> Figure:
 def amplitudes(results: Results) -> Figure:
     """Amplitude for the wanted force at each position, by the recommended model.
 
-    Hollow where the model is not validated, a cross where no amplitude gives the force.
+    A square where the model is not validated, a white cross where no amplitude gives the force.
     """
     table = results.table("models/recommended.csv", "space", "model", "h0_m", "force_n")
     table = table[table["model"].notna()]
@@ -87,32 +91,31 @@ def amplitudes(results: Results) -> Figure:
         return figure
     table = table[table["space"] == table["space"].iloc[-1]]
     at = factors_of(table.assign(hv_m=0.0))
-    x_mm, y_mm, hv_um = 1e3 * at.x_m, 1e3 * at.y_m, parts.micrometres(table["hv_m"])
-    known = np.isfinite(hv_um)
-    validated = table["error_95_percent"].notna().to_numpy()
-    for chosen, marker, fill, label in (
-        (known & validated, "o", style.BLUE, "validated"),
-        (known & ~validated, "o", "white", "not validated"),
-        (~known, "x", "none", "no amplitude gives the force"),
-    ):
-        if chosen.any():
-            look = {"color": style.BLUE, "mfc": fill, "ms": 5, "label": label}
-            axes.plot(x_mm[chosen], y_mm[chosen], marker, **look)
-    for x, y, value in zip(x_mm[known], y_mm[known], hv_um[known], strict=True):
-        text = parts.beside(axes, f"{value:.2f}", (x, y), (0, 5), ha="center", fontsize=6)
-        text.set_in_layout(False)
+    rows = pd.DataFrame({"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m})
+    rows["hv_um"] = parts.micrometres(table["hv_m"])
+    known, validated = rows["hv_um"].notna(), table["error_95_percent"].notna()
+    rows["mark"] = np.select([~known, validated], ["no amplitude", "validated"], "not validated")
+    norm, cmap = Normalize(), mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
+    norm.autoscale_None(rows.loc[known, "hv_um"])
+    look: dict[str, Any] = {"norm": norm, "cmap": cmap, "plotnonfinite": True, "s": 26}
+    look |= {"edgecolors": "black", "linewidths": 0.6, "x": "x_mm", "y": "y_mm"}
+    for mark, some in rows.groupby("mark"):
+        look |= {"marker": MARKERS[str(mark)], "label": mark}
+        dots = parts.coloured_dots(axes, some, "hv_um", **look)
+    if known.any():
+        figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE["ylabel"])
     axes.margins(0.15)
     if len(table) == 1:  # nothing else says how large a millimetre is
         axes.set(xlim=(-ALONE_MM, ALONE_MM), ylim=(-ALONE_MM, ALONE_MM))
     axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="pad's centre, $y$ (mm)")
     axes.grid(True)
-    figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
+    figure.legend(loc="outside upper center", ncols=3, handletextpad=0.2)
     first = table.iloc[0]
     where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
     errors = (percent(float(first[name])) for name in ("validation_error", "worst_error"))
     style.add_note(
         figure,
-        f"Numbers: amplitude (µm) for {where}, model {first['model']}.",
+        f"Amplitude for {where}, model {first['model']}.",
         "Its global error {} on the validation sample, largest {}.".format(*errors),
         results.beyond,
     )
@@ -135,8 +138,8 @@ def vibration(results: Results) -> Figure:
     label = "amplitude over its maximum (–)"
     figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)
     figure.legend(loc="outside upper center")
-    note = f"{surface.text}; colours interpolated linearly between {LINES} × {LINES} points."
-    style.add_note(figure, note, results.beyond)
+    note = "Colours: interpolated linearly between computed points."
+    style.add_note(figure, f"Surface: {surface.text}.", note, results.beyond)
     return figure
 
 
@@ -150,7 +153,9 @@ def profile(results: Results) -> Figure:
     else:
         _draw_over_radius(amplitude, residual, data)
     noise = results.summary("profile/summary.json").get("largest_force_noise_share")
-    note = f"Measurement noise of the scan: up to {noise:.1%} of a force (95 %)." if noise else ""
+    note = (
+        f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
+    )
     style.add_note(figure, note, results.beyond)
     return figure
 

@@ -90,7 +90,9 @@ def read_style(file: Path) -> dict[Any, Any]:
     finally:
         logging.getLogger("matplotlib").removeHandler(listener)
     if problems:
-        raise InputError(f"{file}: not a style file of matplotlib: {' '.join(problems[0].split())}")
+        raise InputError(
+            f"{file}: not a style file of matplotlib: {problems[0].strip().splitlines()[0]}"
+        )
     return settings
 
 
