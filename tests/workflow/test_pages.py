@@ -116,7 +116,7 @@ def test_the_summary_says_what_how_accurate_and_where_it_differs(study):
     assert re.search(r"\| inertia \| \+2.1 \| \+9.\d \|", summary)
     undecided = r"- \d of the 7 claims of the paper that .* too small to decide the other 15 "
     assert re.search(undecided, summary)
-    assert "undecided with 12 of the paper's 60 simulations of the screen |" in summary
+    assert "undecided with 12 of the paper's 60 screen points |" in summary
 
 
 RECOMMENDED = """\

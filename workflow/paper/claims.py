@@ -1,7 +1,7 @@
 """The paper's claims beside ours, each with a verdict by a rule that is written down.
 
-papers_claims.csv has what the paper claims, which plan decides it, in which interval our value
-agrees with it, how our value is shown, and what a reader should know of it: texts in which the
+papers_claims.csv has what the paper claims, which size of a plan decides it, in which interval
+our value agrees with it, how our value is shown, and what a reader should know of it: texts in which the
 names in braces are values of the results. The intervals were set from what the paper states and
 with how many digits, and reviewed; nothing was tuned to make a claim agree. The reasons in
 ``because`` are what we know; a guess is called a guess.
@@ -29,13 +29,6 @@ CLAIMS = pd.read_csv(
     index_col="claim_id",
 )
 PAPERS_SPACE = {"hv_min": 0.2, "hv_max": 2.0, "h0_min": 5.0, "h0_max": 10.0}
-PAPERS_SIZES = {
-    "screen_points": (60, "simulations of the screen"),
-    "four_factor_points": (65, "simulations of the four-factor plan"),
-    "searches": (20, "searches for patterns"),
-    "bound_count": (2, "bounds of the genetic algorithm"),
-}
-"""Sizes of the paper's plans that a study needs to decide a claim (column ``needs``)."""
 TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
 Values = dict[str, Any]
@@ -61,11 +54,10 @@ def judge(results: Results) -> pd.DataFrame:
 def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     """The claim with its texts filled in and the verdict."""
     ours = values[claim["claim_id"]]
-    needed, words = PAPERS_SIZES.get(claim["needs"], (0, ""))
-    if needed and values[claim["needs"]] < needed:
-        claim["verdict"] = (
-            f"undecided with {values[claim['needs']]} of the paper's {needed} {words}"
-        )
+    size, needed = claim["size"], int(claim["needed"] or 0)
+    if needed and values[size] < needed:
+        words = size.replace("_", " ")
+        claim["verdict"] = f"undecided with {values[size]} of the paper's {needed} {words}"
     elif claim["least"] <= ours <= claim["largest"]:
         claim["verdict"] = f"agrees {claim['within']}"
     else:
@@ -98,7 +90,7 @@ def _two_factor_values(results: Results) -> Values:
         "gaps": screen["h0_m"].nunique(),
         "amplitudes": screen["hv_m"].nunique(),
         "bounds": spread if len(bounds) > 1 else math.inf,
-        "bound_count": len(bounds),
+        "search_bounds": len(bounds),
         "bounds_shown": same if len(bounds) > 1 else "one bound only",
         "bounds_tried": ", ".join(f"±{bound:g}" for bound in bounds),
         "runs": len(runs),

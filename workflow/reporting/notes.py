@@ -23,9 +23,11 @@ def verdicts(claims: pd.DataFrame) -> dict[str, Any]:
     """Return how many claims a study decides and how many agree, and the claims that do not."""
     shown, verdict = claims[list(CLAIM)], claims["verdict"].str
     differing, undecided = (shown[verdict.startswith(word)] for word in ("differs", "undecided"))
-    decided = len(claims) - len(undecided)
-    agreeing = decided - len(differing)
-    return dict(agreeing=agreeing, decided=decided, differing=differing, undecided=undecided)
+    counts = {
+        "decided": len(claims) - len(undecided),
+        "agreeing": verdict.startswith("agrees").sum(),
+    }
+    return counts | {"differing": differing, "undecided": undecided}
 
 
 def percent(share: float) -> str:

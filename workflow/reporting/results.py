@@ -107,12 +107,6 @@ class Results:
         """Return a note on films outside the equation's validity range; empty where they do not."""
         return beyond_note(self.config)
 
-    @property
-    def style_file(self) -> Path | None:
-        """Return the style file of the study's figures; None where the study has none."""
-        style = self.config["figures"].get("style")
-        return self.config.path.parent / style if style else None
-
     def exists(self, file: str) -> bool:
         """Return whether a file is among the results."""
         return (self.folder / file).exists()

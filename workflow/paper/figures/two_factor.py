@@ -29,14 +29,10 @@ def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
 def fig13(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the design (mesh, black dots) and the control points (white dots)."""
     fit = results.fit("two_factor_design")
-    black = {"color": "black", "label": "design point", "s": 26}
-    layers = {
-        "control": ("screen", {"color": "white", "label": "control point"}),
-        "design": ("two_factor_design", black),
-    }
     errors = parts.error_note(results, "two_factor_design", "screen")
     note = f"Fit on {fit.points} points; on {errors}."
-    return model_and_points(results, fit, layers, note)
+    plans = {"control": "screen", "design": "two_factor_design"}
+    return model_and_points(results, fit, note, **plans)
 
 
 def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:

@@ -50,7 +50,8 @@ def save(function: Draw, results: Results, paths: Sequence[Path]) -> None:
     """
     plain = [path for path in paths if path.name.endswith(style.PLAIN)]
     tables = [path for path in paths if path.suffix == ".csv"]
-    with style.settings(file=results.style_file):
+    own = results.config["figures"].get("style")
+    with style.settings(file=results.config.path.parent / own if own else None):
         figure, table = _drawn(function, results)
         style.save(figure, [path for path in paths if path not in (*plain, *tables)])
     for path in tables:

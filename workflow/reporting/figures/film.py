@@ -48,14 +48,11 @@ def budget(results: Results) -> Figure:
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
     shown = _draw_effects(last, along)
     present = screen["included_effects"].iloc[0]
-    notes = [
-        "First-order estimates; dashed: outside their range at some points. "
-        + parts.interpolation_note(screen),
-        f"(f): h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm; {shown}",
-    ]
-    if present:
-        notes.append(f"Included in the forces: {present}.")
-    style.add_note(figure, *notes, results.beyond)
+    first = "First-order estimates; dashed: outside their range at some points."
+    place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
+    notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
+    included = f"Included in the forces: {present}." if present else ""
+    style.add_note(figure, *notes, included, results.beyond)
     return figure
 
 

@@ -16,8 +16,6 @@ from reporting.results import Results
 from squeezefilm.models.data import factors_of
 from squeezefilm.studies.study import pad_of, profile_of, surface_of
 
-ALONE_MM = 5.0
-"""What is shown either way of a single position."""
 DECADE = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
 FEW = 100
@@ -87,7 +85,6 @@ def amplitudes(results: Results) -> Figure:
     figure, axes = style.subplots(height_in=3.2)
     if table.empty:
         parts.not_known(axes)
-        style.add_note(figure, "No model compared has a validation error.", results.beyond)
         return figure
     table = table[table["space"] == table["space"].iloc[-1]]
     at = factors_of(table.assign(hv_m=0.0))
@@ -105,20 +102,13 @@ def amplitudes(results: Results) -> Figure:
     if known.any():
         figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE["ylabel"])
     axes.margins(0.15)
-    if len(table) == 1:  # nothing else says how large a millimetre is
-        axes.set(xlim=(-ALONE_MM, ALONE_MM), ylim=(-ALONE_MM, ALONE_MM))
     axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="pad's centre, $y$ (mm)")
     axes.grid(True)
     figure.legend(loc="outside upper center", ncols=3, handletextpad=0.2)
     first = table.iloc[0]
     where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
-    errors = (percent(float(first[name])) for name in ("validation_error", "worst_error"))
-    style.add_note(
-        figure,
-        f"Amplitude for {where}, model {first['model']}.",
-        "Its global error {} on the validation sample, largest {}.".format(*errors),
-        results.beyond,
-    )
+    errors = f"Largest error of the model: {percent(float(first['worst_error']))}."
+    style.add_note(figure, f"By {first['model']} for {where}.", errors, results.beyond)
     return figure
 
 

@@ -1,6 +1,5 @@
 """Fitted models, D-optimal designs, models compared and refined."""
 
-from collections.abc import Mapping
 from math import ceil
 from typing import Any
 
@@ -18,6 +17,12 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import ROUND_COLUMNS, WHERE_COLUMNS
 
 AUGMENTATION = "augmentation"
+LAYERS: dict[str, dict[str, Any]] = {
+    "simulation": {"color": style.VERMILLION, "label": "simulation"},
+    "control": {"color": "white", "label": "control point"},
+    "design": {"color": "black", "label": "design point", "s": 26},
+}
+"""Looks of simulations beside a model's mesh."""
 ACROSS = 4
 DECADES = 5
 LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
@@ -35,9 +40,8 @@ LINEAR = 0.02
 def fitted_model(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the screen (mesh) and the simulations (dots)."""
     fit = results.fit("screen")
-    layers = {"simulation": ("screen", {"color": style.VERMILLION, "label": "simulation"})}
     note = f"Fit on {fit.points} points: global error {percent(fit.global_error)}."
-    return model_and_points(results, fit, layers, note)
+    return model_and_points(results, fit, note, simulation="screen")
 
 
 def design(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -62,18 +66,18 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
 
 
 def model_and_points(
-    results: Results, fit: FittedModel, layers: Mapping[str, tuple[str, Any]], note: str
+    results: Results, fit: FittedModel, note: str, **plans: str
 ) -> tuple[Figure, pd.DataFrame]:
-    """A fit as a mesh, and layers of simulations as dots, each of a plan and with a look."""
+    """A fit as a mesh, and the simulations of plans as dots, each a layer with its look."""
     tables = [parts.model_mesh(fit, results.scenes("screen"))]
-    forces = [results.forces(plan) for plan, _ in layers.values()]
+    forces = [results.forces(plan) for plan in plans.values()]
     figure = style.new_figure(height_in=3.1)
     notes = (note, simulations_note(*forces), results.beyond)
     axes = parts.add_space(figure, bottom=style.add_note(figure, *notes))
     parts.force_mesh(axes, tables[0])
-    for (layer, (_, look)), simulated in zip(layers.items(), forces, strict=True):
+    for layer, simulated in zip(plans, forces, strict=True):
         tables.append(parts.plane_table(simulated, layer=layer))
-        parts.force_points(axes, tables[-1], **look)
+        parts.force_points(axes, tables[-1], **LAYERS[layer])
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
     return figure, pd.concat(tables, ignore_index=True)
 

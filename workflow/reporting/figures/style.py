@@ -80,19 +80,13 @@ def read_style(file: Path) -> dict[Any, Any]:
     Raises InputError naming the file and the line that matplotlib does not take.
     """
     read_text(file, what="style file")
-    problems: list[str] = []
-    # Matplotlib logs what it does not take, and draws without it.
-    listener = logging.Handler()
-    listener.emit = lambda record: problems.append(record.getMessage())  # type: ignore[method-assign]
-    logging.getLogger("matplotlib").addHandler(listener)
-    try:
-        settings = dict(mpl.rc_params_from_file(file, use_default_template=False))
-    finally:
-        logging.getLogger("matplotlib").removeHandler(listener)
-    if problems:
-        raise InputError(
-            f"{file}: not a style file of matplotlib: {problems[0].strip().splitlines()[0]}"
-        )
+    log, problems = logging.getLogger("matplotlib"), list[logging.LogRecord]()
+    log.addFilter(problems.append)  # what matplotlib does not take it logs, and goes on
+    settings = dict(mpl.rc_params_from_file(file, use_default_template=False))
+    log.removeFilter(problems.append)
+    for problem in problems:
+        told = problem.getMessage().strip().splitlines()[0]
+        raise InputError(f"{file}: not a style file of matplotlib: {told}")
     return settings
 
 

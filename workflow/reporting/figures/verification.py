@@ -132,9 +132,6 @@ def published(results: Results) -> Figure:
         panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")
         panel.legend(loc="lower right")
         panel.grid(True)
-    notes = (
-        "(a) given: where the published pressure is prescribed (open: at the hole's edge).",
-        "(b) solid: inertia; dotted: inertia and heat.",
-    )
-    style.add_note(figure, *notes)
+    note = "(a) given: where the pressure is prescribed; (b) solid: inertia, dotted: with heat."
+    style.add_note(figure, note)
     return figure
