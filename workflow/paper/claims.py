@@ -1,8 +1,8 @@
 """The paper's claims beside ours, each with a verdict by a rule that is written down.
 
-papers_claims.csv has what the paper claims, which size of a plan decides it, in which interval
-our value agrees with it, how our value is shown, and what a reader should know of it: texts in which the
-names in braces are values of the results. The intervals were set from what the paper states and
+papers_claims.csv has what the paper claims, which size of a plan decides it, in which interval our
+value agrees with it, how our value is shown, and what a reader should know of it: texts in which
+the names in braces are values of the results. The intervals were set from what the paper states and
 with how many digits, and reviewed; nothing was tuned to make a claim agree. The reasons in
 ``because`` are what we know; a guess is called a guess.
 """

@@ -106,7 +106,6 @@ def headline_values(results: Results) -> dict[str, Any]:
         "judged": results.validation("two_factor_design", "screen"),
         "claims": verdicts(results.table("claims.csv", *CLAIM)) if config["paper"] else None,
         "recommended": recommended,
-        "band": config["validation"]["relative_error_band"],
         "amplitudes": _amplitudes,
         "wanted": config["extrapolation"],
         "neglected": _neglected(results),

@@ -81,9 +81,10 @@ def read_style(file: Path) -> dict[Any, Any]:
     """
     read_text(file, what="style file")
     log, problems = logging.getLogger("matplotlib"), list[logging.LogRecord]()
-    log.addFilter(problems.append)  # what matplotlib does not take it logs, and goes on
+    keep: Any = problems.append
+    log.addFilter(keep)  # what matplotlib does not take it logs, and goes on
     settings = dict(mpl.rc_params_from_file(file, use_default_template=False))
-    log.removeFilter(problems.append)
+    log.removeFilter(keep)
     for problem in problems:
         told = problem.getMessage().strip().splitlines()[0]
         raise InputError(f"{file}: not a style file of matplotlib: {told}")
