@@ -24,7 +24,7 @@ from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
 HERE = Path(__file__).parent
 FILM = ["h0_m", "hv_m"]
-KINDS = {"_distinct": "distinct design points", "_design": "design points"}
+KINDS = {"_distinct": "distinct points", "_design": "design points"}
 """Points that a model is fitted to, by the end of their plan's name."""
 
 
