@@ -57,6 +57,7 @@ def forces(results: Results) -> Figure:
     levels = np.asarray(ticks.tick_values(low, high))
     levels = levels[(levels > low / 3) & (levels < 3 * high)]
     figure, axes = style.subplots(height_in=3.2)
+    figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
     norm = "log" if wide else None
     drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm, extend="both")
     axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
