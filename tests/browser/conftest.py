@@ -12,7 +12,7 @@ import pytest
 from ..workflow.conftest import QUICK, copy_with_results, snakemake
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-PAGES = ("explorer", "report")
+PAGES = ("explorer", "report", "report/summary", "report/claims")
 # What the report shows: the study without its numerics and most figures, which take their time.
 SHOWN = ("explorer", "summary", "paper_tables", "fig08", "overview", "uncertainty_table")
 # Drawing takes its time where a machine has much else to do.

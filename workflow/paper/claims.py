@@ -1,10 +1,10 @@
 """The paper's claims beside ours, each with a verdict by a rule that is written down.
 
-papers_claims.csv says what the paper claims, of which interval our value agrees with it, how our
-value is shown, and what a reader should know of it: texts in which the names in braces are values
-of the results. The intervals were set from what the paper states and with how many digits, and
-reviewed; nothing was tuned to make a claim agree. The reasons in ``because`` are what we know; a
-guess is called a guess.
+papers_claims.csv has what the paper claims, which size of a plan decides it, in which interval our
+value agrees with it, how our value is shown, and what a reader should know of it: texts in which
+the names in braces are values of the results. The intervals were set from what the paper states and
+with how many digits, and reviewed; nothing was tuned to make a claim agree. The reasons in
+``because`` are what we know; a guess is called a guess.
 """
 
 import math
@@ -54,10 +54,14 @@ def judge(results: Results) -> pd.DataFrame:
 def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     """The claim with its texts filled in and the verdict."""
     ours = values[claim["claim_id"]]
-    agrees = claim["least"] <= ours <= claim["largest"]
-    claim["verdict"] = (
-        f"agrees {claim['within']}" if agrees else f"differs because {claim['because']}"
-    )
+    size, needed = claim["size"], int(claim["needed"] or 0)
+    if needed and values[size] < needed:
+        words = size.replace("_", " ")
+        claim["verdict"] = f"undecided with {values[size]} of the paper's {needed} {words}"
+    elif claim["least"] <= ours <= claim["largest"]:
+        claim["verdict"] = f"agrees {claim['within']}"
+    else:
+        claim["verdict"] = f"differs because {claim['because']}"
     for text in ("ours", "explanation"):
         claim[text] = re.sub(r"-(?=\d)", "−", claim[text].format(value=ours, **values))
     return claim
@@ -86,6 +90,7 @@ def _two_factor_values(results: Results) -> Values:
         "gaps": screen["h0_m"].nunique(),
         "amplitudes": screen["hv_m"].nunique(),
         "bounds": spread if len(bounds) > 1 else math.inf,
+        "search_bounds": len(bounds),
         "bounds_shown": same if len(bounds) > 1 else "one bound only",
         "bounds_tried": ", ".join(f"±{bound:g}" for bound in bounds),
         "runs": len(runs),

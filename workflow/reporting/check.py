@@ -242,6 +242,7 @@ def picture_quantities(pictures: Path, reference: Path) -> Iterator[Quantity]:
         expected, got = (folder / f"{key[1]}{PLAIN}" for folder in (reference, pictures))
         apart = "one of the two is missing"
         if expected.exists() and got.exists():
+            got.with_name(f"{got.stem}-failed-diff.png").unlink(missing_ok=True)
             try:
                 found = compare_images(str(expected), str(got), tol=RMS, in_decorator=True)
                 apart = f"{found['rms']:.3g}" if found else "0"

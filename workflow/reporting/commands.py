@@ -96,7 +96,7 @@ def recommend(options: argparse.Namespace) -> None:
 
     table = recommend(Results.of(options.results, options.config))
     if table["model"].isna().all():
-        raise RunError(f"{options.results}: no model can be judged; models/*.md say why")
+        raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
     write_rows(table, options)
 
 

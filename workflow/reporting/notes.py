@@ -15,6 +15,19 @@ VERDICTS = {
     "budget": "out of simulations",
 }
 """How the refinement of a model ended, where the model was refined."""
+CLAIM = ("claim", "paper", "ours", "unit", "verdict")
+"""Columns of claims in a summary."""
+
+
+def verdicts(claims: pd.DataFrame) -> dict[str, Any]:
+    """Return how many claims a study decides and how many agree, and the claims that do not."""
+    shown, verdict = claims[list(CLAIM)], claims["verdict"].str
+    differing, undecided = (shown[verdict.startswith(word)] for word in ("differs", "undecided"))
+    counts = {
+        "decided": len(claims) - len(undecided),
+        "agreeing": verdict.startswith("agrees").sum(),
+    }
+    return counts | {"differing": differing, "undecided": undecided}
 
 
 def percent(share: float) -> str:

@@ -1,11 +1,11 @@
-"""Pages for people: Markdown from templates in ``report/``, and the same as HTML.
+"""Pages for people: Markdown from templates in ``report/``, written as HTML.
 
 A page of HTML is one file: no script, nothing from a network.
 """
 
 import base64
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -70,49 +70,46 @@ def render(template: str, **values: Any) -> str:
     return TEMPLATES.get_template(template).render(**values)
 
 
-def body_of(markdown: str) -> Markup:
+def body_of(markdown: str, *, folder: Path = Path()) -> Markup:
     """Markdown as HTML in which nothing is taken for HTML; tables scroll by themselves.
 
-    Cells that begin with a verdict are coloured.
-    """
-    from markdown_it import MarkdownIt
-
-    body = str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
-    for colour, words in VERDICTS.items():
-        for word in words:
-            body = body.replace(f"<td>{word}", f'<td class="{colour}">{word}')
-    body = body.replace("<table>", '<div class="table"><table>')
-    return Markup(body.replace("</table>", "</table></div>"))
-
-
-def write_pages(markdown: str, text: Path | str, page: Path | str, *, beyond: str = "") -> None:
-    """Write a page as Markdown and as HTML.
+    Cells that begin with a verdict are coloured, and pictures are within the page.
 
     Args:
-        beyond: what is said below the title, of a study whose films go beyond their equation.
-    """
-    if beyond and beyond not in markdown:
-        title, _, rest = markdown.partition("\n")
-        markdown = f"{title}\n\n**{beyond}**\n{rest}"
-    write_text(markdown, text)
-    write_text(render("page.html", body=body_of(markdown), title=Path(page).stem), page)
-
-
-def front_page(headline: str, *, study: str, pictures: Sequence[Path], guide: str) -> str:
-    """The first page of a study's report, as reStructuredText with the pictures within it.
-
-    Args:
-        headline: what the study found, as Markdown.
-        guide: the template of what comes behind.
+        folder: in which the pictures lie.
 
     Raises InputError for a picture that cannot be read.
     """
-    shown = {}
-    for path in pictures:
+    from markdown_it import MarkdownIt
+
+    def within(match: re.Match[str]) -> str:
+        path = folder / match[1]
         try:
             # In lines: docutils takes no long ones, and a page's data may have breaks.
             data = base64.encodebytes(path.read_bytes()).decode().strip()
         except OSError as error:
             raise InputError(f"{path}: the picture cannot be read: {error}") from None
-        shown[path.stem.replace("_", " ")] = data
-    return render("front.rst", study=study, body=body_of(headline), pictures=shown, guide=guide)
+        return f'<img src="data:image/png;base64,{data}"'
+
+    body = str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
+    for colour, words in VERDICTS.items():
+        for word in words:
+            body = body.replace(f"<td>{word}", f'<td class="{colour}">{word}')
+    body = body.replace("<table>", '<div class="table" tabindex="0"><table>')
+    body = body.replace("</table>", "</table></div>")
+    body = body.replace("<ul>\n<li><img", '<ul class="pictures">\n<li><img')
+    return Markup(re.sub('<img src="(.*?)"', within, body))
+
+
+def write_page(markdown: str, page: Path | str, *, folder: Path = Path(), beyond: str = "") -> None:
+    """Write Markdown as a page of HTML, with its first line as the title.
+
+    Args:
+        folder: in which the pictures lie.
+        beyond: what is said below the title, of a study whose films go beyond their equation.
+    """
+    title, _, rest = markdown.partition("\n")
+    if beyond and beyond not in markdown:
+        markdown = f"{title}\n\n**{beyond}**\n{rest}"
+    body = body_of(markdown, folder=folder)
+    write_text(render("page.html", body=body, title=title.lstrip("# ")), page)

@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reporting.notes import largest_error, percent, rounded_up, signed
-from reporting.pages import Page, front_page, render
+from reporting.notes import CLAIM, largest_error, percent, rounded_up, signed, verdicts
+from reporting.pages import Page, body_of, render
 from reporting.results import MODELLING_ERROR, Results
+from squeezefilm.film.pad import net
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
+from squeezefilm.studies.study import film_in
 from squeezefilm.tables import THIS_SCENE
 from squeezefilm.units import to_its_error
 
@@ -27,15 +29,16 @@ NOTHING = 1e-3
 """Share of a range's largest value below which its least is as good as 0."""
 
 
-def summary_page(results: Results, *, pictures: Sequence[str], **about: Sequence[str]) -> Page:
-    """The study on one page, the first page of its report with these figures, what made them."""
-    values = summary_values(results, **about)
-    front = front_page(
-        render("in_short.md", **values),
-        study=results.config["study"],
-        pictures=[results.folder / f"figures/{name}.png" for name in pictures],
-        guide="paper_guide.rst" if results.config["paper"] else "study_guide.rst",
-    )
+def summary_page(results: Results, *, pictures: Mapping[str, str], **about: Sequence[str]) -> Page:
+    """The study on one page, the first page of its report, and what made them.
+
+    Args:
+        pictures: the figures with which both open, by what they show.
+    """
+    values = summary_values(results, **about) | {"pictures": pictures}
+    guide = "paper_guide.rst" if results.config["paper"] else "study_guide.rst"
+    body = body_of(render("in_short.md", **values), folder=results.folder)
+    front = render("front.rst", study=results.config["study"], body=body, guide=guide)
     device = results.summary("simulations/device.json")
     return Page(values, {"front": front, "provenance": provenance(results.config, device=device)})
 
@@ -80,6 +83,7 @@ def headline_values(results: Results) -> dict[str, Any]:
     Raises InputError for a result that is missing or lacks what it must have.
     """
     config, noise, recommended = results.config, 0.0, None
+    film, mapped = film_in(config), results.forces("error_map").sort_values("force_n")
     file = "simulations/extrapolation/forces.csv"
     forces = results.forces("extrapolation").set_index("point_id")
     point = results.row(forces, "operating_point", file)
@@ -93,28 +97,19 @@ def headline_values(results: Results) -> dict[str, Any]:
         "point": point,
         "force": "{} N ± {} N".format(*to_its_error(point["force_n"], point["force_error_n"])),
         "noise": noise,
+        "under": np.abs(film.pad_profile.amplitude(*net(film.pad), x_m=0.0, y_m=0.0)),
+        "extremes": list(mapped.iloc[[-1, 0]].itertuples()),
+        "full": results.fit("screen"),
+        "on_screen": results.validation("screen", "screen"),
+        "on_map": results.validation("two_factor_design", "error_map"),
         "fitted": results.fit("two_factor_design").points,
         "judged": results.validation("two_factor_design", "screen"),
-        "claims": _claims(results) if config["paper"] else None,
+        "claims": verdicts(results.table("claims.csv", *CLAIM)) if config["paper"] else None,
         "recommended": recommended,
-        "band": config["validation"]["relative_error_band"],
         "amplitudes": _amplitudes,
         "wanted": config["extrapolation"],
         "neglected": _neglected(results),
         "beyond": results.beyond,
-    }
-
-
-def _claims(results: Results) -> dict[str, Any]:
-    """Return the number of the paper's claims that agree, and those that differ."""
-    claims = results.table("claims.csv", "claim", "paper", "ours", "verdict")
-    differs = claims["verdict"].str.startswith("differs")
-    shown = claims.loc[differs, ["claim", "paper", "ours", "unit", "verdict"]]
-    reason = shown["verdict"].str.removeprefix("differs because ")
-    return {
-        "total": len(claims),
-        "agreeing": int((~differs).sum()),
-        "differing": shown.assign(verdict=reason).rename(columns={"verdict": "differs because"}),
     }
 
 

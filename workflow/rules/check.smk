@@ -19,7 +19,6 @@ rule compare_with_reference:
         reference=[relative(path) for path in sorted(REFERENCE.glob("*.*"))],
     output:
         csv="<results>/check/check.csv",
-        markdown="<results>/check/check.md",
         text="<results>/check/check.txt",
         page=listed(
             "report/check.html",
@@ -39,10 +38,11 @@ rule compare_with_reference:
 
 rule check:
     input:
-        "<results>/check/check.txt",
+        rules.compare_with_reference.output.page,
+        text=rules.compare_with_reference.output.text,
     log:
         "<logs>/check/verdict.log",
     message:
         "Is everything as in the reference?"
     shell:
-        "tee {log:q} <{input:q} && grep -q '^All .* passed' {input:q}"
+        "tee {log:q} <{input.text:q} && grep -q '^All .* passed' {input.text:q}"

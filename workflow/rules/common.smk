@@ -1,5 +1,6 @@
 # What all stages share: the study, what makes results anew, the call of a command.
 
+import atexit
 import hashlib
 import json
 import sys
@@ -67,6 +68,7 @@ PAPER = CONFIG["paper"]
 SUMMARY = "1 Summary and claims" if PAPER else "1 Summary"
 SCAN = CONFIG["actuator"]["profile"].get("file")
 OUTLINE = CONFIG["pad"].get("outline", {}).get("file")
+STYLE = CONFIG["figures"].get("style")
 
 # What decides a job's numbers beside its input files are parameters of its rule, so that Snakemake
 # makes anew what an edit reaches: a digest of its stage's code, and sections of the study.
@@ -80,7 +82,7 @@ def sections(*names):
     found = {name: CONFIG[name] for name in names}
     named = [
         CONFIG.path.parent / file
-        for file, section in ((SCAN, "actuator"), (OUTLINE, "pad"))
+        for file, section in ((SCAN, "actuator"), (OUTLINE, "pad"), (STYLE, "figures"))
         if file and section in found
     ]
     found["files"] = [file_digest(file) for file in named if file.is_file()]
@@ -100,6 +102,10 @@ def checked_study():
 
     check_study(CONFIG)
     check_models(CONFIG["models"], CONFIG, place=Path(CONFIG_FILE))
+    if STYLE:
+        from reporting.figures.style import read_style
+
+        read_style(CONFIG.path.parent / STYLE)
     write_text(json.dumps(chunk_counts(CONFIG)), kept)
     return json.loads(kept.read_text())
 
@@ -274,8 +280,21 @@ onstart:
         refuse(error)
 
 
+succeeded = []
+
+
 onsuccess:
-    results = Path("results") / STUDY
-    print(f"Results of the study {STUDY} are in {results}")
-    if (results / "report" / "summary.html").exists():
-        print(f"Begin with {results / 'report' / 'summary.html'}, the study on one page")
+    succeeded.append(True)
+
+
+@atexit.register
+def name_page():
+    """Name the page of the target, last of all that a run prints; also where nothing was to do."""
+    ran = workflow.scheduler is not None and workflow.is_main_process and not workflow.dryrun
+    if IS_MODULE or not ran or (len(workflow.dag) and not succeeded):
+        return
+    for job in sorted(workflow.dag.targetjobs, key=str):
+        files = sorted(map(str, [*job.input, *job.output]))
+        shown = [file for end in (".html", ".png") for file in files if file.endswith(end)]
+        own = [file for file in shown if Path(file).stem in ("summary", job.rule.name)]
+        print(f"Open {(own or shown or [f'results/{STUDY}'])[0]}", flush=True)

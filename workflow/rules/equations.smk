@@ -14,7 +14,6 @@ if BOTH_MADE:
             expand("results/{side}/{file}", side=SIDES, file=COMPARED),
         output:
             csv="<results>/tables/equations.csv",
-            markdown="<results>/tables/equations.md",
             page=listed(
                 "report/equations.html",
                 SUMMARY,

@@ -17,7 +17,7 @@ ON_SCREEN = expand("validation/two_factor_design_on_screen.{kind}", kind=["csv",
 # The figures of each page, and the files that they are drawn from.
 PAGES = {
     "study": (
-        ["overview", "error_map", "budget", "response", "levitation"],
+        ["overview", "forces", "error_map", "budget", "response", "levitation"],
         [
             *TWO_FACTOR_DESIGN,
             *ON_ERROR_MAP,
@@ -46,10 +46,11 @@ if PAPER:
         ],
     )
 else:
-    PAGES["force_map"] = (
-        ["force_map"],
-        ["simulations/error_map/forces.csv", "models/recommended.csv"],
+    PAGES["model"] = (
+        ["vibration", "fitted_model", "design"],
+        [*TWO_FACTOR_DESIGN, "simulations/screen/scenes.csv", "designs/two_factor.csv"],
     )
+    PAGES["amplitudes"] = (["amplitudes"], ["models/recommended.csv"])
 PAGES = {
     page: ([f"figures/{name}" for name in names], files) for page, (names, files) in PAGES.items()
 }
@@ -144,8 +145,8 @@ if PAPER:
                 listed(f"report/table{number}.html", "2 Tables", caption="table", table=number)
                 for number in TABLES
             ],
-            expand("<results>/claims.{format}", format=["csv", "md"]),
-            expand("<results>/tables/table{number}.{format}", number=TABLES, format=["csv", "md"]),
+            "<results>/claims.csv",
+            expand("<results>/tables/table{number}.csv", number=TABLES),
         message:
             "The paper's tables and claims beside ours"
         script:

@@ -57,7 +57,6 @@ rule compare:
         limits=lambda wildcards: limit_tables(wildcards.space),
     output:
         table="<results>/models/{space}.csv",
-        markdown="<results>/models/{space}.md",
         errors="<results>/models/{space}_errors.csv",
         page=listed("models/{space}.html", "6 Models", caption="models", shows="table, {space}"),
     params:
@@ -95,7 +94,7 @@ rule models:
         expand(
             "<results>/models/{space}{end}",
             space=FITS,
-            end=[".csv", ".md", ".html", "_errors.csv", "_errors.png", "_errors.svg"],
+            end=[".csv", ".html", "_errors.csv", "_errors.png", "_errors.svg"],
         ),
     message:
         "Compared in results/{STUDY}/models; `squeezefilm recommend results/{STUDY}` names the best"

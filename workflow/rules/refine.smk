@@ -75,7 +75,6 @@ rule refine_report:
         limits="<results>/simulations/validation_{space}/limits.csv",
     output:
         table="<results>/refine/{space}.csv",
-        markdown="<results>/refine/{space}.md",
         page=listed(
             "refine/{space}.html",
             "7 Designs and refinement",
@@ -97,7 +96,7 @@ rule refine:
         expand(
             "<results>/refine/{space}{file}",
             space=FITS,
-            file=[".csv", ".md", ".html", "_figure.png", "_figure.svg"],
+            file=[".csv", ".html", "_figure.png", "_figure.svg"],
         ),
     message:
         "Models are refined until they are good enough, or their limit is known"

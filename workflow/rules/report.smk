@@ -5,8 +5,14 @@ VALIDATIONS = [pair for space in FITS for pair in validations(space)]
 SUMMARY_PLANS = [*FITS["two_factor"], "error_map", "extrapolation", *JUDGED_ON["four_factor"]]
 SUMMARY_PLANS += FITS["four_factor"][1:]
 
-# What says most at one glance.
-FRONT_PICTURES = ["overview", *(["fig08", "error_map"] if PAPER else ["force_map", "budget"])]
+# The figures with which the summary opens, by what they show.
+PICTURES = {
+    "vibration": "fig05" if PAPER else "vibration",
+    "forces": "forces",
+    "fitted_model": "fig08" if PAPER else "fitted_model",
+    "design": "fig12" if PAPER else "design",
+    "error_map": "error_map",
+}
 
 
 rule summary:
@@ -18,9 +24,9 @@ rule summary:
         "<results>/simulations/device.json",
         "<results>/simulations/screen/budget.csv",
         SCAN_SUMMARY,
-        expand("<results>/figures/{name}.png", name=FRONT_PICTURES),
+        expand("<results>/figures/{name}.png", name=PICTURES.values()),
+        profile=SMOOTHED,
     output:
-        markdown="<results>/summary.md",
         page=listed(
             "report/summary.html",
             SUMMARY,
@@ -37,7 +43,7 @@ rule summary:
             "plans": SUMMARY_PLANS,
             "fits": list(MODEL_OF_FIT),
             "pairs": VALIDATIONS,
-            "pictures": FRONT_PICTURES,
+            "pictures": PICTURES,
         },
         paper=PAPER,
     message:
@@ -53,7 +59,6 @@ if PAPER:
             kernels="<results>/simulations/device.json",
         output:
             csv="<results>/tables/uncertainty.csv",
-            markdown="<results>/tables/uncertainty.md",
             page=listed(
                 "report/uncertainty.html",
                 SUMMARY,

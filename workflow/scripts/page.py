@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-from reporting.pages import render, write_pages
+from reporting.pages import render, write_page
 from scripts.finished import begin_with_results
 from scripts.job import write
 
@@ -22,4 +22,4 @@ build = getattr(import_module(MODULES[params.page]), f"{params.page}_page")
 page = build(results, **params.get("about", {}), **snakemake.wildcards)
 write(output, **page.files)
 text = render(f"{params.page}.md", **page.values)
-write_pages(text, output.markdown, output.page, beyond=results.beyond)
+write_page(text, output.page, folder=results.folder, beyond=results.beyond)

@@ -2,7 +2,8 @@
 
 from paper.claims import judge
 from paper.tables import TABLES
-from reporting.pages import render, write_pages
+from reporting.notes import verdicts
+from reporting.pages import render, write_page
 from scripts.finished import begin_with_results
 from scripts.job import write
 from squeezefilm.tables import write_table
@@ -13,8 +14,8 @@ for number, build in TABLES.items():
     file = results.folder / f"tables/table{number}.csv"
     write({"csv": file}, **table.files)
     page = results.folder / f"report/table{number}.html"
-    write_pages(render("table.md", **table.values), file.with_suffix(".md"), page)
+    write_page(render("table.md", **table.values), page)
 claims = judge(results)
 write_table(claims, results.folder / "claims.csv")
-text = render("claims.md", claims=claims, agreeing=claims["verdict"].str.startswith("agrees").sum())
-write_pages(text, results.folder / "claims.md", results.folder / "report/claims.html")
+text = render("claims.md", claims=claims, **verdicts(claims))
+write_page(text, results.folder / "report/claims.html")

@@ -117,5 +117,5 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]
         note += f", {one_digit(behind)} above A in proportion"
-    style.add_note(figure, f"{note}.", results.beyond)
+    style.add_note(figure, f"{note}.", "Dashed: lines of equal hv/h0.", results.beyond)
     return figure, data

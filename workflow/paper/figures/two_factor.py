@@ -1,6 +1,5 @@
-"""Figures 7, 8 and 12 to 14: the screen, the optimal design, the models fitted to them."""
+"""Figures 7, 13 and 14: the screen, and the model fitted to the optimal design."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import matplotlib as mpl
@@ -9,11 +8,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reporting.figures import parts, style
-from reporting.notes import percent, simulations_note
+from reporting.figures.models import model_and_points
+from reporting.notes import simulations_note
 from reporting.results import Results
-from squeezefilm.models.fit_file import FittedModel
-
-AUGMENTATION = "augmentation"
 
 
 def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -29,63 +26,13 @@ def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
     return figure, data
 
 
-def fig08(results: Results) -> tuple[Figure, pd.DataFrame]:
-    """The model fitted to the screen (mesh) and the simulations (dots)."""
-    fit = results.fit("screen")
-    layers = {"simulation": ("screen", {"color": style.VERMILLION, "label": "simulation"})}
-    note = f"Fit on {fit.points} points: global error {percent(fit.global_error)}."
-    return _model_and_points(results, fit, layers, note)
-
-
-def fig12(results: Results) -> tuple[Figure, pd.DataFrame]:
-    """The design (black, with the letters of its patterns, + if added) on the screen (white)."""
-    screen = results.scenes("screen")
-    design = results.design("two_factor")
-    labels = design["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
-    points = parts.plane_table(design, layer="design").assign(label=labels)
-    data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
-    figure, axes = style.subplots()
-    label = f"screen, {len(screen)} points"
-    white = style.rows(data, "screen")
-    parts.dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
-    label = f"optimal design, {len(design)} points"
-    parts.dots(axes, points, fill="black", markersize=6, label=label)
-    parts.set_up_plane(axes, screen)
-    parts.label_points(axes, points, labels=points["label"])
-    figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
-    note = "Letters: a point's patterns; +: added by best augmentation."
-    style.add_note(figure, note, results.beyond)
-    return figure, data
-
-
 def fig13(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the design (mesh, black dots) and the control points (white dots)."""
     fit = results.fit("two_factor_design")
-    black = {"color": "black", "label": "design point", "s": 26}
-    layers = {
-        "control": ("screen", {"color": "white", "label": "control point"}),
-        "design": ("two_factor_design", black),
-    }
     errors = parts.error_note(results, "two_factor_design", "screen")
     note = f"Fit on {fit.points} points; on {errors}."
-    return _model_and_points(results, fit, layers, note)
-
-
-def _model_and_points(
-    results: Results, fit: FittedModel, layers: Mapping[str, tuple[str, Any]], note: str
-) -> tuple[Figure, pd.DataFrame]:
-    """A fit as a mesh, and layers of simulations as dots, each of a plan and with a look."""
-    tables = [parts.model_mesh(fit, results.scenes("screen"))]
-    forces = [results.forces(plan) for plan, _ in layers.values()]
-    figure = style.new_figure(height_in=3.1)
-    notes = (note, simulations_note(*forces), results.beyond)
-    axes = parts.add_space(figure, bottom=style.add_note(figure, *notes))
-    parts.force_mesh(axes, tables[0])
-    for (layer, (_, look)), simulated in zip(layers.items(), forces, strict=True):
-        tables.append(parts.plane_table(simulated, layer=layer))
-        parts.force_points(axes, tables[-1], **look)
-    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
-    return figure, pd.concat(tables, ignore_index=True)
+    plans = {"control": "screen", "design": "two_factor_design"}
+    return model_and_points(results, fit, note, **plans)
 
 
 def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -109,7 +56,8 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     reach = max(1.25 * band, 1.1 * data[y].abs().max())
     axes.set(ylim=(-reach, reach), xlabel=parts.PLANE["ylabel"], ylabel="relative error (%)")
     look = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom"}
-    axes.text(0.99, band, f"±{band:g} % band ", fontsize=7, **look)
+    for edge, sign in ((band, "+"), (-band, "−")):
+        axes.text(0.99, edge, f"{sign}{band:g} % ", fontsize=7, **look)
     figure.legend(
         loc="outside upper center",
         title=r"mean gap $h_0$ (µm)",

@@ -15,6 +15,7 @@ from typing import Any
 import pandas as pd
 
 from reporting.notes import inertia
+from reporting.pages import render
 from reporting.results import Results
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, fit_of
@@ -23,6 +24,8 @@ from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
 HERE = Path(__file__).parent
 FILM = ["h0_m", "hv_m"]
+KINDS = {"_distinct": "distinct points", "_design": "design points"}
+"""Points that a model is fitted to, by the end of their plan's name."""
 
 
 def explorer_page(
@@ -70,6 +73,7 @@ def explorer_page(
     # In full double precision, and so that no text ends the script it stands in.
     shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
     parts = {"LIBRARY": drawing_library, "DATA": shown, "STUDY": config["study"]}
+    parts["SHEET"] = render("style.css")
     parts["MODELS"] = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
 
     def part(marker: re.Match[str]) -> str:
@@ -81,11 +85,12 @@ def explorer_page(
 
 
 def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
-    model, of = fit.force_model, plan.replace("_", " ")
-    on = f"{fit.points} simulations ({of})" if fit.theta else "nothing fitted"
+    model = fit.force_model
+    kind = next((kind for end, kind in KINDS.items() if plan.endswith(end)), "points")
     return {
         "name": name,
-        "label": f"{fit.model.replace('_factor', ' factors')}, {on}",
+        "label": f"{fit.model.replace('_factor', ' factors')}, "
+        + (f"{fit.points} {kind}" if fit.theta else "nothing fitted"),
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,

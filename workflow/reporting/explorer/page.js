@@ -146,6 +146,7 @@
     const reason = doubt(fit, now, value);
     const error_n = reason ? NaN : errorOf(fit, value);
     const output = byId("force");
+    byId("model").textContent = fit.label;
     output.value = "";
     if (Number.isFinite(value)) {
       const [digits, error] = toItsError(value, error_n);

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from reporting.figures import style
 from reporting.figures.film import budget, levitation, response
-from reporting.figures.maps import error_map, force_map, profile
-from reporting.figures.models import model_errors, refined, sensitivity
+from reporting.figures.maps import amplitudes, error_map, forces, profile, vibration
+from reporting.figures.models import design, fitted_model, model_errors, refined, sensitivity
 from reporting.figures.overview import overview
 from reporting.figures.verification import published, stability, work_precision
 from reporting.results import Results
@@ -25,7 +25,10 @@ Draw = Callable[[Results], Figure | tuple[Figure, pd.DataFrame]]
 
 FIGURES: dict[str, Draw] = {
     f"figures/{function.__name__}": function
-    for function in (overview, error_map, force_map, budget, response, levitation, profile)
+    for function in (
+        *(overview, vibration, profile, forces, fitted_model, design, error_map, amplitudes),
+        *(budget, response, levitation),
+    )
 }
 FIGURES |= {
     f"numerics/{function.__name__}": function for function in (work_precision, stability, published)
@@ -47,7 +50,8 @@ def save(function: Draw, results: Results, paths: Sequence[Path]) -> None:
     """
     plain = [path for path in paths if path.name.endswith(style.PLAIN)]
     tables = [path for path in paths if path.suffix == ".csv"]
-    with style.settings():
+    own = results.config["figures"].get("style")
+    with style.settings(file=results.config.path.parent / own if own else None):
         figure, table = _drawn(function, results)
         style.save(figure, [path for path in paths if path not in (*plain, *tables)])
     for path in tables:

@@ -46,12 +46,13 @@ def budget(results: Results) -> Figure:
         look["levels"] = _inner_levels(screen[f"{name}_percent"])
         title = f"({letter}) {label} (%)"
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
-    _draw_effects(last, along)
+    shown = _draw_effects(last, along)
     present = screen["included_effects"].iloc[0]
-    note = f"(f): h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm."
-    if present:
-        note += f" In the forces already: {present}."
-    style.add_note(figure, note, results.beyond)
+    first = "First-order estimates; dashed: outside their range at some points."
+    place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
+    notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
+    included = f"Included in the forces: {present}." if present else ""
+    style.add_note(figure, *notes, included, results.beyond)
     return figure
 
 
@@ -72,8 +73,11 @@ def _inner_levels(values: pd.Series) -> list[float]:
     return [level for level in ticks if low + edge <= level <= high - edge] or [low]
 
 
-def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
-    """Each effect over the first coordinate, for the least of the other and for the largest."""
+def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
+    """Draw each effect over the first coordinate, for the least of the other and the largest.
+
+    Returns what the markers mean.
+    """
     on_disc = "phi_deg" in rows
     place, other = ("phi_r_mm", "phi_deg") if on_disc else ("x_mm", "y_mm")
     rows = rows.drop_duplicates([place, other]).sort_values(place)
@@ -103,6 +107,9 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> None:
     axes.set(xlabel=label, ylabel="change of the force (%)")
     axes.set_title(f"(f) along {'the radius' if on_disc else 'x'}")
     axes.grid(True)
+    name, unit = (r"$\phi_\varphi$", "°") if on_disc else ("$y$", " mm")
+    least, largest = off[other].min(), off[other].max()
+    return f"circles: {name} = {least:g}{unit}, squares: {name} = {largest:g}{unit}."
 
 
 def response(results: Results) -> Figure:
@@ -117,15 +124,17 @@ def response(results: Results) -> Figure:
     _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
     _draw_map(prompt, maps, "instantaneous_percent", "(b) instantaneous fraction (%)")
     _draw_lines(gain, lines, "gain", "(c) gain")
-    gain.set_ylabel("change of the force, relative,\nper that of the amplitude (–)")
+    gain.set_ylabel("relative force change over\nrelative amplitude change (–)")
     _draw_lines(phase, lines, "phase_deg", "(d) phase")
-    phase.set_ylabel("force behind amplitude (°)")
+    phase.set_ylabel("phase of the force (°)")
     unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.removeprefix("not supported: ")
-    note = ""
+    notes = [f"(a, b): {parts.interpolation_note(maps)}"]
+    if len(lines):
+        notes[0] += f" (c, d): hv = {lines['hv_um'].iloc[0]:.3g} µm; negative: the force lags."
     if len(unknown):
         reason = unknown.iloc[0].split(" (")[0]
-        note = f"Not known of {len(unknown)} of {len(maps)} films: {reason}."
-    style.add_note(figure, note, results.beyond)
+        notes.append(f"Not available for {len(unknown)} of {len(maps)} films: {reason}.")
+    style.add_note(figure, *notes, results.beyond)
     return figure
 
 
@@ -198,5 +207,6 @@ def levitation(results: Results) -> Figure:
     ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
     if (shares := (ends / known["h0_m"]).dropna()).size:
         note += f"; modelling error up to {percent(float(shares.max()))} of a gap"
-    style.add_note(figure, f"{note}.", results.beyond)
+    marks = f"Dotted: contact; grey: gaps of the study; hollow: Re above {MOST_REYNOLDS:g}."
+    style.add_note(figure, f"{note}.", marks, results.beyond)
     return figure

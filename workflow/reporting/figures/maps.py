@@ -1,10 +1,12 @@
-"""Maps: the error of the five-point model, the force, and the measured profile."""
+"""Maps: error of the five-point model, force, amplitude for a force, and the profile."""
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
@@ -12,11 +14,16 @@ from reporting.figures import parts, style
 from reporting.notes import percent, simulations_note
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
+from squeezefilm.studies.study import pad_of, profile_of, surface_of
 
-ALONE_MM = 5.0
-"""What is shown either way of a single position."""
 DECADE = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
+FEW = 100
+"""Simulations of a map, at most, that are drawn as dots."""
+MARKERS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
+"""Of positions: whether a model has an amplitude there, and whether it is validated."""
+LINES = 101
+"""Of the grid along each side on which a vibration is drawn."""
 
 
 def error_map(results: Results) -> Figure:
@@ -31,86 +38,115 @@ def error_map(results: Results) -> Figure:
     parts.dots(axes, design, fill="black", markersize=6, label="design point", **look)
     axes.set(**parts.PLANE)
     figure.colorbar(filled, ax=axes, pad=0.02, label="relative error (%)")
-    figure.legend(loc="outside upper center", handletextpad=0.2)
+    figure.legend(loc="outside upper center", ncols=2, handletextpad=0.4)
+    simulated = results.forces("error_map")
+    notes = parts.interpolation_note(simulated), simulations_note(simulated)
     note = parts.error_note(results, "two_factor_design", "error_map")
-    style.add_note(figure, note, simulations_note(results.forces("error_map")), results.beyond)
+    style.add_note(figure, f"Model of the design on {note}.", *notes, results.beyond)
     return figure
 
 
-def force_map(results: Results) -> Figure:
-    """The force at the centre, and at each position the amplitude for the wanted force."""
-    forces = parts.plane_table(results.forces("error_map"), layer="map")
-    table = results.table("models/recommended.csv", "space", "model", "h0_m", "force_n")
-    table = table[table["model"].notna()]
+def forces(results: Results) -> Figure:
+    """Mean force with the pad centred over gap and amplitude; the wanted force is a thick line."""
+    rows = parts.plane_table(results.forces("error_map"), layer="map")
     wanted_n = results.config["extrapolation"]["force_n"]
-    figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.2)
-    figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
-    _draw_forces(figure, left, forces, wanted_n=wanted_n)
-    if table.empty:
-        right.set_visible(False)
-        note = "(b): no model compared can be judged."
-    else:
-        anywhere = table[table["space"] == table["space"].iloc[-1]]
-        first = anywhere.iloc[0]
-        note = (
-            f"Wanted: {wanted_n:g} N. (b): h0 = {1e6 * first['h0_m']:g} µm, model "
-            f"{first['model']}, {percent(float(first['validation_error']))} off over the "
-            f"validation sample, at most {percent(float(first['worst_error']))}."
-        )
-        _draw_positions(right, anywhere)
-    style.add_note(figure, note, results.beyond)
-    return figure
-
-
-def _draw_forces(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: float) -> None:
     grid = parts.grid_of(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
     wide = low > 0 and high > DECADE * low
     ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
     levels = np.asarray(ticks.tick_values(low, high))
     levels = levels[(levels > low / 3) & (levels < 3 * high)]
+    figure, axes = style.subplots(height_in=3.2)
+    figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
     norm = "log" if wide else None
     drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm, extend="both")
     axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
+    if len(rows) <= FEW:
+        parts.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
+    parts.show_grid(axes, grid)
+    axes.set(**parts.PLANE)
+    bar = figure.colorbar(drawn, ax=axes, pad=0.02, format="%g", label="mean force (N)")
+    bar.ax.minorticks_off()
     if low < wanted_n < high:
         axes.contour(*grid, levels=[wanted_n], colors="black", linewidths=2.0)
-    parts.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
-    axes.set(**parts.PLANE, title="(a) force at the centre")
-    bar = figure.colorbar(drawn, ax=axes, format="%g", label="mean force (N)")
-    bar.ax.minorticks_off()
+        axes.plot([], [], "k", linewidth=2.0, label=f"wanted force, {wanted_n:g} N")
+        figure.legend(loc="outside upper center")
+    notes = parts.interpolation_note(rows), simulations_note(results.forces("error_map"))
+    style.add_note(figure, *notes, results.beyond)
+    return figure
 
 
-def _draw_positions(axes: Axes, table: pd.DataFrame) -> None:
-    """Amplitudes at positions: hollow where the model is not validated, a cross without any."""
+def amplitudes(results: Results) -> Figure:
+    """Amplitude for the wanted force at each position, by the recommended model.
+
+    A square where the model is not validated, a white cross where no amplitude gives the force.
+    """
+    table = results.table("models/recommended.csv", "space", "model", "h0_m", "force_n")
+    table = table[table["model"].notna()]
+    figure, axes = style.subplots(height_in=3.2)
+    if table.empty:
+        parts.not_known(axes)
+        return figure
+    table = table[table["space"] == table["space"].iloc[-1]]
     at = factors_of(table.assign(hv_m=0.0))
-    x_mm, y_mm, hv_um = 1e3 * at.x_m, 1e3 * at.y_m, parts.micrometres(table["hv_m"])
-    known = np.isfinite(hv_um)
-    validated = table["error_95_percent"].notna().to_numpy()
-    for chosen, fill in ((known & validated, style.BLUE), (known & ~validated, "white")):
-        axes.plot(x_mm[chosen], y_mm[chosen], "o", color=style.BLUE, ms=5, mfc=fill)
-    axes.plot(x_mm[~known], y_mm[~known], "x", color=style.VERMILLION)
-    for x, y, value in zip(x_mm[known], y_mm[known], hv_um[known], strict=True):
-        text = parts.beside(axes, f"{value:.2f}", (x, y), (0, 5), ha="center", fontsize=6)
-        text.set_in_layout(False)
+    rows = pd.DataFrame({"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m})
+    rows["hv_um"] = parts.micrometres(table["hv_m"])
+    known, validated = rows["hv_um"].notna(), table["error_95_percent"].notna()
+    rows["mark"] = np.select([~known, validated], ["no amplitude", "validated"], "not validated")
+    norm, cmap = Normalize(), mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
+    norm.autoscale_None(rows.loc[known, "hv_um"])
+    look: dict[str, Any] = {"norm": norm, "cmap": cmap, "plotnonfinite": True, "s": 26}
+    look |= {"edgecolors": "black", "linewidths": 0.6, "x": "x_mm", "y": "y_mm"}
+    for mark, some in rows.groupby("mark"):
+        look |= {"marker": MARKERS[str(mark)], "label": mark}
+        dots = parts.coloured_dots(axes, some, "hv_um", **look)
+    if known.any():
+        figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE["ylabel"])
     axes.margins(0.15)
-    if len(table) == 1:  # nothing else says how large a millimetre is
-        axes.set(xlim=(-ALONE_MM, ALONE_MM), ylim=(-ALONE_MM, ALONE_MM))
-    axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="$y$ (mm)")
-    axes.set_title("(b) amplitude wanted (µm)")
+    axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="pad's centre, $y$ (mm)")
     axes.grid(True)
+    figure.legend(loc="outside upper center", ncols=3, handletextpad=0.2)
+    first = table.iloc[0]
+    where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
+    errors = f"Largest error of the model: {percent(float(first['worst_error']))}."
+    style.add_note(figure, f"By {first['model']} for {where}.", errors, results.beyond)
+    return figure
+
+
+def vibration(results: Results) -> Figure:
+    """Amplitude of the vibration over the surface, as a fraction of its maximum, and the pad."""
+    surface, pad = surface_of(results.config), pad_of(results.config)
+    x_m, y_m = np.meshgrid(*(np.linspace(-half, half, LINES) for half in surface.half_m))
+    s = np.abs(profile_of(results.config).amplitude(x_m=x_m, y_m=y_m))
+    figure, axes = style.subplots(height_in=3.2)
+    look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL, "extend": "max"}
+    filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, **look)
+    outside = surface.reach(x_m, y_m)
+    axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")
+    rim_mm = 1e3 * pad.outline()
+    axes.fill(*rim_mm.T, fill=False, edgecolor="black", label="pad, centred")
+    axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
+    label = "amplitude over its maximum (–)"
+    figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)
+    figure.legend(loc="outside upper center")
+    note = "Colours: interpolated linearly between computed points."
+    style.add_note(figure, f"Surface: {surface.text}.", note, results.beyond)
+    return figure
 
 
 def profile(results: Results) -> Figure:
     """Amplitude and residual, over the distance from the centre of a disc, or as maps."""
     data = results.table("figures/profile.csv", "layer", "noise_um")
     figure, (amplitude, residual) = style.subplots(1, 2, wide=True, height_in=3.0)
-    residual.set_title("(b) what the profile leaves")
+    residual.set_title("(b) residuals")
     if "map" in set(data["layer"]):
         _draw_profile(figure, amplitude, residual, data)
     else:
         _draw_over_radius(amplitude, residual, data)
     noise = results.summary("profile/summary.json").get("largest_force_noise_share")
-    note = f"The scan's noise moves a force by up to {noise:.1%} (95 %)." if noise else ""
+    note = (
+        f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
+    )
     style.add_note(figure, note, results.beyond)
     return figure
 
@@ -156,7 +192,7 @@ def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> No
         axes.set_xlabel("distance from the centre $r$ (mm)")
         axes.set_xlim(0, 1.02 * float(profile["r_mm"].max()))
     r_mm, lowest, highest = (profile[name] for name in ("r_mm", "lowest_um", "highest_um"))
-    names = ("range ± 2 st. errors", "profile, least and largest")
+    names = ("range ± 2 standard errors", "profile, least and largest")
     if lowest.equals(highest):
         names = ("± 2 standard errors", "profile")
     band = (lowest - 2 * profile["error_um"], highest + 2 * profile["error_um"])

@@ -1,4 +1,4 @@
-"""Models compared, D-optimal designs, and models refined; each for a space of factors."""
+"""Fitted models, D-optimal designs, models compared and refined."""
 
 from math import ceil
 from typing import Any
@@ -10,11 +10,19 @@ from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 
 from reporting.figures import parts, style
-from reporting.notes import VERDICTS, percent
+from reporting.notes import VERDICTS, percent, simulations_note
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import ROUND_COLUMNS, WHERE_COLUMNS
 
+AUGMENTATION = "augmentation"
+LAYERS: dict[str, dict[str, Any]] = {
+    "simulation": {"color": style.VERMILLION, "label": "simulation"},
+    "control": {"color": "white", "label": "control point"},
+    "design": {"color": "black", "label": "design point", "s": 26},
+}
+"""Looks of simulations beside a model's mesh."""
 ACROSS = 4
 DECADES = 5
 LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
@@ -29,6 +37,51 @@ LINEAR = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
 
 
+def fitted_model(results: Results) -> tuple[Figure, pd.DataFrame]:
+    """The model fitted to the screen (mesh) and the simulations (dots)."""
+    fit = results.fit("screen")
+    note = f"Fit on {fit.points} points: global error {percent(fit.global_error)}."
+    return model_and_points(results, fit, note, simulation="screen")
+
+
+def design(results: Results) -> tuple[Figure, pd.DataFrame]:
+    """The design (black, with the letters of its patterns, + if added) on the screen (white)."""
+    screen = results.scenes("screen")
+    optimal = results.design("two_factor")
+    labels = optimal["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
+    points = parts.plane_table(optimal, layer="design").assign(label=labels)
+    data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
+    figure, axes = style.subplots()
+    label = f"screen, {len(screen)} points"
+    white = style.rows(data, "screen")
+    parts.dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
+    label = f"optimal design, {len(optimal)} points"
+    parts.dots(axes, points, fill="black", markersize=6, label=label)
+    parts.set_up_plane(axes, screen)
+    parts.label_points(axes, points, labels=points["label"])
+    figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
+    note = "Letters: a point's patterns; +: added by best augmentation."
+    style.add_note(figure, note, results.beyond)
+    return figure, data
+
+
+def model_and_points(
+    results: Results, fit: FittedModel, note: str, **plans: str
+) -> tuple[Figure, pd.DataFrame]:
+    """A fit as a mesh, and the simulations of plans as dots, each a layer with its look."""
+    tables = [parts.model_mesh(fit, results.scenes("screen"))]
+    forces = [results.forces(plan) for plan in plans.values()]
+    figure = style.new_figure(height_in=3.1)
+    notes = (note, simulations_note(*forces), results.beyond)
+    axes = parts.add_space(figure, bottom=style.add_note(figure, *notes))
+    parts.force_mesh(axes, tables[0])
+    for layer, simulated in zip(plans, forces, strict=True):
+        tables.append(parts.plane_table(simulated, layer=layer))
+        parts.force_points(axes, tables[-1], **LAYERS[layer])
+    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
+    return figure, pd.concat(tables, ignore_index=True)
+
+
 def _without_anything(text: str) -> Figure:
     """A figure of words alone."""
     figure = style.new_figure(wide=True, height_in=1.0)
@@ -41,7 +94,7 @@ def model_errors(results: Results, space: str) -> Figure:
     table = results.table(f"models/{space}.csv", "model", "parameters", "validation_error")
     judged = table[table["validation_error"].notna()]
     if judged.empty:
-        return _without_anything("no model can be judged on these points")
+        return _without_anything("no model has an error on these points")
     data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
     data = parts.in_micrometres(data).assign(size=100 * data["relative_error"].abs())
     across = min(ACROSS, len(judged))
@@ -64,7 +117,7 @@ def model_errors(results: Results, space: str) -> Figure:
         axes.tick_params(labelsize=6, labelbottom=lowest_of_column)
     label = "|relative error| (%)"
     figure.colorbar(dots, ax=list(panels), pad=0.02, extend="min", label=label)
-    note = "Above each panel: the number of parameters, the global error."
+    note = "One dot a simulation; above each panel: number of parameters, global error."
     style.add_note(figure, note, results.beyond)
     return figure
 
@@ -78,7 +131,8 @@ def sensitivity(results: Results, space: str) -> Figure:
         colours = _draw_sensitivity(axes, data, layer, names)
         axes.set(**labels)
     figure.colorbar(colours, ax=list(panels), pad=0.02, label="sensitivity d/p (–)")
-    style.add_note(figure, "Circles: design points, their area the weight.", results.beyond)
+    notes = "Circles: design points, their area the weight.", "Colours: interpolated linearly."
+    style.add_note(figure, *notes, results.beyond)
     return figure
 
 
@@ -125,7 +179,7 @@ def refined(results: Results, space: str) -> Figure:
         bar = figure.colorbar(dots, ax=row[-1], pad=0.02, label="error (%)")
         bar.ax.tick_params(labelsize=6)
     panels[0][0].legend(loc="best")
-    note = "Dashed: wanted; stars: on simulations that no refinement used; bars: 95 % limits."
+    note = "Dashed: target; stars: errors on unused simulations; bars: 95 % limits."
     style.add_note(figure, note, results.beyond)
     return figure
 

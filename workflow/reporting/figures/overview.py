@@ -37,17 +37,19 @@ def overview(results: Results) -> Figure:
         f"{rounded_up(error_n / force_n + fit.profile_uncertainty)} of it",
         "Fit": f"{len(screen)} simulations, error {percent(fit.global_error)}",
         "Design": f"{len(design)} points instead of {len(screen)}",
-        "Validate": f"{errors['points']:.0f} simulations: at most "
-        f"{percent(abs(errors['worst_relative_error']))} off",
+        "Validate": f"{errors['points']:.0f} simulations, largest error "
+        f"{percent(abs(errors['worst_relative_error']))}",
     }
     figure = style.new_figure(wide=True, height_in=2.8)
     figure.set_layout_engine("none")
-    note = (
-        f"From left to right: a film at h0 = {1e6 * simulated['h0_m']:g} µm, "
-        f"hv = {1e6 * simulated['hv_m']:g} µm; the model fitted to the screen; the D-optimal "
-        "points; the error of the model fitted to them."
+    notes = (
+        f"1: pressure and gap at h0 = {1e6 * simulated['h0_m']:g} µm, hv = "
+        f"{1e6 * simulated['hv_m']:g} µm; red: surface up, blue: down, black: mean pressure. "
+        "2: model (mesh) fitted to the screen (dots).",
+        "3: screen (white), D-optimal points (black). 4: error of the model fitted to the black "
+        f"points, interpolated linearly; thick line, if any: ±{100 * errors['band']:g} %.",
     )
-    bottom = style.add_note(figure, note, results.beyond) + 0.135
+    bottom = style.add_note(figure, *notes, results.beyond) + 0.135
     for order, ((left, width), step) in enumerate(zip(PLACES, captions, strict=True), start=1):
         middle = left + width / 2
         figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
@@ -111,9 +113,9 @@ def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
     below.plot(pad.index, pad, color="#9c5b36")
     look: dict[str, Any] = {"ha": "center", "va": "center", "size": TICK_SIZE}
     below.text(0, (pad.max() + top) / 2, "pad", **look)
-    below.text(0, pad.min() * 0.73, "film of air", **look)
+    below.text(0, pad.min() * 0.73, "gas film", **look)
     below.set_ylim(-1.3 * film["surface_um"].abs().max(), top)
-    _label(below, "place under the pad (mm)", "height (µm)")
+    _label(below, "position under the pad (mm)", "height (µm)")
 
 
 def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, place: Rectangle) -> None:

@@ -72,6 +72,11 @@ def error_note(results: Results, fit: str, plan: str) -> str:
     )
 
 
+def interpolation_note(points: pd.DataFrame) -> str:
+    """Where the values of a map are computed."""
+    return f"Interpolated linearly between {len(points)} simulated points (h0, hv)."
+
+
 def set_up_plane(axes: Axes, screen: pd.DataFrame, *, headroom: float = 0.15) -> None:
     """Label the axes and leave room around the experimental space, that of the screen's scenes.
 
@@ -132,7 +137,7 @@ def beside(
 
 def not_known(axes: Axes) -> None:
     """Say so in the middle of the axes: an empty scale would look like a result."""
-    axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
+    axes.text(0.5, 0.5, "not available", transform=axes.transAxes, ha="center")
     axes.set(xticks=[], yticks=[])
     axes.grid(False)
 
@@ -143,7 +148,7 @@ def error_contours(
     """The model of the design: its errors over the space as filled contours, and their lines.
 
     The amplitude's axis is logarithmic: the error changes fastest at small amplitudes. The edge of
-    the band is a thick line, with its value, where the error reaches it.
+    the band is a thick line, with its value and for a legend, where the error reaches it.
     """
     data = error_table(results, "two_factor_design", "error_map", layer="map")
     grid = grid_of(data, "relative_error_percent")
@@ -160,6 +165,7 @@ def error_contours(
         thick: dict[str, Any] = {"colors": "black", "linestyles": "solid", "linewidths": 1.8}
         edge = axes.contour(*grid, levels=[-band, band], **thick)
         axes.clabel(edge, fontsize=6, fmt=lambda level: f"{signed(level, 3)} %")
+        axes.plot([], [], "k", linewidth=1.8, label=f"±{band:g} %, the allowed band")
     return filled, drawn
 
 

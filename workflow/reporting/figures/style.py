@@ -1,5 +1,6 @@
 """Common style of the figures: size, type, colour, the note below, and saving."""
 
+import logging
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -15,7 +16,8 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from squeezefilm.files import whole_file
+from squeezefilm.errors import InputError
+from squeezefilm.files import read_text, whole_file
 
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
@@ -72,12 +74,34 @@ _NO_METADATA: dict[str, dict[str, None]] = {
 _with_notes: ContextVar[bool] = ContextVar("with_notes", default=True)
 
 
+def read_style(file: Path) -> dict[Any, Any]:
+    """Return the settings in a style file of matplotlib.
+
+    Raises InputError naming the file and the line that matplotlib does not take.
+    """
+    read_text(file, what="style file")
+    log, problems = logging.getLogger("matplotlib"), list[logging.LogRecord]()
+    keep: Any = problems.append
+    log.addFilter(keep)  # what matplotlib does not take it logs, and goes on
+    settings = dict(mpl.rc_params_from_file(file, use_default_template=False))
+    log.removeFilter(keep)
+    for problem in problems:
+        told = problem.getMessage().strip().splitlines()[0]
+        raise InputError(f"{file}: not a style file of matplotlib: {told}")
+    return settings
+
+
 @contextmanager
-def settings(*, notes: bool = True) -> Iterator[None]:
-    """The style, as a context in which figures are drawn and saved, with their notes or without."""
-    everything: dict[Any, Any] = dict(mpl.rcParamsDefault)
+def settings(*, notes: bool = True, file: Path | None = None) -> Iterator[None]:
+    """The style, as a context in which figures are drawn and saved, with their notes or without.
+
+    Args:
+        file: a style file of matplotlib, whose settings are used beside those here.
+    """
+    chosen: dict[Any, Any] = dict(mpl.rcParamsDefault) | _SETTINGS
+    chosen |= (read_style(file) if file else {}) | {"backend": "agg"}
     token = _with_notes.set(notes)
-    with mpl.rc_context(everything | {"backend": "agg"} | _SETTINGS):
+    with mpl.rc_context(chosen):
         yield
     _with_notes.reset(token)
 

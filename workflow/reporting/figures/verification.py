@@ -42,13 +42,14 @@ def stability(results: Results) -> Figure:
     _films(right, data[moving].sort_values("epsilon", kind="stable").assign(x=data["reynolds"]))
     right.set(xscale="log", xlim=(0.2, 120), xlabel="modified Reynolds number Re (–)")
     right.set_title("(b) with inertia, ε rising upwards")
-    label = "worst deviation over what is allowed (–)"
+    label = "largest deviation over the allowed one (–)"
     figure.colorbar(shown, ax=(left, right), pad=0.01, aspect=40, label=label)
     for verdict, count in data["verdict"].value_counts().items():
         marker = MARKERS[str(verdict)]
         left.plot([], [], marker, color="0.4", linestyle="", label=f"{verdict} ({count})")
     figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=4)
-    style.add_note(figure, "Films of one place stand one above the other.")
+    note = "Films of one place are drawn one above the other; white: no check applies."
+    style.add_note(figure, note)
     return figure
 
 
@@ -94,7 +95,7 @@ def work_precision(results: Results) -> Figure:
         panel.grid(True)
         panel.label_outer()
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
-    note = "Orange: error of the empirical model; grey: what the reference cannot tell apart."
+    note = "Orange: error of the empirical model; grey: below the uncertainty of the reference."
     style.add_note(figure, note)
     return figure
 
@@ -130,5 +131,6 @@ def published(results: Results) -> Figure:
         panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")
         panel.legend(loc="lower right")
         panel.grid(True)
-    style.add_note(figure, "Given: where the stored pressure is prescribed; dotted: with heat.")
+    note = "(a) given: where the pressure is prescribed; (b) solid: inertia, dotted: with heat."
+    style.add_note(figure, note)
     return figure

@@ -245,9 +245,10 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
     """
     assert config.model is not None
     sections = config.model.model_dump(exclude_none=True, by_alias=True)
-    for named in (sections["actuator"]["profile"], sections["pad"].get("outline", {})):
-        if folder is not None and "file" in named:
-            named["file"] = os.path.relpath(config.path.parent / named["file"], start=folder)
+    scan, outline = sections["actuator"]["profile"], sections["pad"].get("outline", {})
+    for section, key in ((scan, "file"), (outline, "file"), (sections["figures"], "style")):
+        if folder is not None and key in section:
+            section[key] = os.path.relpath(config.path.parent / section[key], start=folder)
     head = f"# {config.path}, as it is computed: what is not marked was written there.\n"
     return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
 

@@ -17,6 +17,7 @@ from squeezefilm.config.film import (
     Number,
     Pad,
     Section,
+    Text,
     key_of,
     mistake,
 )
@@ -366,6 +367,17 @@ class Numerics(Section):
     longest_seconds: Annotated[float, Number("s", 0, 1e5, open=True)] = 0.2
 
 
+class Figures(Section):
+    """How figures look.
+
+    Attributes:
+        style: a style file of matplotlib (`.mplstyle`), from the folder of this file: fonts, sizes
+            and lines; colours that carry a meaning stay
+    """
+
+    style: Text = DERIVED
+
+
 class Header(Section):
     """What a study begins with."""
 
@@ -400,6 +412,7 @@ class Study(FilmSections, Header):
     validation: Validation = Field(default_factory=Validation)
     extrapolation: Extrapolation
     numerics: Numerics = Field(default_factory=Numerics)
+    figures: Figures = Field(default_factory=Figures)
 
     @model_validator(mode="after")
     def with_derived(self) -> "Study":
