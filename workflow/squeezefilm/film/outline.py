@@ -101,6 +101,13 @@ class Outline:
         zeta = mu + 1j * np.asarray(nu)
         return np.asarray(np.sinh(zeta) * chebval(np.cosh(zeta), chebder(self.coefficients)))
 
+    def bend(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+        """Its derivative over itself."""
+        zeta = mu + 1j * np.asarray(nu)
+        c, first = np.cosh(zeta), chebder(self.coefficients)
+        more = np.sinh(zeta) * chebval(c, chebder(first)) / chebval(c, first)
+        return np.asarray(1 / np.tanh(zeta) + more)
+
     def stretch(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """J, the area of the pad per area of μ and ν."""
         return np.asarray(np.abs(self.slope(mu, nu)) ** 2)

@@ -26,7 +26,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import plans_of, solve
-from squeezefilm.reynolds.spectral import Around, Axis, Period, axis, flux_points, period
+from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, Period, axis, period
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
@@ -420,7 +420,7 @@ def at_ends(
     pressure, deficit = (np.moveaxis(unknowns[k], which, 0) for k in (0, 1 + which))
     ends = np.array([0.0, 1.0])
     slope = np.tensordot(along.derivative[[0, -1], 1:-1] / length, pressure, axes=1)
-    missing = np.tensordot(flux_points(along.points, folded=False).at(ends), deficit, axes=1)
+    missing = np.tensordot(FluxPoints(along).at(ends), deficit, axes=1)
     places = np.meshgrid(ends, other.nodes, indexing="ij")
     x, y = places if which == 0 else places[::-1]
     gap = scene.gap(x, y, grid.t.nodes)

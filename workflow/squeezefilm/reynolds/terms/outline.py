@@ -49,12 +49,7 @@ class SmoothOutline(Term):
         )
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        assert grid.outline
-        area = np.asarray(grid.density) * grid.outline.mean_stretch
-        return {"stretch": area / grid.outline.typical_stretch - 1}
+        return {"stretch": np.asarray(grid.area(grid.x.nodes)) - 1}
 
     def refused_on_grid(self, scene: Scene) -> str:
-        for name in ("inertia", "heat"):
-            if getattr(scene.gas, name) == "included":
-                return f"{name} is not known under this pad"
-        return ""
+        return "heat is not known under this pad" if scene.gas.heat == "included" else ""
