@@ -118,6 +118,13 @@ class Outline:
         return self.area / (2 * pi * self.rim)
 
     @cached_property
+    def varies_around(self) -> bool:
+        """Whether J varies more with ν than with μ."""
+        mu, nu = np.meshgrid(np.linspace(0, self.rim, 33), np.linspace(0, 2 * pi, 128)[:-1])
+        area = self.stretch(mu, nu)
+        return bool(np.var(area.mean(axis=1)) > np.var(area.mean(axis=0)))
+
+    @cached_property
     def strip(self) -> float:
         """Half the width in ν, as a complex number, in which J has no zero, about."""
         waves = len(self.coefficients) - 1

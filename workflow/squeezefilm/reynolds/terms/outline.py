@@ -49,7 +49,39 @@ class SmoothOutline(Term):
         )
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        return {"stretch": np.asarray(grid.area(grid.x.nodes)) - 1}
+        """The area, and modes in space by which its mean along an axis is preconditioned exactly.
+
+        With α the mean of J along one axis and λ an eigenvalue of the second derivative there, the
+        modes of D Δ − σ α A ∂/∂T along the other one are those of (∂² + λ)/α, whatever D and A. The
+        axis is that along which J varies less.
+        """
+        outline, area = grid.outline, np.asarray(grid.area(grid.x.nodes))
+        assert outline
+        x, y = grid.x, grid.y
+        (length_x, length_y), weights = grid.lengths(aspect), x.weights / x.weights.sum()
+        second = x.second_derivative / length_x**2, y.in_parts / length_y**2
+        if outline.varies_around:
+            mean, own, weights = weights @ area, second[1], y.weights
+            others = x.modes_in_parts[0] / length_x**2
+        else:
+            mean, own, weights = area @ y.weights, second[0], x.weights
+            others = y.modes_in_parts[0] / length_y**2
+        operators = (own + others[:, None, None] * np.eye(len(own))) / mean[:, None]
+        values, vectors = np.linalg.eig(operators)
+        order = np.argsort(-values.real, axis=-1)
+        values = np.take_along_axis(values.real, order, axis=-1)
+        vectors = np.take_along_axis(vectors.real, order[:, None], axis=-1)
+        # Of unit mean square over the pad.
+        vectors /= np.sqrt(weights * mean * grid.mean_area @ vectors**2)[:, None]
+        evened = np.broadcast_to(mean if outline.varies_around else mean[:, None], area.shape)
+        return {
+            "stretch": area - 1,
+            "uneven": area - evened,
+            "evened": evened,
+            "modes_by": vectors,
+            "to_modes_by": np.linalg.inv(vectors) / mean,
+            "eigenvalues": values if outline.varies_around else values.T,
+        }
 
     def refused_on_grid(self, scene: Scene) -> str:
         return "heat is not known under this pad" if scene.gas.heat == "included" else ""
