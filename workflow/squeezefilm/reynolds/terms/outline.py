@@ -82,6 +82,3 @@ class SmoothOutline(Term):
             "to_modes_by": np.linalg.inv(vectors) / mean,
             "eigenvalues": values if outline.varies_around else values.T,
         }
-
-    def refused_on_grid(self, scene: Scene) -> str:
-        return "heat is not known under this pad" if scene.gas.heat == "included" else ""
