@@ -27,8 +27,6 @@ def test_points_make_one_curve_in_any_unit_direction_and_place(z_mm, header, uni
     assert contour.area == pytest.approx(np.pi / 4 * 0.8, rel=2e-5)
     assert np.abs(contour.points.real).max() == pytest.approx(0.5, abs=2e-5)
     assert np.abs(contour.points.imag).max() == pytest.approx(0.4, abs=2e-5)
-    pad_share = Pad(0.01, 0.008, 0.0, shape="curve", contour=contour).rectangle_within
-    assert pad_share == pytest.approx(np.sqrt(0.5), rel=2e-3)
     places = np.array([0.45 + 0.1j, 0.52, 0.39j, 0.3 - 0.38j])
     assert contour.within(places).tolist() == [True, False, True, False]
 

@@ -27,6 +27,7 @@ class Disc:
     Attributes:
         reynolds: Re = ρ0 ω h0²/μ of the inertia; 0 without.
         heating, conduction, exponent: ((γ − 1)/γ) Pr Re, Pr Re and κ of the heat; 0 without.
+        loss: C Re σ/24 of the loss at the rim where gas comes in, P = 1 − loss u²; 0 without.
         points, instants: between centre and rim, and over the period, an odd number.
     """
 
@@ -36,6 +37,7 @@ class Disc:
     heating: float = 0.0
     conduction: float = 0.0
     exponent: float = 0.0
+    loss: float = 0.0
     profile: Callable[[np.ndarray], np.ndarray] = np.ones_like
     points: int = 20
     instants: int = 17
@@ -96,5 +98,6 @@ class Disc:
         beside += lag * (9 / 7 * hot * rate(v) + v * rate(hot) / 7)
         flow = pressure * gap * (v + beside)
         mass = rate(pressure * gap * (1 - hot)) + 2 * flow + 2 * s * (self.grid.first @ flow)
-        mass[..., -1, :] = excess[..., -1, :]
+        inwards = np.where(v[..., -1, :].real < 0, v[..., -1, :] / 2, 0.0)
+        mass[..., -1, :] = excess[..., -1, :] + self.loss * inwards**2
         return np.stack([mass, momentum, heat], axis=-3)

@@ -393,8 +393,6 @@ def levitations(
                     more_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
                     found = replace(found, h0_error_m=found.h0_error_m + more_m)
                     notes = [*found.notes]
-                    if basis := found.budget.basis:
-                        notes.append(f"neglected effects: of {basis}")
                     row |= {name: of(found) for name, of in COLUMNS.items()}
                     if mass_kg is not None:
                         moving = resonance(found, mass_kg=mass_kg)
