@@ -78,8 +78,8 @@ class Fields:
         self.along_x, self.along_y = with_rim(grid.x), with_rim(grid.y)
         self.inner = (slice(None), grid.x.inner, grid.y.inner)
         across = grid.x.all_nodes[: len(self.along_x.weights)]
-        self.area, self.bend = (
-            np.asarray(of)[..., None] for of in (grid.area(across), grid.bend(across))
+        self.area, self.turn, self.bend = (
+            np.asarray(of(across))[..., None] for of in (grid.area, grid.turn, grid.bend)
         )
         seen = (..., slice(len(self.along_x.weights)), slice(len(self.along_y.weights)), None)
         parts = problems.parts[problems.places].swapaxes(0, 1)[seen]
@@ -164,6 +164,14 @@ class Fields:
     def y_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         matrix = self.along_y.of_odd if odd else self.along_y.of_even
         return along_y(matrix / self.lengths[1], values)
+
+    def slide(self, values: np.ndarray) -> np.ndarray:
+        """∂/∂X along the pad's own x axis."""
+        if self.grid.outline is None:
+            return self.x_derivative(values)
+        return self.turn.real * self.x_derivative(values) - self.turn.imag * self.y_derivative(
+            values
+        )
 
     def t_derivative(self, values: np.ndarray) -> np.ndarray:
         return along_t(self.grid.t.derivative, values)
@@ -337,11 +345,16 @@ def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
         )
     ]
     stored = films.sigma * (films.area[rows_x] if films.grid.outline else 1.0)
-    speed, slide = films.numbers("bearing", absent=0.0), x.of_even[rows_x, rows_x]
-    in_time = films.grid.t.derivative
+    speed, in_time = films.numbers("bearing", absent=0.0), films.grid.t.derivative
+    slides = [(along_x, x.of_even[rows_x, rows_x] / films.lengths[0], speed)]
+    if films.grid.outline:
+        turn = films.turn[rows_x]
+        steps_y = y.of_even[rows_y, rows_y] / films.lengths[1]
+        slides = [(*slides[0][:2], speed * turn.real), (along_y, steps_y, -speed * turn.imag)]
     if adjoint:
         slopes = [(along, last.T, first.T) for along, first, last in slopes]
-        slide, in_time = slide.T, in_time.T
+        slides = [(along, matrix.T, speed) for along, matrix, speed in slides]
+        in_time = in_time.T
     terms = [
         (
             (films.density ** (1 - k) / (films.gap * films.density_slope))[films.inner],
@@ -353,7 +366,9 @@ def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
     def apply(values: np.ndarray) -> np.ndarray:
         result = -stored * along_t(in_time, values)
         if np.any(speed):
-            result -= speed * along_x(slide, values)
+            for along, matrix, share in slides:
+                pushed = along(matrix, share * values) if adjoint else share * along(matrix, values)
+                result -= pushed
         for rise, factors in terms:
             start = values if adjoint else rise * values
             for (along, first, last), factor in zip(slopes, factors, strict=True):

@@ -179,7 +179,7 @@ def residual(films: Fields) -> np.ndarray:
     """
     flow = films.divergence(films.slope * (films.mobility * films.mass))
     moved = films.sigma * films.t_derivative(films.mass)
-    moved += films.numbers("bearing", absent=0.0) * films.x_derivative(films.mass)
+    moved += films.numbers("bearing", absent=0.0) * films.slide(films.mass)
     return np.asarray((flow - moved)[films.inner])
 
 

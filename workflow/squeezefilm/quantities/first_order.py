@@ -193,16 +193,17 @@ def by_passing(films: list[Fields], bearing: np.ndarray) -> tuple[np.ndarray, np
         films: at the places of ``line``, of an isothermal gas.
     """
     here = films[2]
-    rate = -here.number(bearing) / STEP
+    rate = -here.number(bearing) / STEP * here.area
 
     def first(k: int) -> np.ndarray:
-        pushed = rate * (films[k + 1].mass - films[k - 1].mass)[films[k].inner]
-        return response(films[k], pushed, tolerance=TOLERANCE)
+        pushed = rate * (films[k + 1].mass - films[k - 1].mass)
+        return response(films[k], pushed[films[k].inner], tolerance=TOLERANCE)
 
     back, middle, forward = first(1), first(2), first(3)
     per_mass = 1 / (here.gap * here.density_slope)
     curved = _curvature_of_flow(here, here.on_all_nodes(middle) * per_mass)[here.inner]
-    second = response(here, rate * (forward - back) - curved, tolerance=TOLERANCE)
+    pushed = rate * here.on_all_nodes(forward - back)
+    second = response(here, pushed[here.inner] - curved, tolerance=TOLERANCE)
     one, other = (here.mean(here.on_all_nodes(mass) * per_mass) for mass in (middle, second))
     return one, other
 

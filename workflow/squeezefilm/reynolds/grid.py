@@ -97,6 +97,13 @@ class Grid:
         mu = self.outline.rim * (2 * across[:, None] - 1)
         return self.outline.stretch(mu, self.y.nodes) / self.outline.typical_stretch
 
+    def turn(self, across: np.ndarray) -> np.ndarray | float:
+        """z′ of an outline there, by the same lengths; 1 under a rectangle."""
+        if self.outline is None:
+            return 1.0
+        mu = self.outline.rim * (2 * across[:, None] - 1)
+        return self.outline.slope(mu, self.y.nodes) / sqrt(self.outline.typical_stretch)
+
     def bend(self, across: np.ndarray) -> np.ndarray | float:
         """z″/z′ of an outline there, by the same lengths; 0 under a rectangle."""
         if self.outline is None:

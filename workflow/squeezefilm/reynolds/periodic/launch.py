@@ -116,7 +116,7 @@ def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
             _most_krylov(grid, terms),
             grid.x.in_halves,
             grid.y.in_halves,
-            grid.x.in_halves and not breaks_x,
+            grid.x.in_halves and not (breaks_x and grid.outline is None),
             grid.outline is not None and grid.outline.varies_around,
             guessed and stage == 0,
             largest,
