@@ -8,7 +8,6 @@ import squeezefilm as sf
 from squeezefilm.config.loading import effective_text, parse_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.outline import read_contour
-from squeezefilm.film.pad import Pad
 from squeezefilm.studies.study import check_study, pad_of
 
 SIDES_M = 0.01, 0.008

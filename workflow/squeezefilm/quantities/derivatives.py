@@ -27,12 +27,13 @@ from squeezefilm.reynolds.problems import numbers_table, problems_of
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
+from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 from squeezefilm.solution import DERIVATIVES, Derivatives, Solution
 
 # Terms of the equation that ``residual`` and the adjoint have.
-KNOWN = (AnyGap, Bearing, Polytropic, Rarefaction)
+KNOWN = (AnyGap, Bearing, Polytropic, Rarefaction, SmoothOutline)
 # Below this, iterations would end in rounding.
 LEAST_TOLERANCE = 1e-8
 # Share of the tolerance, times ε, that the adjoint may leave: a source of order ε makes a force of

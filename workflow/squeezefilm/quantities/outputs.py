@@ -395,7 +395,10 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
     sides_m = scene.pad.length_y_m, scene.pad.length_x_m
     if outline := grid.outline:
         whole = Grid(grid.x.full_points, grid.y.full_points, grid.nt, False, False, outline)
-        onto = grid.x.at(whole.x.nodes), FluxPoints(grid.x).carried_to(FluxPoints(axis(whole.nx, False)))
+        onto = (
+            grid.x.at(whole.x.nodes),
+            FluxPoints(grid.x).carried_to(FluxPoints(axis(whole.nx, False))),
+        )
         fields = zip(onto, unknowns, strict=False)
         around = grid.y.at(whole.y.nodes)
         unfolded = np.stack([x @ (around @ field).reshape(grid.nx, -1) for x, field in fields])

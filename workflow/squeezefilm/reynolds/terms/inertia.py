@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.spectral import AroundPoints, FluxPoints, flux_points
+from squeezefilm.reynolds.spectral import FluxPoints, flux_points
 from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
 
 if TYPE_CHECKING:
@@ -148,8 +148,9 @@ def steepness(scene: OperatingPoints) -> Any:
     return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
 
 
-def _points(grid: Grid) -> tuple[FluxPoints | AroundPoints, ...]:
-    return tuple(map(flux_points, (grid.x, grid.y)))
+def _points(grid: Grid) -> list[Any]:
+    """FluxPoints of x and y; of an outline AroundPoints of y."""
+    return [flux_points(each) for each in (grid.x, grid.y)]
 
 
 def _bends(grid: Grid) -> list[Arrays]:
@@ -161,6 +162,6 @@ def _bends(grid: Grid) -> list[Arrays]:
     """
     places = (FluxPoints(grid.x).all_points[: grid.nx], -1.0), (grid.x.nodes, -1j)
     return [
-        {"over_area": 1 / np.asarray(grid.area(at)), "bend": (part * grid.bend(at)).real}
+        {"over_area": 1 / np.asarray(grid.area(at)), "bend": np.real(part * grid.bend(at))}
         for at, part in places
     ]
