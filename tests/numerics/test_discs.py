@@ -1,6 +1,7 @@
 """Discs and ellipses with inertia, heat and sliding, by programs of their own and exact theory."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -76,24 +77,21 @@ def test_a_disc_has_the_force_of_its_radius_alone(reynolds, sigma, gas):
 
 
 def test_errors_fall_through_the_foci():
-    """Where z′ is zero, inside the disc; by a factor of five for eight nodes across, as elsewhere."""
+    """Where z′ is zero, inside the disc; by a factor of five for eight nodes across."""
     scene = ellipse(2.0, epsilon=0.4, sigma=300.0)
-    expected = alone(scene)
+    expected, pad = alone(scene), scene.pad.smooth_outline
     errors = [
-        abs(
-            solve_batch([scene], grid, tolerance=1e-9, device=choose_device()).mean[0] / expected
-            - 1
-        )
-        for grid in (Grid(n, n // 2, 16, True, True, scene.pad.smooth_outline) for n in (8, 12, 16))
+        abs(solve_batch([scene], grid, tolerance=1e-9, device=choose_device()).mean[0] - expected)
+        for grid in (Grid(n, n // 2, 16, True, True, pad) for n in (8, 12, 16))
     ]
-    assert all(fine < coarse / 5 for coarse, fine in zip(errors, errors[1:], strict=False))
-    assert errors[-1] < 2e-5
+    assert all(fine < coarse / 5 for coarse, fine in pairwise(errors))
+    assert errors[-1] < 2e-5 * expected
 
 
-@pytest.mark.parametrize("reynolds", [0.1, 2.0, 10.0, 40.0])
-def test_a_small_motion_has_the_linear_theory_s_force(reynolds):
+@pytest.mark.parametrize(("reynolds", "sigma"), [(0.1, 20.0), (2.0, 100.0), (40.0, 20.0)])
+def test_a_small_motion_has_the_linear_theory_s_force(reynolds, sigma):
     """The first harmonic by Bessel functions, S + iD with Re's factor of the parabola."""
-    scene = ellipse(reynolds, epsilon=1e-3, sigma=100.0)
+    scene = ellipse(reynolds, epsilon=1e-3, sigma=sigma)
     (found,) = with_outputs(
         [scene],
         [solved(scene, tolerance=1e-4, keep_states=True)],
@@ -195,17 +193,17 @@ def test_the_budget_of_an_ellipse_is_its_own():
 
 
 def test_momentum_that_leaves_over_an_outline_turns_with_it(tmp_path):
-    scene = ellipse(1.0, epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE, x=0.1, y=0.05)
+    scene = ellipse(1.0, epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE, x=0.05)
     scene = replace(scene, pad=replace(scene.pad, rotation_deg=30.0))
     half = np.hypot(np.array([0.75, 0.25]) ** 0.5, 0.6 * np.array([0.25, 0.75]) ** 0.5)
     sides_m = tuple(scene.pad.length_x_m * half)
     flat = replace(scene, pad=replace(scene.pad, rotation_deg=0.0))
     scenes = [scene, curved(flat, tmp_path, ellipse_mm(scene, 30.0), sides_m)]
     scenes += [each.with_gas(inertia="none") for each in scenes]
-    forces = [solved(each, tolerance=1e-4, keep_states=True) for each in scenes]
-    found = with_outputs(scenes, forces, outputs=("thrust",), tolerance=1e-4)
+    forces = [solved(each, tolerance=1e-3, keep_states=True) for each in scenes]
+    found = with_outputs(scenes, forces, outputs=("thrust",), tolerance=1e-3)
     one, other, without, _ = (
-        np.array([each.outputs.value[f"thrust_{axis}"] for axis in "xy"]) for each in found
+        1e6 * np.array([each.outputs.value[f"thrust_{axis}"] for axis in "xy"]) for each in found
     )
-    assert other == pytest.approx(one, rel=1e-4)
-    assert one != pytest.approx(without, rel=0.05)
+    assert other == pytest.approx(one, abs=1e-3 * np.abs(one).max())
+    assert one[0] != pytest.approx(without[0], rel=0.05)

@@ -395,18 +395,19 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
     sides_m = scene.pad.length_y_m, scene.pad.length_x_m
     if outline := grid.outline:
         whole = Grid(grid.x.full_points, grid.y.full_points, grid.nt, False, False, outline)
-        onto = (
-            grid.x.at(whole.x.nodes),
-            FluxPoints(grid.x).carried_to(FluxPoints(axis(whole.nx, False))),
+        to_flux = FluxPoints(grid.x).carried_to(FluxPoints(whole.x))
+        unfolded = np.einsum(
+            "fpa,fabi,qb->fpqi",
+            np.stack([grid.x.at(whole.x.nodes), to_flux]),
+            unknowns[:2],
+            grid.y.at(whole.y.nodes),
+            optimize=True,
         )
-        fields = zip(onto, unknowns, strict=False)
-        around = grid.y.at(whole.y.nodes)
-        unfolded = np.stack([x @ (around @ field).reshape(grid.nx, -1) for x, field in fields])
-        each = _leaving(scene, whole, unfolded.reshape(2, *whole.shape), which=0)[1]
-        ways = outline.slope(np.array(outline.rim), whole.y.nodes).conj()
-        out = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
-        found = (each / ways).mean() * out
-        return float(found.real), float(found.imag)
+        each = _leaving(scene, whole, unfolded, which=0)[1]
+        # ū_n² n dl, the velocity being that times |z′| over typical lengths.
+        ways = each / outline.slope(np.array(outline.rim), whole.y.nodes).conj()
+        around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
+        return float(ways.real.mean() * around_n), float(ways.imag.mean() * around_n)
     found = []
     for which, (along, side_m) in enumerate(zip((grid.y, grid.x), sides_m, strict=True)):
         if (grid.x, grid.y)[which].folded:
@@ -435,6 +436,7 @@ def at_ends(
     Along the axis ``which``, 0 or 1, at the nodes of the other one: each (2, nodes, nt).
     """
     along, other = (grid.x, grid.y) if which == 0 else (grid.y, grid.x)
+    assert isinstance(along, Axis)
     pressure, deficit = (np.moveaxis(unknowns[k], which, 0) for k in (0, 1 + which))
     ends = np.array([0.0, 1.0])
     length = grid.lengths(scene.aspect)[which]
