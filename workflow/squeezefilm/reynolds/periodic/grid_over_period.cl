@@ -195,22 +195,29 @@ static void by_each(const Grid *g, constant_vector matrices, constant_vector in,
     SYNC;
 }
 
+/* Along the other axis, by the matrix of x or of y. */
+static void by_one(const Grid *g, constant_vector of_x, constant_vector of_y, int kind,
+                   constant_vector in, vector out)
+{
+    const int n = g->around ? g->nx : g->ny, columns = g->around ? g->ny * g->nt : g->nt;
+    const int panels = g->around ? 1 : g->nx;
+    if (g->around && g->whole_modes_x)
+        mirrored_product(of_x, n / 2, in, out, columns, panels, kind, 0);
+    else
+        product(g->around ? of_x : of_y, n, n, in, out, columns, panels, 0);
+    SYNC;
+}
+
 static void to_modes_in_space(const Grid *g, vector values, vector modal)
 {
-    if (g->around)
-        mirrored_x(g, g->whole_modes_x, g->linear.to_modes_x, modal, values, NODES_TO_MODES, 0);
-    else
-        mirrored_y(g, g->linear.to_modes_y, modal, values, NODES_TO_MODES, 0);
+    by_one(g, g->linear.to_modes_x, g->linear.to_modes_y, NODES_TO_MODES, modal, values);
     by_each(g, g->linear.to_modes_by, values, modal);
 }
 
 static void from_modal(const Grid *g, constant_vector modal, vector in_time, vector values)
 {
     by_each(g, g->linear.modes_by, modal, values);
-    if (g->around)
-        mirrored_x(g, g->whole_modes_x, g->linear.modes_x, values, in_time, MODES_TO_NODES, 0);
-    else
-        mirrored_y(g, g->linear.modes_y, values, in_time, MODES_TO_NODES, 0);
+    by_one(g, g->linear.modes_x, g->linear.modes_y, MODES_TO_NODES, values, in_time);
     along_t(g, g->linear.time_modes, in_time, values, 0);
 }
 #else
