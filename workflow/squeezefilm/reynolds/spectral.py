@@ -227,12 +227,12 @@ class Period:
 
 
 def even_and_odd(matrix: np.ndarray) -> np.ndarray:
-    """Return the matrix for even and for odd functions on half of n nodes: (2, n/2, n/2).
+    """Return matrices for even and for odd functions on half of n nodes: (2, …, n/2, n/2).
 
     It commutes with mirroring, as a second derivative does, or changes its sign, as a first one.
     """
-    half = len(matrix) // 2
-    near, far = matrix[:half, :half], matrix[:half, : half - 1 : -1]
+    half = matrix.shape[-1] // 2
+    near, far = matrix[..., :half, :half], matrix[..., :half, : half - 1 : -1]
     return np.stack([near + far, near - far])
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.spectral import even_and_odd
 from squeezefilm.reynolds.terms.term import Arrays, Term
 
 if TYPE_CHECKING:
@@ -67,10 +68,14 @@ class SmoothOutline(Term):
             mean, own, weights = area @ y.weights, second[0], x.weights
             others = y.modes_in_parts[0] / length_y**2
         operators = (own + others[:, None, None] * np.eye(len(own))) / mean[:, None]
-        values, vectors = np.linalg.eig(operators)
-        order = np.argsort(-values.real, axis=-1)
-        values = np.take_along_axis(values.real, order, axis=-1)
-        vectors = np.take_along_axis(vectors.real, order[:, None], axis=-1)
+        # Real as those of the second derivative; of all of x the even ones, then the odd ones.
+        halves = x.in_halves and not outline.varies_around
+        parts = even_and_odd(operators) if halves else operators[None]
+        values, vectors = (each.real for each in np.linalg.eig(parts))
+        values, near = np.concatenate(values, axis=-1), np.concatenate(vectors, axis=-1)
+        mirrored = [sign * each[:, ::-1] for sign, each in zip((1, -1), vectors, strict=False)]
+        far = [np.concatenate(mirrored, axis=-1)] * halves
+        vectors = np.concatenate([near, *far], axis=1)
         # Of unit mean square over the pad.
         vectors /= np.sqrt(weights * mean * grid.mean_area @ vectors**2)[:, None]
         evened = np.broadcast_to(mean if outline.varies_around else mean[:, None], area.shape)
