@@ -18,7 +18,6 @@ from squeezefilm.quantities import first_order
 from squeezefilm.quantities import model_error as budget_module
 from squeezefilm.quantities.adjoint import Fields
 from squeezefilm.quantities.model_error import (
-    BASIS,
     NAMES,
     ErrorBudget,
     budget_row,
@@ -170,12 +169,8 @@ def test_a_profile_that_passes_against_a_march_along_it(
 def test_what_is_not_known_has_no_number(scene: Scene) -> None:
     at_rest = replace(scene, hv_m=0.0)
     adiabatic = replace(scene, gas=replace(scene.gas, polytropic_exponent=1.4))
-    disc = replace(scene, pad=replace(scene.pad, shape="ellipse"))
-    still, heated, round_pad, flat = error_budgets([at_rest, adiabatic, disc, scene])
+    still, heated = error_budgets([at_rest, adiabatic])
     assert still.status != "ok"
     assert all(isnan(each.percent) for each in still.effects.values())
     assert isnan(heated.effects["heat"].percent)
-    assert round_pad.basis == BASIS
-    assert BASIS in in_lines(budget_row(round_pad))
-    assert np.isnan([heated.sums(neglected_only=True), round_pad.sums(neglected_only=True)]).all()
-    assert round_pad.effects["inertia"] != flat.effects["inertia"]
+    assert np.isnan(heated.sums(neglected_only=True)).all()

@@ -55,6 +55,10 @@ def quotient(scene: Scene, number: str) -> float:
     return (a - 8 * b + 8 * c - d) / (12 * step)
 
 
+def under_ellipse(scene: Scene) -> Scene:
+    return replace(scene, pad=replace(scene.pad, shape="ellipse"))
+
+
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 OTHER = StandingWave(wavelength_m=0.014, direction_deg=60.0, crest_m=0.004)
 TWO_PHASES = film(
@@ -68,6 +72,10 @@ FILMS = {
         epsilon=0.4, sigma=583.0, y=0.1, rarefaction="fukui-kaneko", polytropic_exponent=1.4
     ),
     "sliding": film(epsilon=0.4, sigma=300.0, x=0.1, bearing=3.0, aspect=1.5),
+    "sliding ellipse": under_ellipse(
+        film(epsilon=0.4, sigma=300.0, x=0.1, bearing=3.0, aspect=1.5)
+    ),
+    "disc": under_ellipse(film(epsilon=0.4, sigma=300.0, y=0.2, rarefaction="slip")),
     "tilted, two phases": replace(
         TWO_PHASES, pad=replace(TWO_PHASES.pad, gap=GapShape(2e-6, -1e-6, 0.5e-6))
     ),
@@ -132,10 +140,6 @@ def test_errors_hold(tolerance: float) -> None:
     ("scene", "reason"),
     [
         (film(epsilon=0.3, sigma=300.0, inertia="included"), "not known with inertia"),
-        (
-            replace(FILMS["thick"], pad=replace(FILMS["thick"].pad, shape="ellipse")),
-            "rectangular pads alone",
-        ),
         (film(epsilon=0.4, sigma=100.0, rarefaction="fukui-kaneko", knudsen=0.5), "no force"),
     ],
 )

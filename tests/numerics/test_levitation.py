@@ -129,7 +129,7 @@ DISC = {
             [
                 "modified Reynolds number",
                 "more than a tenth of the gap",
-                "inertia is auto and not",
+                "heat is auto and not",
             ],
         ),
         (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 13.2", "tenth of the gap"]),

@@ -8,7 +8,6 @@ import squeezefilm as sf
 from squeezefilm.config.loading import effective_text, parse_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.outline import read_contour
-from squeezefilm.film.pad import Pad
 from squeezefilm.studies.study import check_study, pad_of
 
 SIDES_M = 0.01, 0.008
@@ -27,8 +26,6 @@ def test_points_make_one_curve_in_any_unit_direction_and_place(z_mm, header, uni
     assert contour.area == pytest.approx(np.pi / 4 * 0.8, rel=2e-5)
     assert np.abs(contour.points.real).max() == pytest.approx(0.5, abs=2e-5)
     assert np.abs(contour.points.imag).max() == pytest.approx(0.4, abs=2e-5)
-    pad_share = Pad(0.01, 0.008, 0.0, shape="curve", contour=contour).rectangle_within
-    assert pad_share == pytest.approx(np.sqrt(0.5), rel=2e-3)
     places = np.array([0.45 + 0.1j, 0.52, 0.39j, 0.3 - 0.38j])
     assert contour.within(places).tolist() == [True, False, True, False]
 

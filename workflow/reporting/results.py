@@ -79,7 +79,7 @@ class Results:
 
     def budget(self, plan: str, *effects: str) -> pd.DataFrame:
         """Return the neglected effects on the forces of a plan, which has at least these."""
-        columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects", "geometry")
+        columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects")
         table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns, *effects)
         texts = ("first_order_invalid", "included_effects")
         return table.assign(**{name: table[name].astype(object).fillna("") for name in texts})

@@ -14,7 +14,6 @@ from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
 from squeezefilm.studies.study import film_in
-from squeezefilm.tables import THIS_SCENE
 from squeezefilm.units import to_its_error
 
 EFFECTS = {
@@ -73,7 +72,6 @@ def summary_values(
         "profile_uncertainty": max(results.fit(fit).profile_uncertainty for fit in fits),
         "errors": pd.DataFrame([_errors(results, pair) for pair in pairs]),
         "effects": _effects(results),
-        "geometry": results.budget("screen")["geometry"].iloc[0].removeprefix(THIS_SCENE),
     }
 
 

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from math import floor, isfinite, log10, nan
 from typing import Any
 
-from squeezefilm.tables import THIS_SCENE
 from squeezefilm.units import error_column, to_its_error, unit_of_column
 
 LABELS = {
@@ -174,7 +173,7 @@ def _scene(row: Row) -> Lines:
 
 def _effects(row: Row) -> Lines:
     """Take the modelling error from a row: lines about all neglected effects, and each of them."""
-    if "geometry" not in row:
+    if "included_effects" not in row:
         return []
     size, unit = row.get("force_n", nan) / 100, "N"
     if "stiffness_n_per_m" in row:
@@ -186,10 +185,10 @@ def _effects(row: Row) -> Lines:
 
     have, invalid = (row.pop(k).split("; ") for k in ("included_effects", "first_order_invalid"))
     ends = [row.pop(f"modelling_error_{end}_percent") for end in ("lower", "upper")]
-    other, edge = row.pop("geometry").removeprefix(THIS_SCENE), row.pop("edge_loss_upper_percent")
+    edge = row.pop("edge_loss_upper_percent")
     status = row.pop("budget_status" if "budget_status" in row else "status")
     total = f"{change(*ends)} of the force" if isfinite(ends[0]) else NOT_AVAILABLE
-    total += f": {status}" * (status != "ok") + f", below for {other}" * bool(other)
+    total += f": {status}" * (status != "ok")
     total += ", not reliable" * bool({*invalid} - {*have, ""})
     lines = [("modelling error", total)]
     names = [name.removesuffix(REMAINDER) for name in row if name.endswith(REMAINDER)]

@@ -42,8 +42,6 @@ FACTOR = re.compile(r"(h0|hv|x|y|phi_r|phi)[\s_/\[(]+([^\s\])]+)[\])]?", re.I)
 PARQUET = ".parquet"
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
-# What a budget is of, where it is of the scene itself.
-THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
 

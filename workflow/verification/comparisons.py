@@ -232,8 +232,7 @@ def _neglected(
         lacking = {each: budget.effects[each] for each in effects}
         lacking = {each: effect for each, effect in lacking.items() if not effect.included}
         if lacking:
-            # Effects of another pad are a guide; their sum is stated as not known.
-            usable = not (budget.basis or lacking.keys() & {*budget.first_order_invalid})
+            usable = not lacking.keys() & {*budget.first_order_invalid}
             change = sum(effect.percent for effect in lacking.values()) / 100
             off = sum(effect.off_percent for effect in lacking.values()) / 100
             yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"

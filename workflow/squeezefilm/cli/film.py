@@ -173,10 +173,10 @@ def budget(options: argparse.Namespace) -> None:
     first order, `…_remainder_percent` the size of what higher orders add. `sum_…` adds all of them,
     `modelling_error_…` those that the force neglects (`included_effects` names the others): from
     `…_lower` to `…_upper`, with C from 1 to 1.54 and the errors of higher orders and coarse grids.
-    `first_order_invalid` names effects outside the range of a first-order estimate, `geometry` the
-    pad that was evaluated, `status` why there are none. `depth_averaged_percent` is the estimated
-    error of inertia and heat that a force has, as averages over the gap; `validity` is `ok`, or the
-    limits of validity that a scene exceeds.
+    `first_order_invalid` names effects outside the range of a first-order estimate, `status` says
+    why there are none. `depth_averaged_percent` is the estimated error of inertia and heat that a
+    force has, as averages over the gap; `validity` is `ok`, or the limits of validity that a scene
+    exceeds.
     """
     points, film = points_or_scenes(options), film_at(options.config)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)

@@ -397,8 +397,6 @@ def levitations(
                     more_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
                     found = replace(found, h0_error_m=found.h0_error_m + more_m)
                     notes = [*found.notes]
-                    if basis := found.budget.basis:
-                        notes.append(f"neglected effects: of {basis}")
                     row |= scene_row(found.scene) | budget_row(found.budget)
                     row |= {"budget_status": found.budget.status, "h0_noise_m": more_m}
                     row |= {name: of(found) for name, of in COLUMNS.items()}

@@ -101,6 +101,13 @@ class Outline:
         zeta = mu + 1j * np.asarray(nu)
         return np.asarray(np.sinh(zeta) * chebval(np.cosh(zeta), chebder(self.coefficients)))
 
+    def bend(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+        """Its derivative over itself."""
+        zeta = mu + 1j * np.asarray(nu)
+        c, first = np.cosh(zeta), chebder(self.coefficients)
+        more = np.sinh(zeta) * chebval(c, chebder(first)) / chebval(c, first)
+        return np.asarray(1 / np.tanh(zeta) + more)
+
     def stretch(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """J, the area of the pad per area of μ and ν."""
         return np.asarray(np.abs(self.slope(mu, nu)) ** 2)
@@ -109,6 +116,13 @@ class Outline:
     def mean_stretch(self) -> float:
         """J's mean over the strip."""
         return self.area / (2 * pi * self.rim)
+
+    @cached_property
+    def varies_around(self) -> bool:
+        """Whether J varies more with ν than with μ."""
+        mu, nu = np.meshgrid(np.linspace(0, self.rim, 33), np.linspace(0, 2 * pi, 128)[:-1])
+        area = self.stretch(mu, nu)
+        return bool(np.var(area.mean(axis=1)) > np.var(area.mean(axis=0)))
 
     @cached_property
     def strip(self) -> float:

@@ -45,14 +45,6 @@ class Pad:
         return float(np.hypot(*self.outline().T).max())
 
     @property
-    def rectangle_within(self) -> float:
-        """Sides of the largest rectangle of its proportions about its centre, over its own."""
-        if not (outline := self.smooth_outline):
-            return 1.0
-        x, y = outline.points.real, outline.points.imag / outline.aspect
-        return float(2 * np.maximum(np.abs(x), np.abs(y)).min())
-
-    @property
     def smooth_outline(self) -> Outline | None:
         """The outline in conformal coordinates, unless it is a rectangle."""
         if self.shape == "ellipse":

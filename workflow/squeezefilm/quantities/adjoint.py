@@ -21,7 +21,7 @@ from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.spectral import Axis
+from squeezefilm.reynolds.spectral import Around, Axis
 from squeezefilm.reynolds.terms import stiffness_of, terms_of
 from squeezefilm.solution import Solution
 
@@ -30,7 +30,7 @@ MOST_ITERATIONS = 200
 
 
 class AxisWithRim:
-    """One axis with its rim nodes: derivatives and the integral over [0, 1].
+    """One axis with its rim nodes, if it ends there: derivatives and the mean over it.
 
     A folded axis holds one rim node and the first half of the others, on which a function even
     about the middle has an odd derivative and an odd one an even.
@@ -41,7 +41,11 @@ class AxisWithRim:
         weights: of the integral of an even function, shape (m,), rim included.
     """
 
-    def __init__(self, axis: Axis) -> None:
+    def __init__(self, axis: Axis | Around) -> None:
+        if isinstance(axis, Around):
+            self.of_even, self.of_odd = axis.slope(odd=False), axis.slope(odd=True)
+            self.weights = axis.weights
+            return
         rim = 1 - axis.weights.sum()  # a constant's integral is that constant
         if axis.folded:
             half = axis.points + 1
@@ -59,19 +63,24 @@ with_rim = lru_cache(maxsize=64)(AxisWithRim)
 class Fields:
     """Films of like terms on one grid, each with its gap H, pressure P and density ρ.
 
-    Lengths in units of the pad's x side, time of 1/ω, pressure and density of ambient ones.
+    Lengths in units of the pad's x side, time of 1/ω, pressure and density of ambient ones. Under
+    an outline vectors are along its coordinates, times |dz/dζ|, and sources of mass times J, both
+    over the typical (terms/outline.py).
+
     Every field has the shape (scenes, x, y, t), rim nodes included, a vector field (2, scenes, x,
     y, t). Numbers of scenes come as columns, to go with fields: ``number``.
     """
 
     def __init__(self, problems: Problems, grid: Grid, overpressure: np.ndarray) -> None:
         """Args: overpressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
-        if not isinstance(grid.y, Axis):
-            raise ValueError("what is beside the force is known of rectangular pads alone")
         self.problems, self.grid = problems, grid
-        self.aspect = problems.aspect
+        self.lengths = grid.lengths(problems.aspect)
         self.along_x, self.along_y = with_rim(grid.x), with_rim(grid.y)
-        self.inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))
+        self.inner = (slice(None), grid.x.inner, grid.y.inner)
+        across = grid.x.all_nodes[: len(self.along_x.weights)]
+        self.area, self.turn, self.bend = (
+            np.asarray(of(across))[..., None] for of in (grid.area, grid.turn, grid.bend)
+        )
         seen = (..., slice(len(self.along_x.weights)), slice(len(self.along_y.weights)), None)
         parts = problems.parts[problems.places].swapaxes(0, 1)[seen]
         rest = 1 + self.numbers("per_rise", absent=0.0) * sum(parts[2:])
@@ -149,11 +158,20 @@ class Fields:
 
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
-        return along_x(self.along_x.of_odd if odd else self.along_x.of_even, values)
+        matrix = self.along_x.of_odd if odd else self.along_x.of_even
+        return along_x(matrix / self.lengths[0], values)
 
     def y_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         matrix = self.along_y.of_odd if odd else self.along_y.of_even
-        return along_y(matrix / self.aspect, values)
+        return along_y(matrix / self.lengths[1], values)
+
+    def slide(self, values: np.ndarray) -> np.ndarray:
+        """∂/∂X along the pad's own x axis."""
+        if self.grid.outline is None:
+            return self.x_derivative(values)
+        return self.turn.real * self.x_derivative(values) - self.turn.imag * self.y_derivative(
+            values
+        )
 
     def t_derivative(self, values: np.ndarray) -> np.ndarray:
         return along_t(self.grid.t.derivative, values)
@@ -164,6 +182,15 @@ class Fields:
     def divergence(self, flux: np.ndarray) -> np.ndarray:
         return self.x_derivative(flux[0], odd=True) + self.y_derivative(flux[1], odd=True)
 
+    def carried(self, v: np.ndarray) -> np.ndarray:
+        """(v·∇)v of a velocity (terms/inertia.py)."""
+        along = self.x_derivative(v[0], odd=True), self.x_derivative(v[1])
+        across = self.y_derivative(v[0]), self.y_derivative(v[1], odd=True)
+        bends = -self.bend.real, self.bend.imag
+        square = dot(v, v) if self.grid.outline else 0.0
+        parts = zip(along, across, bends, strict=True)
+        return np.stack([v[0] * x + v[1] * y + bend * square for x, y, bend in parts]) / self.area
+
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean over film and period, shape (scenes,)."""
         return np.einsum("si,i->s", values.reshape(len(values), -1), self.weights)
@@ -171,8 +198,13 @@ class Fields:
     @cached_property
     def weights(self) -> np.ndarray:
         """Return the weights of the mean over film and period, (nodes · times,) in sequence."""
+        return np.ravel(self.plain_weights * (self.area * self.grid.mean_area))
+
+    @cached_property
+    def plain_weights(self) -> np.ndarray:
+        """Those of the mean over the coordinates, (x, y, t)."""
         area = np.outer(self.along_x.weights, self.along_y.weights)
-        return np.repeat(area.ravel() / self.grid.nt, self.grid.nt)
+        return np.repeat(area[..., None] / self.grid.nt, self.grid.nt, axis=2)
 
 
 def dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -275,15 +307,18 @@ def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[fl
 
 
 def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
-    """λ at the unknowns, shape (scenes, nx, ny, nt): the mean of λ S is what S does.
+    """λ at the unknowns, shape (scenes, nx, ny, nt): what S does is the mean of λ S.
+
+    The mean is that over the coordinates, and S times J under an outline.
 
     Args:
         tolerance: preconditioned residual over its size at the start, one or one for each scene.
     """
     precondition, jacobian = _preconditioner(films, adjoint=True), _jacobian(films, adjoint=True)
     # The transpose is adjoint in plain sums; by the quadrature's weights in its integrals.
-    weights = films.weights.reshape(films.gap.shape[1:])[films.inner[1:]]
-    right = precondition(weights / (films.gap * films.density_slope)[films.inner]) / weights
+    inner = films.inner[1:]
+    weights, area = films.plain_weights[inner], films.weights.reshape(films.gap.shape[1:])[inner]
+    right = precondition(area / (films.gap * films.density_slope)[films.inner]) / weights
     return gmres(
         lambda values: precondition(jacobian(weights * values)) / weights,
         right,
@@ -304,14 +339,22 @@ def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
     x, y, (_, rows_x, rows_y) = films.along_x, films.along_y, films.inner
     # Between unknowns and all nodes: gradient and divergence along each axis.
     slopes = [
-        (along_x, x.of_even[:, rows_x], x.of_odd[rows_x]),
-        (along_y, y.of_even[:, rows_y] / films.aspect, y.of_odd[rows_y] / films.aspect),
+        (along, axis.of_even[:, rows] / length, axis.of_odd[rows] / length)
+        for along, axis, rows, length in zip(
+            (along_x, along_y), (x, y), (rows_x, rows_y), films.lengths, strict=True
+        )
     ]
-    speed, slide = films.numbers("bearing", absent=0.0), x.of_even[rows_x, rows_x]
-    in_time = films.grid.t.derivative
+    stored = films.sigma * (films.area[rows_x] if films.grid.outline else 1.0)
+    speed, in_time = films.numbers("bearing", absent=0.0), films.grid.t.derivative
+    slides = [(along_x, x.of_even[rows_x, rows_x] / films.lengths[0], speed)]
+    if films.grid.outline:
+        turn = films.turn[rows_x]
+        steps_y = y.of_even[rows_y, rows_y] / films.lengths[1]
+        slides = [(*slides[0][:2], speed * turn.real), (along_y, steps_y, -speed * turn.imag)]
     if adjoint:
         slopes = [(along, last.T, first.T) for along, first, last in slopes]
-        slide, in_time = slide.T, in_time.T
+        slides = [(along, matrix.T, speed) for along, matrix, speed in slides]
+        in_time = in_time.T
     terms = [
         (
             (films.density ** (1 - k) / (films.gap * films.density_slope))[films.inner],
@@ -321,9 +364,11 @@ def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
     ]
 
     def apply(values: np.ndarray) -> np.ndarray:
-        result = -films.sigma * along_t(in_time, values)
+        result = -stored * along_t(in_time, values)
         if np.any(speed):
-            result -= speed * along_x(slide, values)
+            for along, matrix, share in slides:
+                pushed = along(matrix, share * values) if adjoint else share * along(matrix, values)
+                result -= pushed
         for rise, factors in terms:
             start = values if adjoint else rise * values
             for (along, first, last), factor in zip(slopes, factors, strict=True):
@@ -342,7 +387,8 @@ def _preconditioner(films: Fields, *, adjoint: bool = False) -> Operator:
     (values_x, from_x, to_x), (values_y, from_y, to_y) = grid.x.modes, grid.y.modes
     if adjoint:
         from_x, to_x, from_y, to_y = to_x.T, from_x.T, to_y.T, from_y.T
-    symbol = strength * np.add.outer(values_x, values_y / films.aspect**2)[..., None]
+    length_x, length_y = films.lengths
+    symbol = strength * np.add.outer(values_x / length_x**2, values_y / length_y**2)[..., None]
     rate = films.sigma * np.arange(grid.nt // 2 + 1)
     rate[..., -1] = 0  # as the sawtooth has no derivative on the nodes
     inverse = 1 / (symbol + (1j if adjoint else -1j) * rate)

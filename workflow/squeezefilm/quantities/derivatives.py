@@ -27,12 +27,13 @@ from squeezefilm.reynolds.problems import numbers_table, problems_of
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
+from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 from squeezefilm.solution import DERIVATIVES, Derivatives, Solution
 
 # Terms of the equation that ``residual`` and the adjoint have.
-KNOWN = (AnyGap, Bearing, Polytropic, Rarefaction)
+KNOWN = (AnyGap, Bearing, Polytropic, Rarefaction, SmoothOutline)
 # Below this, iterations would end in rounding.
 LEAST_TOLERANCE = 1e-8
 # Share of the tolerance, times ε, that the adjoint may leave: a source of order ε makes a force of
@@ -86,8 +87,6 @@ def _refused(scene: Scene, solution: Solution) -> str:
     """Return the reason for missing derivatives that is known before solving, or ``ok``."""
     if not isfinite(solution.force_n):
         return "no force"
-    if scene.pad.shape != "rectangle":
-        return "derivatives are known of rectangular pads alone"
     if unknown := [term.label for term in terms_of(scene) if not isinstance(term, KNOWN)]:
         return f"derivatives are not known with {unknown[0]}: its adjoint is not"
     return "ok"
@@ -138,10 +137,10 @@ def _growths(
         if all(_equation(a) == _equation(b) for a, b in zip(ahead, behind, strict=True)):
             continue
         source = (_residual_of(behind, films) - _residual_of(ahead, films)) / (2 * STEP)
-        parts = films.on_all_nodes(sensitive * source)
+        parts = films.on_all_nodes(sensitive * source) * films.plain_weights
         wider = [b.force_scale_n - a.force_scale_n for a, b in zip(behind, ahead, strict=True)]
-        growth[k] = scale * films.mean(parts) + np.array(wider) / (2 * STEP) * overpressure
-        missed[k] = (STEP_MISSES + left) * scale * films.mean(np.abs(parts))
+        growth[k] = scale * parts.sum(axis=(1, 2, 3)) + np.array(wider) / (2 * STEP) * overpressure
+        missed[k] = (STEP_MISSES + left) * scale * np.abs(parts).sum(axis=(1, 2, 3))
     return growth, missed
 
 
@@ -178,8 +177,8 @@ def residual(films: Fields) -> np.ndarray:
     of shape (scenes, nx, ny, nt).
     """
     flow = films.divergence(films.slope * (films.mobility * films.mass))
-    moved = films.sigma * films.t_derivative(films.mass)
-    moved += films.numbers("bearing", absent=0.0) * films.x_derivative(films.mass)
+    moved = films.sigma * films.area * films.t_derivative(films.mass)
+    moved += films.numbers("bearing", absent=0.0) * films.slide(films.mass)
     return np.asarray((flow - moved)[films.inner])
 
 

@@ -39,10 +39,11 @@ class Answers:
 
     def __init__(self, films: Fields, sensitive: np.ndarray) -> None:
         """Args: sensitive: λ at the unknowns."""
-        weighted = films.on_all_nodes(sensitive) * films.weights.reshape(films.gap.shape[1:])
-        x, y = films.along_x.of_odd, films.along_y.of_odd / films.aspect
+        weighted = films.on_all_nodes(sensitive) * films.plain_weights
+        x = films.along_x.of_odd / films.lengths[0]
+        y = films.along_y.of_odd / films.lengths[1]
         self.slope = np.stack([along_x(x.T, weighted), along_y(y.T, weighted)])
-        self.rate = films.t_derivative(weighted)
+        self.rate = films.t_derivative(weighted * films.area)
         self.along = dot(self.slope, films.slope)
 
 
@@ -83,10 +84,7 @@ def by_inertia(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarr
     # Re ρ H²/10 with what slip makes of it, over Re/10.
     lag = films.gap * (films.mass + 4 * films.number(knudsen))
     rate = np.stack([films.t_derivative(v[0]), films.t_derivative(v[1])])
-    along = films.x_derivative(v[0], odd=True), films.x_derivative(v[1])
-    across = films.y_derivative(v[0]), films.y_derivative(v[1], odd=True)
-    carried = np.stack([v[0] * along[k] + v[1] * across[k] for k in range(2)])
-    shortfall = total(dot(answers.slope, rate + 9 / 7 * carried), lag * films.mass)
+    shortfall = total(dot(answers.slope, rate + 9 / 7 * films.carried(v)), lag * films.mass)
     mass_rate = films.gap_rate * films.density
     mass_rate = mass_rate + films.gap * films.pressure_rate * films.density_slope
     shortfall -= total(dot(answers.slope, v), lag * mass_rate) / 7
@@ -110,7 +108,7 @@ def by_heat(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
     # Times mass per area and H², with which go the flow that is lost and the gas that is missing.
     compression = films.mass * films.gap**2 * films.pressure_rate
     compression *= 1 + JUMP_WARMS * jump / films.mass
-    friction = films.mass * dot(films.velocity, films.velocity)  # over σ
+    friction = films.mass * dot(films.velocity, films.velocity) / films.area  # over σ
     # Lighter gas, and more viscous.
     by_compression = 6 / 60 + exponent * 3 / 60
     by_friction = 18 / 280 + exponent * 3 / 140
@@ -129,13 +127,17 @@ def by_entrance(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndar
     """
     flow = sum(films.flux_coefficients)
     weights = films.weights.reshape(films.gap.shape[1:])
-    to_x, to_y = films.along_x.of_even.T, films.along_y.of_even.T / films.aspect
+    to_x, to_y = (
+        each.of_even.T / length
+        for each, length in zip((films.along_x, films.along_y), films.lengths, strict=True)
+    )
     fallen = np.zeros(len(scenes))
     for end, inwards in ((slice(1), 1.0), (slice(-1, None), -1.0)):
         if inwards > 0 or not films.grid.x.folded:
             mean = weights[end] - along_x(to_x[end], answers.slope[0] * flow)
-            fallen += total(np.maximum(inwards * films.velocity[0][:, end], 0.0) ** 2, mean)
-        if inwards > 0 or not films.grid.y.folded:
+            inflow = np.maximum(inwards * films.velocity[0][:, end], 0.0)
+            fallen += total(inflow**2 / films.area[end], mean)
+        if films.grid.outline is None and (inwards > 0 or not films.grid.y.folded):
             mean = weights[:, end] - along_y(to_y[end], answers.slope[1] * flow)
             fallen += total(np.maximum(inwards * films.velocity[1][:, :, end], 0.0) ** 2, mean)
     return -films.problems.numbers["sigma"] * _reynolds(scenes) / 24 * fallen
@@ -191,16 +193,17 @@ def by_passing(films: list[Fields], bearing: np.ndarray) -> tuple[np.ndarray, np
         films: at the places of ``line``, of an isothermal gas.
     """
     here = films[2]
-    rate = -here.number(bearing) / STEP
+    rate = -here.number(bearing) / STEP * here.area
 
     def first(k: int) -> np.ndarray:
-        pushed = rate * (films[k + 1].mass - films[k - 1].mass)[films[k].inner]
-        return response(films[k], pushed, tolerance=TOLERANCE)
+        pushed = rate * (films[k + 1].mass - films[k - 1].mass)
+        return response(films[k], pushed[films[k].inner], tolerance=TOLERANCE)
 
     back, middle, forward = first(1), first(2), first(3)
     per_mass = 1 / (here.gap * here.density_slope)
     curved = _curvature_of_flow(here, here.on_all_nodes(middle) * per_mass)[here.inner]
-    second = response(here, rate * (forward - back) - curved, tolerance=TOLERANCE)
+    pushed = rate * here.on_all_nodes(forward - back)
+    second = response(here, pushed[here.inner] - curved, tolerance=TOLERANCE)
     one, other = (here.mean(here.on_all_nodes(mass) * per_mass) for mass in (middle, second))
     return one, other
 

@@ -17,7 +17,6 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from squeezefilm.film.pad import GapShape
 from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import first_order
@@ -28,7 +27,6 @@ from squeezefilm.reynolds.terms import refused_on_grid, terms_of
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.term import Term
-from squeezefilm.tables import THIS_SCENE
 
 # Relative error of the force of the states taken, and of the adjoint.
 GRID_TOLERANCE = 1e-3
@@ -106,19 +104,17 @@ class ErrorBudget:
             the difference of first-order slip from that factor; ``edge_loss``, inlet loss for the
             coefficient C = 1, with the remainder at the largest C; ``bearing`` of a sliding pad,
             for a profile at rest under it; ``convected``, of the profile moving past it.
-        basis: the geometry that was evaluated, if not the scene's own.
         status: ``ok``, or why there are none.
     """
 
     effects: Mapping[str, Effect] = field(default_factory=lambda: dict.fromkeys(NAMES, UNKNOWN))
-    basis: str = ""
     status: str = "ok"
 
     @property
     def known(self) -> ErrorBudget:
-        """The budget as if what is not known in it were nothing, and another pad this one."""
+        """The budget as if what is not known in it were nothing."""
         effects = {k: NONE if isnan(each.percent) else each for k, each in self.effects.items()}
-        return replace(self, basis="", effects=effects)
+        return replace(self, effects=effects)
 
     @property
     def first_order_invalid(self) -> list[str]:
@@ -130,10 +126,8 @@ class ErrorBudget:
         """Lower and upper end of all effects together, or of those that the force does not have.
 
         The band holds both ends of the rim's coefficient and by what the effects may be off, all in
-        one direction. NaN where an effect is not known, or is that of another pad.
+        one direction. NaN where an effect is not known.
         """
-        if self.basis:
-            return nan, nan
         some = [each for each in self.effects.values() if not (neglected_only and each.included)]
         for_one, edge = sum(each.percent for each in some), self.effects["edge_loss"]
         ends = [for_one + (share - 1) * edge.percent for share in (ENTRANCE_LEAST, ENTRANCE_MOST)]
@@ -147,7 +141,6 @@ class ErrorBudget:
 
 
 NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
-BASIS = "the inscribed rectangle with a uniform gap"
 
 
 def error_budgets(
@@ -155,8 +148,7 @@ def error_budgets(
 ) -> list[ErrorBudget]:
     """The budget of each scene's force.
 
-    A pad that is no rectangle is answered for the flat rectangle inside it, and says so. Every
-    effect is one about the film without inertia and heat, which are two of them.
+    Every effect is one about the film without inertia and heat, which are two of them.
 
     Args:
         names: of the effects that are needed; others are those of NONE.
@@ -164,7 +156,8 @@ def error_budgets(
     found: list[ErrorBudget] = []
     for first in range(0, len(scenes), MOST_SCENES):
         some = list(scenes[first : first + MOST_SCENES])
-        found += map(_with_terms_of, _budgets([_plain(each) for each in some], device, names), some)
+        plain = [each.viscous() for each in some]
+        found += map(_with_terms_of, _budgets(plain, device, names), some)
     return found
 
 
@@ -187,21 +180,6 @@ def _budgets(
     return found
 
 
-def _plain(scene: Scene) -> Scene:
-    """The scene without inertia and heat, or one like it with the flat rectangle in its pad."""
-    pad = scene.pad
-    if pad.shape != "rectangle":
-        pad = replace(
-            pad,
-            shape="rectangle",
-            contour=None,
-            length_x_m=pad.rectangle_within * pad.length_x_m,
-            length_y_m=pad.rectangle_within * pad.length_y_m,
-            gap=GapShape(),
-        )
-    return replace(scene.viscous(), pad=pad)
-
-
 def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
     """The budget with what the scene's own force has of inertia and heat, and their error."""
     own = {
@@ -210,8 +188,7 @@ def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
     }
     if budget.status == "ok":
         own["depth_averaged"] = Effect(*depth_averaging_percent(scene), estimate=True)
-    basis = "" if scene.pad.shape == "rectangle" else BASIS
-    return replace(budget, effects={**budget.effects, **own}, basis=basis)
+    return replace(budget, effects={**budget.effects, **own})
 
 
 # Effects that are sources of mass in a scene's own state.
@@ -435,6 +412,5 @@ def budget_row(budget: ErrorBudget) -> dict[str, object]:
     return row | {
         "included_effects": "; ".join(name for name, each in effects if each.included),
         "first_order_invalid": "; ".join(name for name, each in effects if not each.usable),
-        "geometry": budget.basis or THIS_SCENE,
         "status": budget.status,
     }

@@ -26,7 +26,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import plans_of, solve
-from squeezefilm.reynolds.spectral import Around, Axis, Period, axis, flux_points, period
+from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, Period, axis, period
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
@@ -391,21 +391,41 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
             (3, nx, ny, nt).
     """
     speed = scene.actuator.angular_frequency_rad_per_s * scene.pad.length_x_m
+    per_length = scene.gas.density_kg_per_m3 * speed**2 * scene.h0_m
     sides_m = scene.pad.length_y_m, scene.pad.length_x_m
+    if outline := grid.outline:
+        whole = Grid(grid.x.full_points, grid.y.full_points, grid.nt, False, False, outline)
+        to_flux = FluxPoints(grid.x).carried_to(FluxPoints(whole.x))
+        unfolded = np.einsum(
+            "fpa,fabi,qb->fpqi",
+            np.stack([grid.x.at(whole.x.nodes), to_flux]),
+            unknowns[:2],
+            grid.y.at(whole.y.nodes),
+            optimize=True,
+        )
+        each = _leaving(scene, whole, unfolded, which=0)[1]
+        # ū_n² n dl, the velocity being that times |z′| over typical lengths.
+        ways = each / outline.slope(np.array(outline.rim), whole.y.nodes).conj()
+        around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
+        return float(ways.real.mean() * around_n), float(ways.imag.mean() * around_n)
     found = []
     for which, (along, side_m) in enumerate(zip((grid.y, grid.x), sides_m, strict=True)):
         if (grid.x, grid.y)[which].folded:
             found.append(0.0)  # as much leaves on both sides, to both sides
             continue
-        gap, velocity = at_ends(scene, grid, unknowns, which=which)
-        # Mean square of a velocity across the gap over the square of its mean: with slip it is
-        # ζ(1 − ζ) + Kn/H, ζ across the gap. There the gas has ambient density.
-        slip = _slip(scene) / 6 / gap
-        spread = (1 / 30 + slip / 3 + slip**2) / (1 / 6 + slip) ** 2
-        each = (spread * gap * velocity**2).mean(axis=-1) @ along.weights
-        density = scene.gas.density_kg_per_m3
-        found.append(float(each[1] - each[0]) * density * speed**2 * scene.h0_m * side_m)
+        each = _leaving(scene, grid, unknowns, which=which) @ along.weights
+        found.append(float(each[1] - each[0]) * per_length * side_m)
     return found[0], found[1]
+
+
+def _leaving(scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int) -> np.ndarray:
+    """⟨ρ h β ū²⟩ by the velocity along an axis, at both of its ends, (2, nodes)."""
+    gap, velocity = at_ends(scene, grid, unknowns, which=which)
+    # Mean square of a velocity across the gap over the square of its mean: with slip it is
+    # ζ(1 − ζ) + Kn/H, ζ across the gap. There the gas has ambient density.
+    slip = _slip(scene) / 6 / gap
+    spread = (1 / 30 + slip / 3 + slip**2) / (1 / 6 + slip) ** 2
+    return np.asarray((spread * gap * velocity**2).mean(axis=-1))
 
 
 def at_ends(
@@ -416,13 +436,17 @@ def at_ends(
     Along the axis ``which``, 0 or 1, at the nodes of the other one: each (2, nodes, nt).
     """
     along, other = (grid.x, grid.y) if which == 0 else (grid.y, grid.x)
-    length = 1.0 if which == 0 else scene.aspect
+    assert isinstance(along, Axis)
     pressure, deficit = (np.moveaxis(unknowns[k], which, 0) for k in (0, 1 + which))
     ends = np.array([0.0, 1.0])
+    length = grid.lengths(scene.aspect)[which]
     slope = np.tensordot(along.derivative[[0, -1], 1:-1] / length, pressure, axes=1)
-    missing = np.tensordot(flux_points(along.points, folded=False).at(ends), deficit, axes=1)
+    missing = np.tensordot(FluxPoints(along).at(ends), deficit, axes=1)
     places = np.meshgrid(ends, other.nodes, indexing="ij")
-    x, y = places if which == 0 else places[::-1]
+    if grid.outline:
+        x, y = grid.outline.positions(*places)
+    else:
+        x, y = places if which == 0 else places[::-1]
     gap = scene.gap(x, y, grid.t.nodes)
     return gap, -gap * (gap + _slip(scene)) / scene.sigma * slope - missing
 

@@ -80,10 +80,36 @@ class Grid:
     @cached_property
     def density(self) -> np.ndarray | float:
         """Area of the pad that the unknowns stand for, over the mean, shape (nx, ny) or 1."""
+        return self.area(self.x.nodes) * self.mean_area
+
+    @property
+    def mean_area(self) -> float:
+        """Of ``area``, one over its mean over the pad."""
+        return self.outline.typical_stretch / self.outline.mean_stretch if self.outline else 1.0
+
+    def area(self, across: np.ndarray) -> np.ndarray | float:
+        """Area of an outline behind places along x and the unknowns along y, over the typical.
+
+        It weighs what changes in time (terms/outline.py); 1 under a rectangle.
+        """
         if self.outline is None:
             return 1.0
-        mu = self.outline.rim * (2 * self.x.nodes - 1)
-        return self.outline.stretch(mu[:, None], self.y.nodes) / self.outline.mean_stretch
+        mu = self.outline.rim * (2 * across[:, None] - 1)
+        return self.outline.stretch(mu, self.y.nodes) / self.outline.typical_stretch
+
+    def turn(self, across: np.ndarray) -> np.ndarray | float:
+        """z′ of an outline there, by the same lengths; 1 under a rectangle."""
+        if self.outline is None:
+            return 1.0
+        mu = self.outline.rim * (2 * across[:, None] - 1)
+        return self.outline.slope(mu, self.y.nodes) / sqrt(self.outline.typical_stretch)
+
+    def bend(self, across: np.ndarray) -> np.ndarray | float:
+        """z″/z′ of an outline there, by the same lengths; 0 under a rectangle."""
+        if self.outline is None:
+            return 0.0
+        mu = self.outline.rim * (2 * across[:, None] - 1)
+        return self.outline.bend(mu, self.y.nodes) / sqrt(self.outline.typical_stretch)
 
     def lengths(self, aspect: float) -> tuple[float, float]:
         """Return the lengths of the axes' units; the x side is 1, the y side ``aspect``.
@@ -95,6 +121,12 @@ class Grid:
             return 1.0, aspect
         unit = sqrt(self.outline.typical_stretch)
         return 2 * self.outline.rim * unit, unit
+
+    def nodes_per_length(self, aspect: float) -> tuple[float, float]:
+        """Nodes of each axis for a unit of its length; those around lie as far apart as so few."""
+        length_x, length_y = self.lengths(aspect)
+        around = 4 if self.outline else 1
+        return self.x.full_points / length_x, self.y.full_points / (around * length_y)
 
     @property
     def shape(self) -> tuple[int, int, int]:

@@ -23,6 +23,7 @@ TABLE = Path(__file__).with_name("self_test.csv")
 CLOSENESS = 1e-9
 ITERATION_TOLERANCE = 1e-11
 SINC = Sinc(wave_number_per_m=100.0)
+SQUARE = Pad(1e-2, 1e-2, 0.0)
 GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", heat="none")
 
 
@@ -31,10 +32,12 @@ def films() -> dict[str, tuple[Scene, Grid]]:
     whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
     half = Grid(12, 8, 12, fold_x=False, fold_y=True)
     quarter = Grid(8, 8, 12, fold_x=True, fold_y=True)
+    disc = replace(SQUARE, shape="ellipse")
+    slender = Pad(1e-2, 6e-3, 20.0, shape="ellipse")
     return {
         "squeeze": (_film(), quarter),
         "off the centre": (_film(x_m=2e-3, y_m=1e-3), whole),
-        "sliding": (_film(speed_x_m_per_s=20.0), half),
+        "sliding": (_film(pad=replace(SQUARE, speed_x_m_per_s=20.0)), half),
         "slip": (_film(rarefaction="slip"), quarter),
         "fukui-kaneko, polytropic": (
             _film(rarefaction="fukui-kaneko", polytropic_exponent=1.4),
@@ -52,6 +55,18 @@ def films() -> dict[str, tuple[Scene, Grid]]:
         "any gap": (_of_any_gap(_film(x_m=2e-3)), half),
         "any gap, wide and narrow": (_of_any_gap(_film(hv_m=1.2e-6), tilt_x_m=6.4e-6), half),
         "any gap, inertia": (_of_any_gap(_film(x_m=2e-3, inertia="included")), half),
+        "ellipse, sliding": (
+            _film(pad=slender),
+            replace(half, outline=slender.smooth_outline),
+        ),
+        "disc, any gap": (
+            _of_any_gap(_film(x_m=2e-3, pad=disc)),
+            replace(half, outline=disc.smooth_outline),
+        ),
+        "disc, inertia and heat": (
+            _film(pad=disc, inertia="included", heat="included"),
+            replace(quarter, outline=disc.smooth_outline),
+        ),
     }
 
 
@@ -72,7 +87,7 @@ def _film(
     hv_m: float = 2.4e-6,
     x_m: float = 0.0,
     y_m: float = 0.0,
-    speed_x_m_per_s: float = 0.0,
+    pad: Pad = SQUARE,
     **gas: str | float,
 ) -> Scene:
     return Scene(
@@ -83,7 +98,7 @@ def _film(
         y_m=y_m,
         gas=replace(GAS, **gas),  # type: ignore[arg-type]
         actuator=Actuator(4e4, Disc(1e-2), SINC),
-        pad=Pad(1e-2, 1e-2, speed_x_m_per_s),
+        pad=pad,
     )
 
 

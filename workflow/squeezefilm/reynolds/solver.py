@@ -237,7 +237,7 @@ def _preview(
         nt=grids[-1].nt,
         simplifications=need.simplifications(0),
         expected_error=tolerance,
-        expected_mflop=flops * _times_under_outline(scene) / 1e6,
+        expected_mflop=flops / 1e6,
     )
 
 
@@ -256,13 +256,3 @@ def _expected_flops(
     if len(grids) < 3:  # the first of them goes from rest to the tolerance
         iterations = [from_rest + refining, 0.75 * refining][: len(grids)]
     return sum(n * iteration_flops(grid, terms) for n, grid in zip(iterations, grids, strict=True))
-
-
-def _times_under_outline(scene: Scene) -> float:
-    """Return the ratio of iterations under a smooth outline to those under a rectangle.
-
-    Its preconditioner takes the area behind each point for equal: fitted to 80 ellipses (ε
-    0.02–0.9, σ 1–1e5, axes up to 1:3), mostly right within a factor of two.
-    """
-    outline = scene.pad.smooth_outline
-    return 1 + 0.4 * outline.rim * log10(1 + scene.sigma) ** 2 if outline else 1.0

@@ -227,12 +227,12 @@ class Period:
 
 
 def even_and_odd(matrix: np.ndarray) -> np.ndarray:
-    """Return the matrix for even and for odd functions on half of n nodes: (2, n/2, n/2).
+    """Return matrices for even and for odd functions on half of n nodes: (2, …, n/2, n/2).
 
     It commutes with mirroring, as a second derivative does, or changes its sign, as a first one.
     """
-    half = len(matrix) // 2
-    near, far = matrix[:half, :half], matrix[:half, : half - 1 : -1]
+    half = matrix.shape[-1] // 2
+    near, far = matrix[..., :half, :half], matrix[..., :half, : half - 1 : -1]
     return np.stack([near + far, near - far])
 
 
@@ -330,14 +330,21 @@ class Around:
     @property
     def unfolded(self) -> np.ndarray:
         """Return the unknown whose value each of all nodes has, shape (full_points,)."""
+        return self._images[0]
+
+    @cached_property
+    def _images(self) -> tuple[np.ndarray, np.ndarray]:
+        """``unfolded``, and −1 where an odd number of mirrors lies between, else 1."""
         n, full = self.points, self.full_points
-        index = np.arange(full)
+        index, sign = np.arange(full), np.ones(full)
         if self.lengthwise:
+            sign = np.where(index < full - 1 - index, sign, -sign)
             index = np.minimum(index, full - 1 - index)
         if self.crosswise:
             # Mirrored about the end of the sector.
+            sign = np.where(index < n, sign, -sign)
             index = np.where(index < n, index, 2 * n - 1 - index)
-        return index
+        return index, sign
 
     @property
     def mirrored(self) -> list[np.ndarray]:
@@ -363,12 +370,20 @@ class Around:
         """A half that is the same at ν and π − ν lies about 0."""
         return -np.pi / 2 if self.crosswise and not self.lengthwise else 0.0
 
-    def _fold(self, matrix: np.ndarray) -> np.ndarray:
+    def _fold(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """Return a matrix for the unknowns alone, by the symmetry of the function it acts on."""
         folded = np.zeros((len(matrix), self.points))
-        for at, column in zip(self.unfolded, matrix.T, strict=True):
-            folded[:, at] += column
+        for at, sign, column in zip(*self._images, matrix.T, strict=True):
+            folded[:, at] += sign * column if odd else column
         return folded
+
+    def slope(self, *, odd: bool) -> np.ndarray:
+        """First derivative at the unknowns of a function that mirrors keep, or change in sign."""
+        return self._fold(self.derivative[: self.points], odd=odd)
+
+    def at_odd(self, places: np.ndarray) -> np.ndarray:
+        """``at`` for a function that changes its sign at each mirror."""
+        return self._fold(self.to_points(places), odd=True)
 
 
 @lru_cache(maxsize=64)
@@ -468,7 +483,30 @@ class FluxPoints:
         return np.asarray(half[:, :n] + (-1 if odd else 1) * half[:, : n - 1 : -1])
 
 
+@dataclass(frozen=True)
+class AroundPoints:
+    """The same of an outline's ν, which has no ends: its nodes, on which a velocity along it is odd
+    at each mirror.
+    """
+
+    axis: Around
+
+    @property
+    def from_all_nodes(self) -> np.ndarray:
+        return np.eye(self.axis.full_points)[self.axis.inner]
+
+    def matrices(self, length: float) -> dict[str, np.ndarray]:
+        same, n = np.eye(self.axis.points), self.axis.points
+        even, odd = (self.axis.slope(odd=odd) / length for odd in (False, True))
+        ends = {"rim": np.zeros((2, n)), "to_end": np.zeros(4)}
+        values = {"values": same, "nodes": same}
+        return {**values, **ends, "slope": even, "across": even, "along": odd, "divergence": odd}
+
+    def carried_to(self, finer: AroundPoints) -> np.ndarray:
+        return self.axis.at_odd(finer.axis.nodes)
+
+
 @lru_cache(maxsize=64)
-def flux_points(points: int, folded: bool) -> FluxPoints:
-    """Those of the axis with so many unknowns; their matrices are computed once."""
-    return FluxPoints(axis(points, folded))
+def flux_points(of: Axis | Around) -> FluxPoints | AroundPoints:
+    """Those of an axis; their matrices are computed once."""
+    return FluxPoints(of) if isinstance(of, Axis) else AroundPoints(of)

@@ -6,6 +6,9 @@
 typedef struct {
     constant_vector laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
     constant_vector to_time_modes, time_modes, time_derivative;
+#ifdef HAS_outline
+    constant_vector modes_by, to_modes_by; /* terms/outline.py */
+#endif
 } Operators;
 
 /* Preconditioners: one for the rows of the linear system as they are, or those that each take a part of
@@ -17,6 +20,7 @@ typedef struct {
     int nx, ny, nt, rows, count, nt4, count4, length, length4;
     /* Axes that stand for all of the pad, and so have their mirror image in them. */
     int whole_x, whole_y, whole_modes_x;
+    int around; /* along y are the modes of each of those along x; else the other way round */
     Operators linear;
     matrix laplace_x, laplace_y, eigenvalues, eigenvalues_y, weights;
     matrix time_derivative, mean_resistance, speeds, decays;
@@ -98,6 +102,10 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     g.time_derivative = values + row->time_derivative;
 #ifdef HAS_outline
     g.linear.time_derivative = taken(g.time_derivative, g.nt * g.nt, room);
+    g.around = row->around;
+    const int by = g.rows * (g.around ? g.ny : g.nx);
+    g.linear.modes_by = taken(values + row->modes_by, by, room);
+    g.linear.to_modes_by = taken(values + row->to_modes_by, by, room);
 #endif
     g.eigenvalues = values + row->eigenvalues;
     g.eigenvalues_y = values + row->eigenvalues_y;
@@ -165,6 +173,54 @@ static void to_modes_in_time(const Grid *g, vector values, vector modal)
     along_t(g, g->linear.to_time_modes, values, modal, 0);
 }
 
+#ifdef HAS_outline
+/* Along one axis, for each place of the other one, by a matrix of its own. */
+static void by_each(const Grid *g, constant_vector matrices, constant_vector in, vector out)
+{
+    const int n = g->around ? g->ny : g->nx, others = g->around ? g->nx : g->ny;
+    const int stride = g->around ? g->nt : g->ny * g->nt, apart = g->around ? g->ny * g->nt : g->nt;
+    const int row_blocks = (n + 3) / 4, column_blocks = (g->nt + LANES - 1) / LANES;
+    FOR_EACH(task, others * row_blocks * column_blocks)
+    {
+        const int other = task / (row_blocks * column_blocks);
+        const int row = 4 * (task / column_blocks % row_blocks);
+        const int column = LANES * (task % column_blocks), last = g->nt - column;
+        constant_vector of_a = matrices + (other * n + row) * n, from_b = in + other * apart + column;
+        vector to_c = out + other * apart + row * stride + column;
+        if (n - row >= 4)
+            block_4_1(of_a, n, from_b, to_c, stride, last, 0);
+        else
+            block_2_1(of_a, n, from_b, to_c, stride, last, 0);
+    }
+    SYNC;
+}
+
+/* Along the other axis, by the matrix of x or of y. */
+static void by_one(const Grid *g, constant_vector of_x, constant_vector of_y, int kind,
+                   constant_vector in, vector out)
+{
+    const int n = g->around ? g->nx : g->ny, columns = g->around ? g->ny * g->nt : g->nt;
+    const int panels = g->around ? 1 : g->nx;
+    if (g->around && g->whole_modes_x)
+        mirrored_product(of_x, n / 2, in, out, columns, panels, kind, 0);
+    else
+        product(g->around ? of_x : of_y, n, n, in, out, columns, panels, 0);
+    SYNC;
+}
+
+static void to_modes_in_space(const Grid *g, vector values, vector modal)
+{
+    by_one(g, g->linear.to_modes_x, g->linear.to_modes_y, NODES_TO_MODES, modal, values);
+    by_each(g, g->linear.to_modes_by, values, modal);
+}
+
+static void from_modal(const Grid *g, constant_vector modal, vector in_time, vector values)
+{
+    by_each(g, g->linear.modes_by, modal, values);
+    by_one(g, g->linear.modes_x, g->linear.modes_y, MODES_TO_NODES, values, in_time);
+    along_t(g, g->linear.time_modes, in_time, values, 0);
+}
+#else
 /* modal = (to_modes_x ⊗ to_modes_y) modal; `values` is overwritten. */
 static void to_modes_in_space(const Grid *g, vector values, vector modal)
 {
@@ -179,6 +235,8 @@ static void from_modal(const Grid *g, constant_vector modal, vector in_time, vec
     mirrored_y(g, g->linear.modes_y, values, in_time, MODES_TO_NODES, 0);
     along_t(g, g->linear.time_modes, in_time, values, 0);
 }
+
+#endif
 
 /* What the gap is more than 1 at some place and four instants, by its parts there: s or, behind each
  * other, s₁, s₂ and what it is at rest, in metres (problems.py). By their slopes, the gap's slope. */

@@ -107,7 +107,7 @@ def _most_krylov(grid: Grid, terms: Terms) -> int:
 @lru_cache(maxsize=64)
 def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
     """Return the sizes of each grid, by which a kernel finds everything else."""
-    sizes = ("nx", "ny", "nt", "most_krylov", "whole_x", "whole_y", "whole_modes_x")
+    sizes = ("nx", "ny", "nt", "most_krylov", "whole_x", "whole_y", "whole_modes_x", "around")
     largest = unknown_fields(terms) * max(grid.count for grid in grids)
     breaks_x = any("x" in term.BREAKS for term in terms)
     values = [
@@ -116,7 +116,8 @@ def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
             _most_krylov(grid, terms),
             grid.x.in_halves,
             grid.y.in_halves,
-            grid.x.in_halves and not breaks_x,
+            grid.x.in_halves and not (breaks_x and grid.outline is None),
+            grid.outline is not None and grid.outline.varies_around,
             guessed and stage == 0,
             largest,
         )
@@ -154,6 +155,8 @@ def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
     own = 2 * flow_terms + 3 + own_fields(terms)
     linear = 3 * flow_terms + 10 + (most + 1) * fields
     matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
+    if grid.outline:
+        matrices += 2 * grid.nx * grid.ny * max(grid.nx, grid.ny) + 32
     small = (most + 4) * (most + 1) + grid.nx * grid.ny
     return grid.count * (own + linear + 2 * fields) + matrices + small
 

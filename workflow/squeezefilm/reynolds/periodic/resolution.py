@@ -209,7 +209,7 @@ def _points(
     # Zeros of the gap at its narrowest, 1 − ε + ε c X²/2, off the middle.
     width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), TINY))
     if outline:
-        layer_x = layers * outline.rim_stretch[1] * (2 * outline.rim) ** 2
+        layer_x = layer_x * outline.rim_stretch[1] * (2 * outline.rim) ** 2
         along, across = folds if outline.turned else folds[::-1]
         shares = np.array([1.0 + along, (1 + along) * (1 + across)])
     wanted = _nodes(digits, sigma=np.array([layer_x, layer_y]), width=width)

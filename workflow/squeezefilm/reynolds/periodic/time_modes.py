@@ -49,7 +49,7 @@ def modes_of(
     steps = [*near]
     if lag.any():
         lags = np.rint(LAGS_PER_DECADE * np.log10(np.maximum(lag, LEAST_LAG)))
-        across = [max(grid.x.full_points, grid.y.full_points / aspect) for grid in grids]
+        across = [max(grid.nodes_per_length(aspect)) for grid in grids]
         waves = np.multiply.outer(across, numbers["waves_per_node"])
         half = np.array([[grid.nt / 2] for grid in grids])
         slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_STEP)

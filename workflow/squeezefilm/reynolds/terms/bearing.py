@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
+from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
 
 if TYPE_CHECKING:
@@ -32,7 +33,15 @@ class Bearing(Term):
         return {"bearing": scene.bearing_number}
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        return {"derivative_x": grid.x.derivative[1:-1, 1:-1]}
+        if grid.outline is None:
+            return {"derivative_x": grid.x.derivative[1:-1, 1:-1]}
+        along, turn = Inertia().matrices(grid, aspect=aspect), np.asarray(grid.turn(grid.x.nodes))
+        return {
+            "derivative_x": along["flux_across_x"],
+            "derivative_y": along["flux_across_y"],
+            "turn_x": turn.real,
+            "turn_y": -turn.imag,
+        }
 
     def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
         """Real Schur form of d²/dX² − (Λ/D) d/dX, each (scenes, nx, nx).
@@ -41,6 +50,8 @@ class Bearing(Term):
         operator do not. D, the mean diffusivity, is that of the film at ambient pressure. The
         vectors are scaled so that coefficients measure like nodal values.
         """
+        if grid.outline:  # modes in space are those of its area (outline.py)
+            return {}
         from scipy.linalg import schur
 
         scale, first = np.sqrt(grid.nx), grid.x.derivative[1:-1, 1:-1]
@@ -50,8 +61,3 @@ class Bearing(Term):
             triangle[k], basis = schur(operator, output="real")
             vectors[k], inverse[k] = basis * scale, basis.T / scale
         return {"modes_x": vectors, "to_modes_x": inverse, "triangle": triangle}
-
-    def refused_on_grid(self, scene: Scene) -> str:
-        if scene.pad.shape != "rectangle":
-            return "not supported: a sliding pad that is not a rectangle"
-        return ""

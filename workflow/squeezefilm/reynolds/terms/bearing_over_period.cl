@@ -1,12 +1,22 @@
-/* Sliding along x: −Λ d(Hρ)/dX. Its operator along x joins the preconditioner, triangular there. */
-#define PRECONDITIONER
-
+/* Sliding along x: −Λ d(Hρ)/dX. Its operator along x joins the preconditioner, triangular there; not so
+ * within an outline, where −Λ J d(Hρ)/dX = −Λ (Re z′ d(Hρ)/dμ − Im z′ d(Hρ)/dν). */
 
 /* out −= Λ d(mass)/dX. */
 static void response_bearing(const Grid *g, const Film *film, field mass, field work, field out)
 {
+#ifdef HAS_outline
+    matrix turns[2] = {ARRAY(film, turn_x), ARRAY(film, turn_y)};
+    for (int axis = 0; axis < 2; axis++) {
+        along_axis(g, axis, axis ? ARRAY(film, derivative_y) : ARRAY(film, derivative_x),
+                   NODES_TO_SLOPES, mass, work, 0);
+        FOR_EACH_POINT(g, row, t, i)
+            ((field4)out)[i] -= film->row->bearing * turns[axis][row] * ((matrix4)work)[i];
+        SYNC;
+    }
+#else
     along_x(g, ARRAY(film, derivative_x), mass, work, 0);
     subtract(out, film->row->bearing, work, g->count4);
+#endif
 }
 
 /* The same for all of the mass: that of the gap at ambient density is known. */
@@ -14,10 +24,20 @@ static void residual_bearing(const Grid *g, const Film *film, field excess, fiel
 {
     const double speed = film->row->bearing;
     field4 out4 = (field4)out;
+#ifdef HAS_outline
+    matrix turn_x = ARRAY(film, turn_x), turn_y = ARRAY(film, turn_y);
+    FOR_EACH_POINT(g, row, t, i)
+        out4[i] -= speed * (turn_x[row] * beyond_even(g, film, film->slope_x, row, t) +
+                            turn_y[row] * beyond_even(g, film, film->slope_y, row, t));
+#else
     FOR_EACH_POINT(g, row, t, i) out4[i] -= speed * beyond_even(g, film, film->slope_x, row, t);
+#endif
     SYNC;
     response_bearing(g, film, excess, work, out);
 }
+
+#ifndef HAS_outline
+#define PRECONDITIONER
 
 /* modal −= σ dw/dT. */
 static void add_time_term(const Grid *g, const Film *film, matrix w, field modal)
@@ -98,3 +118,4 @@ static void precondition_with_time_term(const Grid *g, const Film *film, matrix 
     add_time_term(g, film, w, modal);
     precondition(g, film, modal);
 }
+#endif

@@ -21,9 +21,6 @@ SHAPED, TWO_PHASES = "gap that is shaped at rest", "vibration in two phases"
 # geometric mean, as Chebyshev's points lie inside an interval.
 TWO_FROM = 1.75
 INSIDE = 0.65
-# Within an outline there is less area behind a point than on the rim, which a preconditioner goes
-# by: as if the gap were so much wider 30 ellipses took a quarter of the iterations less.
-WITHIN_OUTLINE = 1.5
 # Least gap at rest over the largest that they know of; kernels are compiled with gaps that are
 # closed somewhere, too.
 LEAST_REST = 1e-3
@@ -85,9 +82,7 @@ def _preconditioners(scenes: Scenes, count: int) -> Numbers:
     least = np.maximum(least, LEAST_REST * most)
     middle = least * most
     if count == 1:
-        typical = scenes.typical_rest * scenes.column(
-            lambda film: WITHIN_OUTLINE if film.pad.smooth_outline else 1.0
-        )
+        typical = scenes.typical_rest
         per_square = typical / (1 / least + 1 / most)
         return {"diffusivities": (typical**2,), "part": (per_square / middle, per_square)}
     spread = (most / least) ** INSIDE

@@ -10,11 +10,15 @@ static void set_parts(const Grid *g, const Film *film)
     __global JOIN(real, 4) *squares = (__global JOIN(real, 4) *)film->over_rest_squared;
     __global JOIN(real, 4) *decays = (__global JOIN(real, 4) *)film->decay;
     __global JOIN(real, 4) *speeds = (__global JOIN(real, 4) *)film->speed;
-    const real sigma = film->sigma;
     FOR_EACH(row, g->rows)
     {
         const double rest = 1.0 + film->row->per_rise * film->amplitude[2 * g->rows + row];
         const real square = 1.0 / (rest * rest);
+#ifdef HAS_outline
+        const real sigma = film->sigma * ARRAY(film, evened)[row];
+#else
+        const real sigma = film->sigma;
+#endif
         for (int t = 0, i = row * g->nt4; t < g->nt4; t++, i++) {
             const real decay = sigma * (real)g->decays[2 * t], speed = sigma * (real)g->speeds[2 * t];
             const real next_decay = sigma * (real)g->decays[2 * t + 1];

@@ -4,6 +4,16 @@
 
 #define HEAT_FIELDS 9
 
+/* J at a node of an outline (terms/outline.py), by which what the gap holds is multiplied; and 1/J at the
+ * points of velocities along an axis, by which their square is. */
+#ifdef HAS_outline
+#define TIMES_AREA(row) *(1.0 + ARRAY(film, stretch)[row])
+#define OVER_AREA_ON(axis, i) *ON_AXIS(axis, flux_over_area)[(i) / g->nt4]
+#else
+#define TIMES_AREA(row)
+#define OVER_AREA_ON(axis, i)
+#endif
+
 /* An array of the points that velocities along an axis have (spectral.py). */
 #define ON_AXIS(axis, name) ((axis) == 0 ? ARRAY(film, name##_x) : ARRAY(film, name##_y))
 
@@ -120,7 +130,7 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
     FOR_EACH_POINT(g, row, t, i)
     {
         const double4 square = along[i] * along[i] + across[i] * across[i];
-        const double4 rise = ((matrix4)warmth)[i] - cooling * square;
+        const double4 rise = ((matrix4)warmth)[i] TIMES_AREA(row) - cooling * square;
         ((field4)first)[i] =
             gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise;
     }
@@ -137,7 +147,7 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
         FOR_EACH(i, g->count4)
         {
             const double4 own = ((matrix4)u)[i];
-            cooler[i] = cooling * (own * own + cooler[i] * cooler[i]);
+            cooler[i] = cooling OVER_AREA_ON(axis, i) * (own * own + cooler[i] * cooler[i]);
             ((field4)fourth)[i] = warmer[i] - cooler[i];
         }
         SYNC;
@@ -175,7 +185,7 @@ static void response_heat(const Grid *g, const Film *film, field mass, field wor
         const double4 gap = gap_at(g, film, row, t);
         const double4 density = 1.0 + film->p[i];
         rise[i] *= gap * (gap + film->row->jump_warms / density);
-        pressure[i] = gap * density * rise[i];
+        pressure[i] = gap * density * rise[i] TIMES_AREA(row);
     }
     SYNC;
     along_t(g, g->time_derivative, first, work, 0);

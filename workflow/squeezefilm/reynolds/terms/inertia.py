@@ -97,18 +97,23 @@ class Inertia(Term):
         }
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+        matrices = [
+            points.matrices(length)
+            for points, length in zip(_points(grid), grid.lengths(aspect), strict=True)
+        ]
+        if grid.outline:
+            matrices = [each | bent for each, bent in zip(matrices, _bends(grid), strict=True)]
         return {
             f"flux_{name}_{axis}": matrix
-            for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True)
-            for name, matrix in points.matrices(length).items()
+            for axis, of_axis in zip("xy", matrices, strict=True)
+            for name, matrix in of_axis.items()
         }
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
         along_x, along_y = _points(grid)
-        inner_x, inner_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
         return {
-            "flux_amplitude_x": along_x.from_all_nodes @ parts[..., inner_y],
-            "flux_amplitude_y": parts[:, :, inner_x] @ along_y.from_all_nodes.T,
+            "flux_amplitude_x": along_x.from_all_nodes @ parts[..., grid.y.inner],
+            "flux_amplitude_y": parts[:, :, grid.x.inner] @ along_y.from_all_nodes.T,
         }
 
     def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
@@ -143,5 +148,20 @@ def steepness(scene: OperatingPoints) -> Any:
     return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
 
 
-def _points(grid: Grid) -> tuple[FluxPoints, FluxPoints]:
-    return flux_points(grid.nx, grid.fold_x), flux_points(grid.ny, grid.fold_y)
+def _points(grid: Grid) -> list[Any]:
+    """FluxPoints of x and y; of an outline AroundPoints of y."""
+    return [flux_points(each) for each in (grid.x, grid.y)]
+
+
+def _bends(grid: Grid) -> list[Arrays]:
+    """Of an outline at the flux points of μ and ν: 1/J, and the bend of the velocity along each.
+
+    With W = (dz/dζ)* ū, whose parts lie along μ and ν, (dz/dζ)* (ū·∇)ū is
+
+        ((W·∇)W − |W|² (z″/z′)*)/J.
+    """
+    places = (FluxPoints(grid.x).all_points[: grid.nx], -1.0), (grid.x.nodes, -1j)
+    return [
+        {"over_area": 1 / np.asarray(grid.area(at)), "bend": np.real(part * grid.bend(at))}
+        for at, part in places
+    ]

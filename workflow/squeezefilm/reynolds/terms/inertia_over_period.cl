@@ -17,6 +17,9 @@ static double4 density_slope(const Film *film, double4 p);
 
 typedef struct {
     matrix values, slope, along, nodes, divergence, across, rim, to_end, amplitude;
+#ifdef HAS_outline
+    matrix over_area, bend;
+#endif
 } Direction;
 
 static Direction direction_of(const Film *film, int axis)
@@ -32,6 +35,10 @@ static Direction direction_of(const Film *film, int axis)
         d.rim = ARRAY(film, flux_rim_y);
         d.to_end = ARRAY(film, flux_to_end_y);
         d.amplitude = ARRAY(film, flux_amplitude_x);
+#ifdef HAS_outline
+        d.over_area = ARRAY(film, flux_over_area_x);
+        d.bend = ARRAY(film, flux_bend_x);
+#endif
     } else {
         d.values = ARRAY(film, flux_values_y);
         d.slope = ARRAY(film, flux_slope_y);
@@ -42,6 +49,10 @@ static Direction direction_of(const Film *film, int axis)
         d.rim = ARRAY(film, flux_rim_x);
         d.to_end = ARRAY(film, flux_to_end_x);
         d.amplitude = ARRAY(film, flux_amplitude_y);
+#ifdef HAS_outline
+        d.over_area = ARRAY(film, flux_over_area_y);
+        d.bend = ARRAY(film, flux_bend_y);
+#endif
     }
     return d;
 }
@@ -116,6 +127,16 @@ static void add_carried_out(const Grid *g, const Film *film, const Direction *d,
     SYNC;
 }
 
+/* Within an outline velocities are those times |dz/dζ|, along its coordinates: (ū·∇)ū has 1/J, and each
+ * derivative of a velocity adds what its direction turns by, times it (terms/outline.py). */
+#ifdef HAS_outline
+#define OVER_AREA(d, i) *(d).over_area[(i) / g->nt4]
+#define TURNED(d, i, velocity) +(d).bend[(i) / g->nt4] * (velocity)
+#else
+#define OVER_AREA(d, i)
+#define TURNED(d, i, velocity)
+#endif
+
 /* Gap and density at a point of a direction. */
 #define EACH_OF(d)                                                                               \
     const double4 gap = 1.0 + beyond_even(g, film, d.amplitude, row, t);                         \
@@ -175,7 +196,9 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         {
             EACH_OF(d)
             forces[i] = ((matrix4)rate)[i] - u[i] * filling[i] / 7.0 +
-                        9.0 / 7.0 * (u[i] * along_rate[i] + across[i] * across_rate[i]);
+                        9.0 / 7.0 OVER_AREA(d, i) *
+                            (u[i] * (along_rate[i] TURNED(d, i, u[i])) +
+                             across[i] * (across_rate[i] TURNED(d, i, across[i])));
             lagging[i] = -lag_of(film, gap, density) * forces[i];
         }
         SYNC;
@@ -262,7 +285,7 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         SYNC;
         field4 crossing = (field4)across_rate, lagging = (field4)spare, flux = (field4)rate;
         /* δ(u across) times u's derivative there, and u across times that of δu. */
-        FOR_EACH(i, g->count4) crossing[i] *= u_across[i];
+        FOR_EACH(i, g->count4) crossing[i] *= u_across[i] TURNED(d, i, 2.0 * across[i]);
         SYNC;
         along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES, velocity, along_rate, 0);
         add_carried_out(g, film, &d, axis, across, v, (field4)along_rate);
@@ -271,8 +294,9 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         along_axis(g, axis, d.along, NODES_TO_SLOPES, velocity, along_rate, 0);
         along_t(g, g->time_derivative, relative, rate, 0);
         FOR_EACH(i, g->count4)
-            crossing[i] = 9.0 / 7.0 * (crossing[i] + v[i] * u_along[i] +
-                                       u[i] * ((matrix4)along_rate)[i]) -
+            crossing[i] = 9.0 / 7.0 OVER_AREA(d, i) *
+                              (crossing[i] + v[i] * (u_along[i] TURNED(d, i, 2.0 * u[i])) +
+                               u[i] * ((matrix4)along_rate)[i]) -
                           (v[i] * filling[i] + u[i] * ((matrix4)rate)[i]) / 7.0;
         SYNC;
         along_t(g, g->time_derivative, velocity, rate, 0);

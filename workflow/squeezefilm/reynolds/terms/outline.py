@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.spectral import even_and_odd
 from squeezefilm.reynolds.terms.term import Arrays, Term
 
 if TYPE_CHECKING:
@@ -49,12 +50,40 @@ class SmoothOutline(Term):
         )
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        assert grid.outline
-        area = np.asarray(grid.density) * grid.outline.mean_stretch
-        return {"stretch": area / grid.outline.typical_stretch - 1}
+        """The area, and modes in space by which its mean along an axis is preconditioned exactly.
 
-    def refused_on_grid(self, scene: Scene) -> str:
-        for name in ("inertia", "heat"):
-            if getattr(scene.gas, name) == "included":
-                return f"{name} is not known under this pad"
-        return ""
+        With α the mean of J along one axis and λ an eigenvalue of the second derivative there, the
+        modes of D Δ − σ α A ∂/∂T along the other one are those of (∂² + λ)/α, whatever D and A. The
+        axis is that along which J varies less.
+        """
+        outline, area = grid.outline, np.asarray(grid.area(grid.x.nodes))
+        assert outline
+        x, y = grid.x, grid.y
+        (length_x, length_y), weights = grid.lengths(aspect), x.weights / x.weights.sum()
+        second = x.second_derivative / length_x**2, y.in_parts / length_y**2
+        if outline.varies_around:
+            mean, own, weights = weights @ area, second[1], y.weights
+            others = x.modes_in_parts[0] / length_x**2
+        else:
+            mean, own, weights = area @ y.weights, second[0], x.weights
+            others = y.modes_in_parts[0] / length_y**2
+        operators = (own + others[:, None, None] * np.eye(len(own))) / mean[:, None]
+        # Real as those of the second derivative; of all of x the even ones, then the odd ones.
+        halves = x.in_halves and not outline.varies_around
+        parts = even_and_odd(operators) if halves else operators[None]
+        values, vectors = (each.real for each in np.linalg.eig(parts))
+        values, near = np.concatenate(values, axis=-1), np.concatenate(vectors, axis=-1)
+        mirrored = [sign * each[:, ::-1] for sign, each in zip((1, -1), vectors, strict=False)]
+        far = [np.concatenate(mirrored, axis=-1)] * halves
+        vectors = np.concatenate([near, *far], axis=1)
+        # Of unit mean square over the pad.
+        vectors /= np.sqrt(weights * mean * grid.mean_area @ vectors**2)[:, None]
+        evened = np.broadcast_to(mean if outline.varies_around else mean[:, None], area.shape)
+        return {
+            "stretch": area - 1,
+            "uneven": area - evened,
+            "evened": evened,
+            "modes_by": vectors,
+            "to_modes_by": np.linalg.inv(vectors) / mean,
+            "eigenvalues": values if outline.varies_around else values.T,
+        }

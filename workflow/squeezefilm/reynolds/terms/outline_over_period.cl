@@ -1,20 +1,20 @@
 /* The area behind a point of a smooth outline: −σ (J/J̄ − 1) d(Hρ)/dT. */
 
-/* out −= σ (J/J̄ − 1) d(mass)/dT. */
+/* The same for a change, of which the modes in space know a part: J/J̄ averaged along an axis. */
 static void response_outline(const Grid *g, const Film *film, vector mass, vector work, vector out)
 {
     along_t(g, g->linear.time_derivative, mass, work, 0);
-    matrix stretch = ARRAY(film, stretch);
+    matrix uneven = ARRAY(film, uneven);
     const double sigma = film->sigma;
     FOR_EACH_POINT(g, row, t, i)
     {
         __global JOIN(real, 4) *to = (__global JOIN(real, 4) *)out;
-        to[i] -= (real)(sigma * stretch[row]) * ((__global const JOIN(real, 4) *)work)[i];
+        to[i] -= (real)(sigma * uneven[row]) * ((__global const JOIN(real, 4) *)work)[i];
     }
     SYNC;
 }
 
-/* The same for all of the mass: that of the gap at ambient density is known. */
+/* out −= σ (J/J̄ − 1) d(Hρ)/dT, of which that of the gap at ambient density is known. */
 static void residual_outline(const Grid *g, const Film *film, field excess, field work, field out)
 {
     along_t(g, g->time_derivative, excess, work, 0);

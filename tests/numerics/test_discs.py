@@ -1,0 +1,209 @@
+"""Discs and ellipses with inertia, heat and sliding, by programs of their own and exact theory."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from films import PISTON, film
+from scipy.special import iv
+from test_outlines import WAVE, curved, ellipse_mm
+
+from squeezefilm.film.pad import GapShape
+from squeezefilm.film.scene import Scene
+from squeezefilm.quantities.model_error import (
+    depth_averaging_percent,
+    error_budgets,
+    resolve_auto_terms,
+)
+from squeezefilm.quantities.outputs import with_outputs
+from squeezefilm.reynolds import Solution
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.solver import solve
+from verification.disc import Disc, resolved_second_order
+from verification.published.linear_film import depth_averaged
+
+BOTH = {"inertia": "included", "heat": "included"}
+
+
+def ellipse(reynolds: float, **numbers: object) -> Scene:
+    """Under a disc, or an ellipse of the aspect, with inertia unless said."""
+    scene = film(**{"inertia": "included", "profile": PISTON} | numbers)  # type: ignore[arg-type]
+    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
+    scene = scene.with_gas(density_kg_per_m3=density)
+    return replace(scene, pad=replace(scene.pad, shape="ellipse"))
+
+
+def solved(scene: Scene, *, tolerance: float, **how: object) -> Solution:
+    (solution,) = solve([scene], tolerance=tolerance, method="periodic", **how)  # type: ignore[arg-type]
+    assert solution.status == "ok"
+    return solution
+
+
+def mean(scene: Scene, *, tolerance: float = 1e-5) -> float:
+    return solved(scene, tolerance=tolerance).force_n / scene.force_scale_n
+
+
+def alone(scene: Scene, **numbers: float) -> float:
+    """The same in the radius alone."""
+    gas, reynolds = scene.gas, scene.modified_reynolds
+    if gas.heat == "included":
+        conduction = gas.prandtl * reynolds
+        numbers["heating"] = (1 - 1 / gas.heat_capacity_ratio) * conduction
+        numbers |= {"conduction": conduction, "exponent": gas.viscosity_exponent}
+    if gas.inertia == "included":
+        numbers["reynolds"] = reynolds
+    disc = Disc(scene.epsilon, scene.sigma, points=22, **numbers)
+    return float(disc.mean_pressure().mean())
+
+
+@pytest.mark.parametrize(
+    ("reynolds", "sigma", "gas"),
+    [
+        (1.0, 300.0, {}),
+        (2.0, 40.0, {}),
+        (2.0, 300.0, {}),
+        (2.0, 40.0, BOTH),
+        (1.0, 300.0, {"inertia": "none", "heat": "included"}),
+    ],
+)
+def test_a_disc_has_the_force_of_its_radius_alone(reynolds, sigma, gas):
+    scene = ellipse(reynolds, epsilon=0.4, sigma=sigma, **gas)
+    found, expected = solved(scene, tolerance=1e-5), alone(scene)
+    off = found.force_n / scene.force_scale_n - expected
+    assert abs(off) <= found.force_error_n / scene.force_scale_n <= 1e-5 * expected
+
+
+def test_errors_fall_through_the_foci():
+    """Where z′ is zero, inside the disc; by a factor of five for eight nodes across."""
+    scene = ellipse(2.0, epsilon=0.4, sigma=300.0)
+    expected, pad = alone(scene), scene.pad.smooth_outline
+    errors = [
+        abs(solve_batch([scene], grid, tolerance=1e-9, device=choose_device()).mean[0] - expected)
+        for grid in (Grid(n, n // 2, 16, True, True, pad) for n in (8, 12, 16))
+    ]
+    assert all(fine < coarse / 5 for coarse, fine in pairwise(errors))
+    assert errors[-1] < 2e-5 * expected
+
+
+@pytest.mark.parametrize(("reynolds", "sigma"), [(0.1, 20.0), (2.0, 100.0), (40.0, 20.0)])
+def test_a_small_motion_has_the_linear_theory_s_force(reynolds, sigma):
+    """The first harmonic by Bessel functions, S + iD with Re's factor of the parabola."""
+    scene = ellipse(reynolds, epsilon=1e-3, sigma=sigma)
+    (found,) = with_outputs(
+        [scene],
+        [solved(scene, tolerance=1e-4, keep_states=True)],
+        outputs=("harmonics",),
+        tolerance=1e-4,
+    )
+    flow, _ = depth_averaged(reynolds, prandtl=0.0, heat_capacity_ratio=1.4)
+    z = np.sqrt(1j * scene.sigma / flow) / 2
+    response = 1 - 2 * iv(1, z) / (z * iv(0, z))
+    force = complex(found.outputs.value["force_sin"], found.outputs.value["force_cos"])
+    ours = -force / (scene.force_scale_n * scene.epsilon)
+    assert ours == pytest.approx(response, rel=2e-5)
+
+
+@pytest.mark.parametrize(("sigma", "reynolds"), [(20.0, 4.0), (100.0, 10.0), (600.0, 20.0)])
+def test_a_disc_that_resolves_the_profile_lies_within_the_estimate(sigma, reynolds):
+    """T16's theory of second order; without inertia it is 5/4 of the spring."""
+    z = np.sqrt(1j * sigma) / 2
+    spring = (1 - 2 * iv(1, z) / (z * iv(0, z))).real
+    assert resolved_second_order(sigma, 1e-5) == pytest.approx(1.25 * spring, rel=1e-5)
+    scene = ellipse(reynolds, epsilon=1e-3, sigma=sigma)
+    resolved = resolved_second_order(sigma, scene.modified_reynolds)
+    change, off = depth_averaging_percent(scene)
+    missed = 100 * (resolved / (alone(scene) / scene.epsilon**2) - 1)
+    assert abs(missed) > 0.05
+    assert abs(missed - change) < off
+
+
+@pytest.mark.parametrize("gas", [{}, {"rarefaction": "slip"}, BOTH])
+def test_an_ellipse_of_nearly_equal_axes_may_be_turned(gas):
+    """Its long axis lies along y in two ways, and no film is even; what is turned has its own ν."""
+    at = {"x": 0.1, "y": 0.05, "aspect": 1.03, "profile": WAVE}
+    scene = ellipse(1.0, epsilon=0.4, sigma=300.0, **at, **gas)
+    pad = scene.pad
+    sides = {"length_x_m": pad.length_y_m, "length_y_m": pad.length_x_m}
+    turned = replace(scene, pad=replace(pad, rotation_deg=90.0, **sides))
+    assert solved(turned, tolerance=1e-5).force_n == pytest.approx(
+        solved(scene, tolerance=1e-5).force_n, rel=1e-5
+    )
+
+
+def test_estimates_hold_with_inertia_heat_and_sliding():
+    tilted = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, crown_m=-0.2e-6)
+    off = {"x": 0.1, "y": 0.05}
+    waves = ellipse(4.0, epsilon=0.3, sigma=500.0, aspect=0.8, **off)
+    scenes = [
+        ellipse(2.0, epsilon=0.5, sigma=2000.0, aspect=0.5, profile=WAVE, **off),
+        ellipse(1.0, epsilon=0.6, sigma=30.0, aspect=1.4, x=0.1, heat="included"),
+        replace(waves, pad=replace(waves.pad, gap=tilted)),
+        ellipse(1.0, epsilon=0.6, sigma=100.0, inertia="none", bearing=100.0, aspect=0.7, **off),
+    ]
+    rough, fine = (solve(scenes, tolerance=tolerance) for tolerance in (1e-3, 2e-5))
+    for one, other in zip(rough, fine, strict=True):
+        assert other.status == "ok"
+        assert abs(one.force_n - other.force_n) <= one.force_error_n <= 1e-3 * one.force_n
+
+
+@pytest.mark.parametrize(
+    ("numbers", "expected"),
+    [
+        ({"bearing": 2.0, "aspect": 0.6, "x": 0.1, "y": 0.05}, 0.08914504),
+        ({"bearing": 20.0, "aspect": 1.0}, 0.05826850),
+        ({"bearing": 20.0, "aspect": 1.5, "y": 0.1}, 0.04407188),
+    ],
+)
+def test_a_sliding_ellipse_has_the_force_of_finite_elements(numbers, expected):
+    """Good to about 1e-4, as of the patch in test_outlines.py; along −x it is as well mirrored."""
+    scene = film(epsilon=0.4, sigma=100.0, **numbers)
+    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    assert mean(scene) == pytest.approx(expected, rel=1e-4)
+    still, back = (
+        replace(scene, pad=replace(scene.pad, speed_x_m_per_s=share * scene.pad.speed_x_m_per_s))
+        for share in (0.0, -1.0)
+    )
+    assert mean(still) != pytest.approx(expected, rel=2e-3)
+    assert mean(replace(back, x_m=-scene.x_m)) == pytest.approx(mean(scene), rel=1e-5)
+
+
+def test_the_budget_of_an_ellipse_is_its_own():
+    """Effects on an ellipse off the centre, and the loss at a disc's rim, at first order."""
+    at = {"x": 0.1, "y": 0.05, "aspect": 0.5, "bearing": 2.0, "profile": WAVE}
+    heavy = ellipse(0.02, epsilon=0.4, sigma=300.0, **at | {"bearing": 0.0})
+    plain = heavy.with_gas(inertia="none")
+    disc = ellipse(0.05, epsilon=0.4, sigma=300.0, inertia="none")
+    slides = ellipse(0.02, epsilon=0.4, sigma=300.0, inertia="none", **at)
+    own, of_disc, sliding = error_budgets([plain, disc, slides])
+    for name in ("inertia", "heat"):
+        with_it = plain.with_gas(**{name: "included"})
+        percent = 100 * (mean(with_it, tolerance=1e-8) / mean(plain, tolerance=1e-8) - 1)
+        assert own.effects[name].percent == pytest.approx(percent, rel=0.02)
+    loss = disc.modified_reynolds * disc.sigma / 24
+    percent = 100 * (alone(disc, loss=loss) / alone(disc) - 1)
+    assert of_disc.effects["edge_loss"].percent == pytest.approx(percent, rel=0.02)
+    percent = 100 * (1 - mean(plain, tolerance=1e-6) / mean(slides, tolerance=1e-6))
+    assert sliding.effects["bearing"].percent == pytest.approx(percent, rel=1e-3)
+    assert np.isfinite(own.modelling_error_percent).all()
+    (chosen,) = resolve_auto_terms([ellipse(1.0, epsilon=0.4, sigma=300.0, inertia="auto")])
+    assert chosen.gas.inertia == "included"
+
+
+def test_momentum_that_leaves_over_an_outline_turns_with_it(tmp_path):
+    scene = ellipse(1.0, epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE, x=0.05)
+    scene = replace(scene, pad=replace(scene.pad, rotation_deg=30.0))
+    half = np.hypot(np.array([0.75, 0.25]) ** 0.5, 0.6 * np.array([0.25, 0.75]) ** 0.5)
+    sides_m = tuple(scene.pad.length_x_m * half)
+    flat = replace(scene, pad=replace(scene.pad, rotation_deg=0.0))
+    scenes = [scene, curved(flat, tmp_path, ellipse_mm(scene, 30.0), sides_m)]
+    scenes += [each.with_gas(inertia="none") for each in scenes]
+    forces = [solved(each, tolerance=1e-3, keep_states=True) for each in scenes]
+    found = with_outputs(scenes, forces, outputs=("thrust",), tolerance=1e-3)
+    one, other, without, _ = (
+        1e6 * np.array([each.outputs.value[f"thrust_{axis}"] for axis in "xy"]) for each in found
+    )
+    assert other == pytest.approx(one, abs=1e-3 * np.abs(one).max())
+    assert one[0] != pytest.approx(without[0], rel=0.05)
