@@ -13,14 +13,12 @@ from periodic_strip import PeriodicStrip
 from squeezefilm.film.profiles import Formula
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.formatting import in_lines
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities import model_error as budget_module
 from squeezefilm.quantities.adjoint import Fields
 from squeezefilm.quantities.model_error import (
     NAMES,
     ErrorBudget,
-    budget_row,
     edge_loss_remainder,
     error_budgets,
 )
