@@ -38,10 +38,10 @@ def poiseuille_flow(inverse_knudsen: float, *, points: int = 60, half_rule: int 
     share_weights = step * np.pi / 4 * np.cosh(spread) / np.cosh(np.pi / 2 * np.sinh(spread)) ** 2
     barycentric = np.sqrt((1 - at**2) * weights) * (-1) ** np.arange(points)
     equation = np.eye(points)
-    for row, place in enumerate(at):
+    for row, place in enumerate(at.tolist()):
         for length in (-1 - place, 1 - place):
             nodes = place + length * share
-            kernel = _abramowitz(half * np.abs(_crowded(nodes) - _crowded(place)))
+            kernel = _abramowitz(half * np.abs(_crowded(nodes) - _crowded(np.array(place))))
             kernel *= half * _crowding(nodes) * abs(length) * share_weights / np.sqrt(np.pi)
             apart = nodes[:, None] - at
             shares = barycentric / np.where(np.abs(apart) < 1e-15, 1e-15, apart)
