@@ -24,8 +24,8 @@ OK = "ok"
 UNKNOWN, NOT_APPLICABLE = "error unknown", "the equation does not apply"
 # Squeeze number below which gas is pumped in and out and hardly compressed.
 THICK_SIGMA = 20.0
-# Inverse Knudsen number at which Fukui and Kaneko's polynomial ends: √π/(2 D) is the list's Kn.
-LEAST_INVERSE_KNUDSEN = 5.0
+# Inverse Knudsen number at which the flow factor's table ends: √π/(2 D) is the list's Kn.
+LEAST_INVERSE_KNUDSEN = 0.01
 # Roughness Ra of a finely ground or lapped surface, in m.
 ROUGHNESS_M = 1e-7
 

@@ -23,6 +23,7 @@ from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Axis
 from squeezefilm.reynolds.terms import stiffness_of, terms_of
+from squeezefilm.reynolds.terms.rarefaction import flow_factor, flow_over_viscous
 from squeezefilm.solution import Solution
 
 Operator = Callable[[np.ndarray], np.ndarray]
@@ -129,23 +130,40 @@ class Fields:
 
     @cached_property
     def velocity(self) -> np.ndarray:
-        """Mean velocity over the gap by pressure alone, ū = −(1/σ) Σ c_k H^(2−k) ρ^(−k) ∇P."""
+        """Mean velocity over the gap by pressure alone, ū = −(1/σ) ``mobility`` ∇P."""
         return self.slope * (self.mobility * (-1 / self.sigma))
 
     @cached_property
     def mobility(self) -> np.ndarray:
-        """Σ c_k H^(2−k) ρ^(−k), by which a slope of pressure drives gas; H² without slip."""
-        first, *rest = (self.number(c) for c in self.problems.numbers["flow"].T)
-        factor = first
-        for k, coefficient in enumerate(rest, start=1):
-            factor = factor + coefficient / self.mass**k
-        return np.asarray(factor * self.gap**2)
+        """H² W, by which a slope of pressure drives gas: W is the flow over a viscous gas'."""
+        return np.asarray(flow_over_viscous(self.problems.numbers, self.mass) * self.gap**2)
 
     @cached_property
-    def flux_coefficients(self) -> list[np.ndarray]:
-        """c_k H^(3−k) of each term of the flow; NumPy is quick at squares alone."""
-        flow = self.problems.numbers["flow"]
-        return [self.number(c) * (self.gap * self.gap ** (2 - k)) for k, c in enumerate(flow.T)]
+    def flow_terms(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """c_k H^a, dg_k/dP and d²g_k/dP² of each term of the flux Σ c_k H^a ∇g_k.
+
+        They are the terms of film_over_period.cl, the second derivative that of an isothermal gas.
+        NumPy is quick at squares alone.
+        """
+        flow = [self.number(c) for c in self.problems.numbers["flow"].T]
+        inverse, square = self.numbers("inverse_knudsen", absent=0.0), self.gap**2
+        if inverse.any():
+            factor, growth, bend = flow_factor(inverse * self.mass)
+            rises = square * (factor + growth), 3 * factor + growth
+            bends = square * (growth + bend), 3 * growth + bend
+            factors = np.broadcast_to(flow[0], square.shape), flow[1] * square
+            return [
+                (c, self.mass * rise, self.gap * (rise + more))
+                for c, rise, more in zip(factors, rises, bends, strict=True)
+            ]
+        return [
+            (
+                c * (self.gap * self.gap ** (2 - k)),
+                self.density ** (1 - k),
+                (1 - k) * self.density ** (-k),
+            )
+            for k, c in enumerate(flow)
+        ]
 
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
@@ -300,7 +318,7 @@ def response(films: Fields, source: np.ndarray, *, tolerance: float) -> np.ndarr
 
 
 def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
-    """J w = ∇·Σ c_k H^(3−k) ∇(ρ^(1−k) w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose."""
+    """J w = ∇·Σ c_k H^a ∇(dg_k/dP w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose."""
     x, y, (_, rows_x, rows_y) = films.along_x, films.along_y, films.inner
     # Between unknowns and all nodes: gradient and divergence along each axis.
     slopes = [
@@ -314,10 +332,10 @@ def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
         slide, in_time = slide.T, in_time.T
     terms = [
         (
-            (films.density ** (1 - k) / (films.gap * films.density_slope))[films.inner],
+            (rise / (films.gap * films.density_slope))[films.inner],
             (factor[:, :, rows_y], factor[:, rows_x]),
         )
-        for k, factor in enumerate(films.flux_coefficients)
+        for factor, rise, _ in films.flow_terms
     ]
 
     def apply(values: np.ndarray) -> np.ndarray:

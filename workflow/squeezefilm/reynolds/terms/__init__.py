@@ -42,8 +42,8 @@ def terms_of(scene: Scene) -> Terms:
 
 def absent_terms(terms: Terms) -> tuple[Simplification, ...]:
     """Return the simplifications by the terms that are absent."""
-    present = {*map(type, terms)}
-    return tuple(kind.ABSENT for kind in TERMS if kind.ABSENT and kind not in present)
+    absent = [kind for kind in TERMS if not any(isinstance(term, kind) for term in terms)]
+    return tuple(kind.ABSENT for kind in absent if kind.ABSENT)
 
 
 def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
