@@ -23,7 +23,12 @@ from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Axis
 from squeezefilm.reynolds.terms import stiffness_of, terms_of
-from squeezefilm.reynolds.terms.rarefaction import flow_factor, flow_over_viscous
+from squeezefilm.reynolds.terms.rarefaction import (
+    flow_over_viscous,
+    slip_flow,
+    slip_growth,
+    slip_of,
+)
 from squeezefilm.solution import Solution
 
 Operator = Callable[[np.ndarray], np.ndarray]
@@ -139,30 +144,22 @@ class Fields:
         return np.asarray(flow_over_viscous(self.problems.numbers, self.mass) * self.gap**2)
 
     @cached_property
-    def flow_terms(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """c_k H^a, dg_k/dP and d²g_k/dP² of each term of the flux Σ c_k H^a ∇g_k.
+    def flow_terms(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray | float]]:
+        """c_k H^(3−k), dg_k/dP and d²g_k/dP² of each term of the flux Σ c_k H^(3−k) ∇g_k.
 
         They are the terms of film_over_period.cl, the second derivative that of an isothermal gas.
-        NumPy is quick at squares alone.
         """
-        flow = [self.number(c) for c in self.problems.numbers["flow"].T]
-        inverse, square = self.numbers("inverse_knudsen", absent=0.0), self.gap**2
-        if inverse.any():
-            factor, growth, bend = flow_factor(inverse * self.mass)
-            rises = square * (factor + growth), 3 * factor + growth
-            bends = square * (growth + bend), 3 * growth + bend
-            factors = np.broadcast_to(flow[0], square.shape), flow[1] * square
-            return [
-                (c, self.mass * rise, self.gap * (rise + more))
-                for c, rise, more in zip(factors, rises, bends, strict=True)
-            ]
+        square = self.gap**2
+        cube = self.gap * square
+        if self.problems.numbers["flow"].shape[1] == 1:
+            return [(cube, self.density, 1.0)]
+        slip, inverse = slip_of(self.problems.numbers, self.mass)
+        if inverse is None:
+            return [(cube, self.density, 1.0), (slip * square, np.ones_like(square), 0.0)]
+        over_gap, flow, (growth, bend) = slip / self.gap, slip_flow(inverse), slip_growth(inverse)
         return [
-            (
-                c * (self.gap * self.gap ** (2 - k)),
-                self.density ** (1 - k),
-                (1 - k) * self.density ** (-k),
-            )
-            for k, c in enumerate(flow)
+            (cube, self.density + over_gap * growth, 1 + over_gap / self.density * bend),
+            (slip * square, flow - growth, (growth - bend) / self.density),
         ]
 
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
@@ -318,7 +315,7 @@ def response(films: Fields, source: np.ndarray, *, tolerance: float) -> np.ndarr
 
 
 def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
-    """J w = ∇·Σ c_k H^a ∇(dg_k/dP w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose."""
+    """J w = ∇·Σ c_k H^(3−k) ∇(dg_k/dP w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose."""
     x, y, (_, rows_x, rows_y) = films.along_x, films.along_y, films.inner
     # Between unknowns and all nodes: gradient and divergence along each axis.
     slopes = [

@@ -16,7 +16,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms.heat import JUMP_WARMS, temperature_jump
-from squeezefilm.reynolds.terms.rarefaction import flow_factor, flow_over_viscous
+from squeezefilm.reynolds.terms.rarefaction import slip_flow
 
 # Of the entrance coefficient C: kinetic energy of a plug and of a parabola, over that of the mean
 # velocity.
@@ -49,17 +49,18 @@ class Answers:
 def by_slip(scenes: list[Scene], films: Fields, answers: Answers) -> tuple[np.ndarray, np.ndarray]:
     """Change by rarefaction, and by what it lacks of the flow factor.
 
-    The source of a flow (W − 1) H³ρ ∇P is −∇· of that. Films without slip get the flow factor's
-    effect, and lack nothing.
+    The source of a flow c H² F ∇P is −∇· of that. Films without slip get the flow factor's effect,
+    and lack nothing.
     """
-    inverse = np.array([scene.inverse_knudsen for scene in scenes])
-    factor, *_ = flow_factor(films.number(inverse) * films.mass)
-    included = flow_over_viscous(films.problems.numbers, films.mass)
-    slipping = factor if scenes[0].gas.rarefaction == "none" else included
-    viscous = films.gap**2 * films.mass
-    parts = slipping - 1, factor - slipping
-    slip, lacking = (-total(answers.along, viscous * part) for part in parts)
-    return slip, lacking
+    inverse = films.number(np.array([scene.inverse_knudsen for scene in scenes]))
+    factor = slipping = 6 / inverse * slip_flow(inverse * films.mass)
+    if scenes[0].gas.rarefaction == "slip":
+        slipping = films.number(films.problems.numbers["flow"][:, 1])
+    square = films.gap**2
+    return (
+        -total(answers.along, square * slipping),
+        -total(answers.along, square * (factor - slipping)),
+    )
 
 
 def by_inertia(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
@@ -209,7 +210,7 @@ def by_passing(films: list[Fields], bearing: np.ndarray) -> tuple[np.ndarray, np
 def _curvature_of_flow(films: Fields, rise: np.ndarray) -> np.ndarray:
     """Second order of an isothermal film's flow in a change of pressure, on all nodes.
 
-    ½ ∇·Σ c_k H^a ∇(d²g_k/dP² δP²).
+    ½ ∇·Σ c_k H^(3−k) ∇(d²g_k/dP² δP²).
     """
     flux = sum(
         films.gradient(bend * rise**2) * (factor / 2) for factor, _, bend in films.flow_terms

@@ -1,15 +1,15 @@
 /* The film over one period: the Reynolds equation collocated in space and time.
  *
  * Unknown: the overpressure p = P − 1, zero on the rim. The mass flux is a sum of FLOW_TERMS terms
- * c_k H^a grad g_k with a = 3 − k and dg_k/dP = ρ^(1−k), the viscous flow and that by first-order
- * slip, or else as rarefaction_over_period.cl has them. With v = H^(a/2) g(P) each term needs second
+ * c_k H^a grad g_k with a = 3 − k and dg_k/dP = ρ^(1−k): the viscous flow, and that by slip of a
+ * rarefied gas, or as rarefaction_over_period.cl has them. With v = H^(a/2) g each term needs second
  * derivatives only (Liouville's transformation),
  *
  *     div(H^a grad g) = H^(a/2) (Δv − q v),   q = Δ(H^(a/2)) / H^(a/2),
  *
  * and the equation reads, with the density ρ(P) relative to ambient,
  *
- *     Σ_k c_k div(H^a grad g_k) − σ d(Hρ)/dT + what other terms add = 0.
+ *     Σ_k c_k div(H^(3−k) grad g_k) − σ d(Hρ)/dT + what other terms add = 0.
  *
  * Newton's correction is sought as a mass perturbation w = δ(Hρ): the stiff time term then keeps a
  * constant coefficient. GMRES is preconditioned from the left by the inverse of D Δ − σ A d/dT times
@@ -24,30 +24,24 @@
  * term's lines precondition them.
  */
 
-#ifndef GAP_EXPONENT
-#define GAP_EXPONENT(k) (3 - (k))
-#endif
-
-/* H^(a/2). */
-static double4 half_power(double4 gap, int a)
+/* H^(a/2) for a = 3 − k. */
+static double4 half_power(double4 gap, int k)
 {
-    return a == 3 ? gap * sqrt(gap) : a == 2 ? gap : (double4)(1.0);
+    return k == 0 ? gap * sqrt(gap) : gap;
 }
 
 /* Density ρ(P) − 1 and its derivative; g_k(P) − g_k(1) and its derivative. All exact for small p. */
 #ifndef GAS_LAW
 static double4 density_rise(const Film *film, double4 p) { return p; }
 static double4 density_slope(const Film *film, double4 p) { return (double4)(1.0); }
-#ifndef HAS_flow_factor
-static double4 flow_potential(const Film *film, double4 gap, double4 p, int k)
+static double4 flow_potential(const Film *film, double4 p, int k)
 {
     return k == 0 ? p * (1.0 + 0.5 * p) : p;
 }
-static double4 flow_slope(const Film *film, double4 gap, double4 p, int k)
+static double4 flow_slope(const Film *film, double4 p, int k)
 {
     return k == 0 ? 1.0 + p : (double4)(1.0);
 }
-#endif
 #endif
 
 /* What depends on the gap alone: H^(a/2) and the potential q of each flow term. */
@@ -55,7 +49,7 @@ static void set_gap(const Grid *whole_grid, const Film *whole_film)
 {
     AS_COPIES(whole_grid, whole_film)
     for (int k = 0; k < FLOW_TERMS; k++) {
-        const double half_exponent = 0.5 * GAP_EXPONENT(k);
+        const double half_exponent = 0.5 * (3 - k);
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = gap_at(g, film, row, t), over_gap = 1.0 / gap;
@@ -71,7 +65,7 @@ static void set_gap(const Grid *whole_grid, const Film *whole_film)
         /* Roots by themselves: they are calls, before which registers are stored. */
         FOR_EACH_POINT(g, row, t, i)
         {
-            const double4 power = half_power(gap_at(g, film, row, t), GAP_EXPONENT(k));
+            const double4 power = half_power(gap_at(g, film, row, t), k);
             film->gap_power[k][i] = power;
             store4(power, i, film->power[k]);
         }
@@ -172,8 +166,12 @@ static double4 flow_from(const Grid *whole_grid, const Film *whole_film, int k, 
     {
         const double4 gap = gap_at(g, film, row, t), p = film->p[i];
         const double4 power = factor * gap_power[i];
-        const double4 response = power * flow_slope(film, gap, p, k) / (gap * density_slope(film, p));
-        v[i] = power * flow_potential(film, gap, p, k);
+        double4 potential = flow_potential(film, p, k), slope = flow_slope(film, p, k);
+#ifdef HAS_flow_factor
+        set_rarefied(film, gap, p, k, i, &potential, &slope);
+#endif
+        const double4 response = power * slope / (gap * density_slope(film, p));
+        v[i] = power * potential;
         store4(response, i, film->response[k]);
         diffusivity +=
             response * gap_power[i] * mean_resistance[t] * over_rest_squared(film, i);

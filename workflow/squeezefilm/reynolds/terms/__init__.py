@@ -114,14 +114,6 @@ def own_fields(terms: Terms) -> int:
     return sum(term.OWN_FIELDS for term in terms)
 
 
-def states_refused(scenes: Scenes, terms: Terms, *, thinnest: np.ndarray) -> dict[int, str]:
-    """The scenes whose states lie outside the range of a term, and why."""
-    refused: dict[int, str] = {}
-    for term in reversed(terms):
-        refused.update(term.refused_states(scenes, thinnest=thinnest))
-    return refused
-
-
 def notes_of(scene: Scene) -> list[str]:
     """Return the notes of the terms on a scene near the end of their range."""
     return [note for kind in TERMS if (note := kind.note(scene))]

@@ -9,14 +9,12 @@ static double4 density_slope(const Film *film, double4 p)
 {
     return film->row->inverse_exponent * exp((film->row->inverse_exponent - 1.0) * log1p(p));
 }
-#ifndef HAS_flow_factor
-static double4 flow_potential(const Film *film, double4 gap, double4 p, int k)
+static double4 flow_potential(const Film *film, double4 p, int k)
 {
     const double power = (1 - k) * film->row->inverse_exponent + 1.0;
     return expm1(power * log1p(p)) / power;
 }
-static double4 flow_slope(const Film *film, double4 gap, double4 p, int k)
+static double4 flow_slope(const Film *film, double4 p, int k)
 {
     return exp((1 - k) * film->row->inverse_exponent * log1p(p));
 }
-#endif
