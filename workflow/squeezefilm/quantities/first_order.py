@@ -59,7 +59,7 @@ def by_slip(scenes: list[Scene], films: Fields, answers: Answers) -> tuple[np.nd
     square = films.gap**2
     return (
         -total(answers.along, square * slipping),
-        -total(answers.along, square * (factor - slipping)),
+        total(answers.along, square * (slipping - factor)),
     )
 
 

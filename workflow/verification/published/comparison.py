@@ -125,10 +125,10 @@ def inclined_slider(device: Device | None = None) -> Iterator[Row]:
 
 def rarefied_gas() -> Iterator[Row]:
     """Poiseuille flow of a rarefied gas; the solver's is what its flow factor interpolates."""
+    row = partial(_valued, "Poiseuille flow", source="cmlair (CML Berkeley)")
     for inverse, flow in RAREFIED_FLOW.items():
         ours = inverse / 6 + float(slip_flow(inverse))
-        names = {"source": "cmlair (CML Berkeley)", "case": f"rarefied gas, D {inverse:g}"}
-        yield _valued("Poiseuille flow", flow, poiseuille_flow(inverse), ours, **names)
+        yield row(flow, poiseuille_flow(inverse), ours, case=f"rarefied gas, D {inverse:g}")
 
 
 def radial_films() -> Iterator[Row]:
