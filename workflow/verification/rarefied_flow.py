@@ -23,7 +23,7 @@ LOG_T, LOG_T_STEP = np.linspace(-45, 2.2, 900, retstep=True)
 
 
 def poiseuille_flow(inverse_knudsen: float, *, points: int = 60, half_rule: int = 50) -> float:
-    """Return Q_P, the mass flow over that of free molecules' order, at an inverse Knudsen number.
+    """Return Q_P, the flow relative to a scale of free molecules, at an inverse Knudsen number.
 
     A viscous gas has D/6. Sixty points give ten digits up to D = 100 and eight at D = 1000.
 
