@@ -12,6 +12,7 @@ sys.path.insert(0, str(WORKFLOW))
 
 from squeezefilm import __version__
 from squeezefilm.cli.main import commands_of
+from squeezefilm.config.film import GASES
 from squeezefilm.config.keys import key_table, schema
 from squeezefilm.film.validity import LIMITS
 
@@ -51,18 +52,25 @@ def claims() -> list[str]:
     return [f"{agreeing} of {len(claims)} claims agree.", "", *rows]
 
 
-def measured(path: Path) -> str:
-    """Return a stored table of measured values, and what made it, as the page shows it."""
+def stored(path: Path) -> tuple[list[str], list[str]]:
+    """Return the rows of a stored table as the page shows them, and the comments above it."""
     lines = path.read_text(encoding="utf-8").splitlines()
-    origin = dict(line[2:].split(": ", 1) for line in lines if line.startswith("# "))
     head, *rows = csv.reader(line for line in lines if not line.startswith("# "))
     table = [head, ["---"] * len(head), *rows]
+    comments = [line[2:] for line in lines if line.startswith("# ")]
+    return [f"| {' | '.join(row)} |" for row in table], comments
+
+
+def measured(path: Path) -> str:
+    """Return a stored table of measured values, and what made it, as the page shows it."""
+    table, comments = stored(path)
+    origin = dict(comment.split(": ", 1) for comment in comments)
     source = f"*Commit {origin['commit']}, {origin['date']}; {origin['machine']}.*"
-    return "\n".join([*(f"| {' | '.join(row)} |" for row in table), "", source])
+    return "\n".join([*table, "", source])
 
 
 def write_generated() -> None:
-    """Write keys, help of all commands, limits of validity, claims and measured tables."""
+    """Write keys, gases, help of all commands, limits of validity, claims and measured tables."""
     GENERATED.mkdir(exist_ok=True)
     rows = [
         f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
@@ -71,6 +79,8 @@ def write_generated() -> None:
     ]
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
+    table, sources = stored(GASES)
+    (GENERATED / "gases.md").write_text("\n".join([*table, "", *sources]), encoding="utf-8")
     (GENERATED / "claims.md").write_text("\n".join(claims()), encoding="utf-8")
     for path in sorted((HERE / "data").glob("*.csv")):
         (GENERATED / f"{path.stem}.md").write_text(measured(path), encoding="utf-8")

@@ -58,3 +58,5 @@ def test_the_door_opens_without_a_checkout(alone):
     assert found["units"] == "Pa"
     assert found["theta"] == pytest.approx([7.624, 1.917, -1.001], abs=1e-3)
     assert not found["snakemake"]
+    point = ("--h0", "5um", "--hv", "2.2um", "--config", "paper.yaml")
+    assert "0.96204" in run(alone / "alone/bin/squeezefilm", "simulate", *point, folder=alone)

@@ -51,6 +51,15 @@ def test_what_does_not_matter_is_accepted(text, scenes):
     ]
 
 
+@pytest.mark.parametrize("header", ["h0_um,hv_um", "H0 [µm],hv (um)", "h0/µm,hv_µm"])
+def test_factors_have_any_unit_and_a_pad_without_position_is_centred(header, scenes):
+    table = read_scenes(scenes(f"point_id,{header}\n1,5,1\n"))
+    assert table.loc[0, list(table)[1:]].tolist() == [5e-6, 1e-6, 0.0, 0.0]
+    assert list(table) == ["point_id", "h0_m", "hv_m", "x_m", "y_m"]
+    turned = read_scenes(scenes("point_id,h0_m,hv_m,phi_r_mm,phi [rad]\n1,5e-6,1e-6,2,1\n"))
+    assert turned.loc[0, ["phi_r_m", "phi_deg"]].tolist() == [0.002, 57.2957795130823]
+
+
 ROW = "1,5e-6,1e-6,0,0"
 WRONG = {
     "nothing": ("", "the table is empty"),
@@ -59,6 +68,7 @@ WRONG = {
     "semicolons": (HEADER.replace(",", ";") + "\n", "separated by semicolons"),
     "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "unknown column 'x_m'; a position is"),
     "text for a number": (f"{HEADER}\n1,5um,1e-6,0,0\n", "line 2: h0_m is '5um'"),
+    "text in another unit": ("point_id,h0_um,hv_m\n1,5 um,1e-6\n", "line 2: h0_m is '5 um'"),
     "infinity": (f"{HEADER}\n1,5e-6,1e-6,0,-inf\n", "line 2: phi_deg is '-inf'"),
     "a name twice": (f"{HEADER}\n{ROW}\n\n{ROW}\n", "line 4: point_id '1' stands in line 2"),
     "other letters": (

@@ -22,6 +22,20 @@ def test_one_force_outside_is_printed_with_exit_status_1(edited, capsys):
     assert "outside the limits of validity" in said.err
 
 
+def test_a_budget_and_a_curve_are_had_by_options(edited, tmp_path, capsys, refused):
+    where = ["--h0", "5um", "--config", str(edited("paper"))]
+    assert main(["budget", "--hv", "2.2um", *where]) == 0
+    told = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert float(told["inertia"].split()[0]) == pytest.approx(2.1, abs=0.1)
+    curve, picture = str(tmp_path / "curve.csv"), str(tmp_path / "curve.svg")
+    simulated = ["simulate", "--hv", "1um", *where, "--output", curve]
+    assert main(simulated) == 0
+    assert "1 lines over 1 points" in refused("plot", curve, "--output", picture)
+    assert main([*simulated, "--x", "0,1,2mm"]) == 0
+    assert main(["plot", curve, "--output", picture]) == 0
+    assert "position $x$ (mm)" in (tmp_path / "curve.svg").read_text(encoding="utf-8")
+
+
 @pytest.fixture
 def fit(tmp_path, paper):
     path = tmp_path / "fit.json"

@@ -163,6 +163,9 @@ def test_models_are_ranked_on_half_of_the_validation_sample(study, tmp_path):
     assert len(errors) == 99 * len(table)
     whole, _ = models.compare(study.results, "two_factor")
     assert whole.set_index("model")["validation_error"].idxmin() == "limit_1"
+    parameters = models.models_page(study.results, space="two_factor").values["parameters"]
+    ends = parameters.iloc[-1][["lower end", "estimate", "upper end"]].tolist()
+    assert ends == sorted(ends, key=float)
     (tmp_path / "models/two_factor/limit_1.json").unlink()
     with pytest.raises(InputError, match=r"limit_1\.json"):
         models.compare(results, "two_factor")

@@ -7,28 +7,43 @@ from pathlib import Path
 
 from reporting.results import Results
 from squeezefilm.cli.options import OUTPUT, command, option, write_rows
-from squeezefilm.errors import InputError, RunError
-from squeezefilm.tables import write_table
+from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.tables import read_columns, write_table
 
 RESULTS = option("results", "RESULTS", "the study's results", type=Path)
 STUDY = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
 FILES = option("--output", "FILE", required=True, nargs="+", type=Path)
+PICTURES = (".png", ".svg", ".pdf")
 
 # matplotlib is imported where something is drawn or pictures are compared.
 
 
 @command(
-    option("figure", "FIGURE", "such as fig05 or models/two_factor_errors"), RESULTS, STUDY, FILES
+    option("figure", "FIGURE", "such as fig05 or models/two_factor_errors, or CURVE.csv"),
+    option("results", "RESULTS", "the study's results", type=Path, nargs="?"),
+    STUDY,
+    FILES,
 )
 def plot(options: argparse.Namespace) -> None:
-    """Draw a figure of a finished study, or its table.
+    """Draw a figure of a finished study, or its table, or a curve of forces.
 
-        squeezefilm plot fig08 results/paper --output fig08.pdf
+      squeezefilm plot fig08 results/paper --output fig08.pdf
+      squeezefilm simulate --h0 5um --hv 0.5:2.5:9um --output curve.csv
+      squeezefilm plot curve.csv --output curve.png
 
     The format follows the name: .png, .svg or .pdf; .csv is the table that a numbered figure of the
     paper draws. The same results give the same file, byte for byte.
     """
-    check_formats(options.output, (".png", ".svg", ".pdf", ".csv"))
+    if options.figure.endswith(".csv"):
+        from reporting.figures import curve, style
+
+        check_formats(options.output, PICTURES)
+        table = read_columns(options.figure, columns=curve.COLUMNS)
+        with style.settings(), naming(options.figure):
+            return style.save(curve.curve(table), options.output)
+    check_formats(options.output, (*PICTURES, ".csv"))
+    if options.results is None:
+        raise InputError(f"{options.figure}: give the folder of the study's results too")
     from reporting.figures import FIGURES, save
 
     figures = dict(FIGURES)
@@ -52,7 +67,7 @@ def plot_pressure(options: argparse.Namespace) -> None:
     gauge pressure at eight phases and in the mean, and its mean over the pad beside the gap there.
     The same field gives the same files. Both need xarray: the extra `fields`.
     """
-    check_formats(options.output, (".png", ".svg", ".pdf", ".gif"))
+    check_formats(options.output, (*PICTURES, ".gif"))
     from reporting.pressure_pictures import draw
 
     draw(options.field, options.output)

@@ -4,7 +4,7 @@ One half of a space's validation sample ranks the models, the other calibrated t
 intervals (``squeezefilm fit``). Points that have no force are excluded from the errors and counted.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit, working_point
+from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import SPACES, check_columns
 from squeezefilm.models.prediction_interval import (
     QUANTITIES,
@@ -53,9 +54,25 @@ def models_page(results: Results, *, space: str) -> Page:
         "statement": next((fit.statement for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
         "formulas": dict(zip(judged["model"], judged["expression"], strict=True)),
+        "parameters": readable(_parameters(results, space, fits)),
+        "results": results.folder,
         "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
     }
     return Page(values, {"table": table, "errors": errors})
+
+
+def _parameters(results: Results, space: str, fits: Sequence[FittedModel]) -> pd.DataFrame:
+    """Return the parameters of fits with their intervals; missing where an end is open."""
+    plan = results.folder / f"simulations/{'screen' if space == 'two_factor' else space}"
+    forces, rows = read_ok_forces(plan / "forces.csv"), []
+    factors, force_n = factors_of(forces, limits=plan / "limits.csv"), forces["force_n"].to_numpy()
+    for fit in fits:
+        if 0 < len(fit.theta) < len(factors):
+            theta = local_fit(fit.force_model, factors, force_n, fit.theta)
+            found = parameter_ranges(fit.force_model, factors, force_n, theta)
+            rows += [{"model": fit.model} | each.to_dict() for each in found]
+    table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
+    return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
 
 
 def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:

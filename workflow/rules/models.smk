@@ -52,8 +52,9 @@ rule compare:
     input:
         fits=lambda wildcards: candidate_files(wildcards.space),
         own=lambda wildcards: f"<results>/fits/{FITS[wildcards.space][0]}.json",
+        points=lambda wildcards: f"<results>/simulations/{FITS[wildcards.space][0]}/forces.csv",
         forces="<results>/simulations/validation_{space}/forces.csv",
-        limits="<results>/simulations/validation_{space}/limits.csv",
+        limits=lambda wildcards: limit_tables(wildcards.space),
     output:
         table="<results>/models/{space}.csv",
         markdown="<results>/models/{space}.md",
@@ -97,4 +98,4 @@ rule models:
             end=[".csv", ".md", ".html", "_errors.csv", "_errors.png", "_errors.svg"],
         ),
     message:
-        "Candidates for the force model are compared"
+        "Compared in results/{STUDY}/models; `squeezefilm recommend results/{STUDY}` names the best"

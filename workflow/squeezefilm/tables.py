@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from math import nan
@@ -21,6 +22,7 @@ from squeezefilm.errors import InputError, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.lazy import pd
 from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
+from squeezefilm.units import sizes
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""
@@ -35,6 +37,8 @@ TEXT_COLUMNS = {
     *("point_id", "origin", "status", "validity", "method", "simplifications"),
     *("derivatives_status", "outputs_status"),
 }
+FACTOR = re.compile(r"(h0|hv|x|y|phi_r|phi)[\s_/\[(]+([^\s\])]+)[\])]?", re.I)
+"""A factor with its unit, as people write it: ``h0_um``, ``h0 [µm]``, ``X (mm)``, ``phi/rad``."""
 PARQUET = ".parquet"
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
@@ -54,6 +58,8 @@ def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
 
 def read_scenes(path: Path | str, *, chunk: tuple[int, int] = (1, 1)) -> pd.DataFrame:
     """Read a plan: ``point_id`` as text, the four factors as finite numbers, order kept.
+
+    A factor of a CSV table may have another unit; without positions the pad is centred.
 
     Args:
         chunk: which of how many parts of it.
@@ -126,6 +132,8 @@ def _read(
     def wanted(header: Sequence[str]) -> list[str]:
         """The columns of a table with this header that are read."""
         named = as_in(columns, header)
+        if others == "refused" and not {*POLAR, *CARTESIAN} & {*header}:
+            named = [name for name in named if name not in POLAR]
         _check_header(header, columns=named, refused=others == "refused", path=path)
         return [*named, *(name for name in header if others == "kept" and name not in named)]
 
@@ -138,7 +146,7 @@ def _read(
         raise InputError(f"{path}: the table has a header and no rows")
     word = "row" if path.suffix == PARQUET else "line"
     place = f"{path}: {word}"
-    for name in as_in(numbers, table):
+    for name in [each for each in as_in(numbers, table) if each in table]:
         cells = table[name] if path.suffix == PARQUET else table[name].map(_number)
         values = cells.to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
@@ -153,6 +161,8 @@ def _read(
         raise InputError(
             f"{place} {lines[row]}: point_id {ids.iloc[row]!r} stands in {word} {first} already"
         )
+    if POLAR[0] in columns and not {*POLAR, *CARTESIAN} & {*table}:
+        table = table.assign(**dict.fromkeys(CARTESIAN, 0.0))
     return table if path.suffix == PARQUET else table.iloc[chunk_rows(*chunk, len(table))]
 
 
@@ -167,7 +177,8 @@ def _csv_rows(
         raise InputError(f"{path}: the table cannot be read: {error}") from None
     if not rows:
         raise InputError(f"{path}: the table is empty; it needs {needs}")
-    (_, header), *rows = rows
+    (_, names), *rows = rows
+    header, sizes_of = zip(*map(_column, names), strict=True)
     for line, cells in rows:
         if len(cells) != len(header):
             raise InputError(
@@ -175,7 +186,24 @@ def _csv_rows(
             )
     columns = wanted(header)
     table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
+    for name, size in zip(header, sizes_of, strict=True):
+        if name in columns and size != 1:
+            table[name] = [_in_si(cell, size) for cell in table[name]]
     return table[columns], [line for line, _ in rows]
+
+
+def _column(name: str) -> tuple[str, float]:
+    """Return the column that a cell of a header names, and the size of its unit in that of it."""
+    match = FACTOR.fullmatch(name)
+    unit = "deg" if match and match[1].lower() == "phi" else "m"
+    size = sizes(unit).get(match[2]) if match else None
+    return (name, 1.0) if match is None or size is None else (f"{match[1].lower()}_{unit}", size)
+
+
+def _in_si(cell: str, size: float) -> str:
+    """Return the number in a cell times the size of its unit, the cell where there is none."""
+    value = _number(cell)
+    return cell if value != value else f"{value * size:.15g}"
 
 
 def _parquet_rows(

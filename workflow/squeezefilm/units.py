@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from squeezefilm.errors import InputError
 
 Dimension = Mapping[str, Fraction]
-BASES = ("N", "m", "s", "deg")
+BASES = ("N", "m", "s", "deg", "K")
 NONE: Dimension = {}
 MOST_LEVELS = 10_000
 LEAST_MILLI = 1e-4
@@ -58,6 +58,8 @@ UNITS = {
         ("Pa", "µumhkM", 1.0, {"N": 1, "m": -2}),
         ("bar", "", 1e5, {"N": 1, "m": -2}),
         ("Hz", "kM", 1.0, {"s": -1}),
+        ("K", "", 1.0, {"K": 1}),
+        ("°C", "", 1.0, {"K": 1}),
         ("kg", "", 1.0, {"N": 1, "m": -1, "s": 2}),
         ("g", "", 1e-3, {"N": 1, "m": -1, "s": 2}),
     )
@@ -107,7 +109,8 @@ def in_unit(text: str, unit: str) -> float | None:
     if not match or not own or not wanted or own.dimension != wanted.dimension:
         return None
     # Fifteen digits: 2.2 µm is 2.2e-6 m and not 2.1999999999999997e-6 m.
-    value = float(f"{float(match[1]) * own.size / wanted.size:.15g}")
+    zero = 273.15 * (text[match.end() :].strip() == "°C")
+    value = float(f"{float(match[1]) * own.size / wanted.size + zero:.15g}")
     return value if math.isfinite(value) else None
 
 

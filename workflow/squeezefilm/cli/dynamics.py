@@ -16,12 +16,14 @@ from squeezefilm.cli.options import (
     option,
     points,
     points_in,
+    points_or_scenes,
     write_rows,
 )
 from squeezefilm.dynamics.levitation import levitations, trustworthy
 from squeezefilm.dynamics.response import all_gains, all_steps, responses
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import GAPS_M, OK
+from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import one_build_at_a_time
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.tables import read_scenes
@@ -142,15 +144,13 @@ def response(options: argparse.Namespace) -> None:
     scene exceeds under this equation.
     """
     film = film_at(options.config)
-    table, alone = points_in(options), options.scenes is None
+    points, alone = points_or_scenes(options), options.scenes is None
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
-    one = len(table) == 1 and {"h0_m", "hv_m"} <= set(table)
-    if alone == table.empty or (alone and not one):
+    table = pd.DataFrame(points) if alone else read_scenes(options.scenes)
+    if alone and len(table) > 1:
         raise InputError("give a table of scenes, or one scene by --h0 and --hv")
-    if not alone:
-        if options.output is options.gains is options.steps is None:
-            raise InputError("a table of scenes needs --output, --gains or --steps")
-        table = read_scenes(options.scenes)
+    if not alone and options.output is options.gains is options.steps is None:
+        raise InputError("a table of scenes needs --output, --gains or --steps")
     with naming(options.scenes):
         scenes = film.scenes(table)
     if alone or options.gains is not None:

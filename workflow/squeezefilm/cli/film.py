@@ -20,19 +20,18 @@ from squeezefilm.api.forces import (
 from squeezefilm.cli.options import (
     CONFIG,
     DEVICE,
+    OUTPUT,
     POINTS,
     SCENES,
     SOLVER,
-    STUDY,
-    columns_in,
     command,
     film_at,
     flag,
     option,
     points,
+    points_or_scenes,
     write_rows,
 )
-from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
@@ -86,11 +85,7 @@ def simulate(options: argparse.Namespace) -> None:
     settings = solver_settings(
         film.config, tolerance=options.tolerance, method=options.method, outputs=outputs
     )
-    points, path = columns_in(options), options.scenes
-    if (path is None) == (not points):
-        raise InputError("give a table of scenes, or points by --h0 and --hv")
-    if path is None and not {"h0_m", "hv_m"} <= set(points):
-        raise InputError("give both --h0 and --hv")
+    points, path = points_or_scenes(options), options.scenes
     if options.dry_run:
         with naming(path):
             scenes = film.scenes(read_scenes(path) if path else points)
@@ -160,16 +155,12 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
         raise RunError(f"{what} for " + "; ".join(missing))
 
 
-@command(
-    option("scenes", "SCENES.csv", "table of scenes"),
-    STUDY,
-    option("--output", "BUDGET.csv", "table to write", required=True),
-    DEVICE,
-)
+@command(SCENES, OUTPUT, CONFIG, DEVICE, points())
 def budget(options: argparse.Namespace) -> None:
     """Estimate the modelling error of each force: inertia, heat, slip, edge loss, sliding, in %.
 
       squeezefilm budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
+      squeezefilm budget --h0 5um --hv 2.2um --x -2mm
 
     A row for each scene. `inertia_percent`, `heat_percent`, `slip_percent`, `edge_loss_percent`
     (for the entrance coefficient C = 1; `edge_loss_upper_percent` for 1.54), `bearing_percent` and
@@ -182,9 +173,10 @@ def budget(options: argparse.Namespace) -> None:
     error of inertia and heat that a force has, as averages over the gap; `validity` is `ok`, or the
     limits of validity that a scene exceeds.
     """
-    config = load_config(options.config)
-    table = budget_table(read_scenes(options.scenes), config, device_name=options.device)
-    write_table(table, options.output)
+    points, film = points_or_scenes(options), film_at(options.config)
+    scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)
+    table = budget_table(scenes, film.config, device_name=options.device)
+    write_rows(table, options.output)
 
 
 @command(

@@ -94,6 +94,17 @@ def columns_in(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
     return columns_of(option="--{}", **{name: getattr(options, name, None) for name in POINTS})
 
 
+def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
+    """Return the points that options give, none where they name a table of scenes.
+
+    Raises InputError as ``columns_in`` does, for both or neither, and without h0 or hv.
+    """
+    points = columns_in(options)
+    if points if options.scenes else not {"h0_m", "hv_m"} <= set(points):
+        raise InputError("give a table of scenes, or points by --h0 and --hv")
+    return points
+
+
 def points_in(options: argparse.Namespace) -> pd.DataFrame:
     """The same as a table."""
     return pd.DataFrame(columns_in(options))

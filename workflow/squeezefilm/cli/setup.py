@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from squeezefilm.config.loading import effective_text, load_config, parse_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
-from squeezefilm.models.force_model import check_models
+from squeezefilm.models.force_model import NAMING, SPACES, check_models
 from squeezefilm.provenance import versions
 from squeezefilm.reynolds.device import choose_device, describe, device_name, list_devices
 from squeezefilm.studies.plans import chunk_counts
@@ -71,10 +72,10 @@ def config(options: argparse.Namespace) -> None:
 
       squeezefilm config config/my-actuator.yaml
 
-    All that a run would refuse is refused here. What is not marked was written; `default` is the
-    library's, `derived` follows from what was written. The text is a study itself. A run writes it
-    beside its results: results/STUDY/study.yaml. `--schema` prints a study's JSON schema, for
-    editors.
+    All that a run would refuse is refused here; a note names models that no run would fit. What is
+    not marked was written; `default` is the library's, `derived` follows from what was written. The
+    text is a study itself. A run writes it beside its results: results/STUDY/study.yaml. `--schema`
+    prints a study's JSON schema, for editors.
     """
     if options.schema:
         print(json.dumps(Study.model_json_schema(), ensure_ascii=False, indent=2))
@@ -85,6 +86,9 @@ def config(options: argparse.Namespace) -> None:
     check_models(study["models"], study, place=study.path)
     chunk_counts(study)
     print(effective_text(study), end="")
+    named = {name for section in NAMING for space in SPACES for name in study[section][space]}
+    for name in [each for each in study["models"] if each not in named]:
+        print(f"note: models.{name} is not fitted: add it to a comparison", file=sys.stderr)
 
 
 @command(option("--device", help="part of the wanted one's name, instead of SQUEEZEFILM_DEVICE"))

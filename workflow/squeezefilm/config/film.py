@@ -9,6 +9,8 @@ units, or degrees, and a text has a unit of its own.
 import re
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
@@ -28,9 +30,9 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from squeezefilm.units import in_unit
 
-UNIT_OF_NAME = re.compile(r"_(m|hz|n|deg|pa|pa_s|kg_per_m3|m_per_s|per_m|rad_per_m)$")
+UNIT_OF_NAME = re.compile(r"_(m|hz|n|deg|k|pa|pa_s|kg_per_m3|m_per_s|per_m|rad_per_m)$")
 LIKE_AIR = 0.05
-"""By how much the viscosity of air may differ, relative, that is not quite so warm."""
+"""By how much a written viscosity may differ, relative, from that of the gas that is named."""
 
 Items = TypeVar("Items", bound=Iterable[Hashable])
 
@@ -111,15 +113,10 @@ class Section(BaseModel):
     model_config = KEYS
 
 
-def _described_with_name(schema: dict[str, Any]) -> None:
-    schema["properties"]["name"] = {"enum": list(GASES), "default": "air"}
-    _described(schema)
-
-
 @dataclass(frozen=True)
 class Gas:
-    """The film's gas; air at 20 °C where nothing is written. Of a gas without a `name` here, whose
-    viscosity is another, all is to be written. The paper states none of these.
+    """The film's gas; air at 20 °C where nothing is written. Numbers that are not written are those
+    of `name` at `ambient_temperature`; of another gas all are to be written. The paper states none.
 
     The film's own type: in Python its numbers may be any, in a study they are within limits. The
     density follows the pressure as ρ ~ p^(1/n), the mean free path goes like 1/ρ, as for molecules
@@ -127,13 +124,13 @@ class Gas:
     equation of a scene neglects enter its error budget alone (quantities/model_error.py).
 
     Attributes:
-        viscosity_pa_s: dynamic viscosity μ; default: that of `name` at 20 °C, 1.81e-5 of air
+        viscosity_pa_s: dynamic viscosity μ; default: that of `name`, 1.81e-5 of air at 20 °C
         ambient_pressure_pa: pressure p0 around the pad
         density_kg_per_m3: density at ambient pressure, by which the gas has inertia; default: that
-            of `name` at 20 °C under the pressure, 1.204 of air at 101325 Pa
+            of `name` under the pressure, 1.204 of air at 20 °C and 101325 Pa
         mean_free_path_m: mean free path at ambient density, for `rarefaction` and the budget; in
             the film it goes like 1/density; default: that of `name` under the pressure, 67 nm of
-            air at 101325 Pa
+            air at 20 °C and 101325 Pa
         rarefaction: `none` (viscous flow), `slip` (first order, 6 Kn H²) or `fukui-kaneko` (flow
             factor of the linearised Boltzmann equation, at any Kn, for walls that reflect
             molecules diffusely)
@@ -154,9 +151,10 @@ class Gas:
         viscosity_exponent: κ of the viscosity's growth with temperature, T^κ; default: that of
             `name`, 0.7 of air
         name: gas whose numbers are taken where none are written
+        ambient_temperature_k: temperature of `name`, such as `20 °C`; a number is in kelvin
     """
 
-    __pydantic_config__ = KEYS | {"json_schema_extra": _described_with_name}
+    __pydantic_config__ = KEYS
 
     viscosity_pa_s: Annotated[float, Number("Pa s", 1e-7, 100)] = 1.81e-5
     ambient_pressure_pa: Annotated[float, Number("Pa", 1, 1e9)] = 101325.0
@@ -168,40 +166,50 @@ class Gas:
     inertia: Term = "auto"
     heat: Term = "auto"
     prandtl: Annotated[float, Number("1", 1e-3, 1000)] = 0.71
-    heat_capacity_ratio: Annotated[float, Number("1", 1, 1.67)] = 1.4
+    heat_capacity_ratio: Annotated[float, Number("1", 1, 1.68)] = 1.4
     viscosity_exponent: Annotated[float, Number("1", 0, 2)] = 0.7
+    name: Literal["air", "nitrogen", "helium", "argon", "carbon dioxide", "hydrogen"] = "air"
+    ambient_temperature_k: Annotated[float, Number("K", 223.15, 473.15)] = 293.15
 
 
-OF_A_GAS = (
-    *("viscosity_pa_s", "density_kg_per_m3", "mean_free_path_m"),
-    *("prandtl", "heat_capacity_ratio", "viscosity_exponent"),
-)
-# At 20 °C and 101325 Pa by CoolProp 6 (Bell et al., Ind. Eng. Chem. Res. 53, 2014), the mean free
-# path μ √(π/(2 p ρ)); air as the paper's studies have it. All of another gas is to be written.
-GASES = {
-    "air": (1.81e-5, 1.204, 67e-9, 0.71, 1.4, 0.7),
-    "nitrogen": (1.757e-5, 1.165, 64.1e-9, 0.718, 1.401, 0.776),
-    "helium": (1.962e-5, 0.1663, 189.4e-9, 0.664, 1.667, 0.683),
-    "argon": (2.231e-5, 1.662, 68.1e-9, 0.665, 1.67, 0.837),
-    "carbon dioxide": (1.468e-5, 1.839, 42.6e-9, 0.764, 1.297, 0.96),
-    "hydrogen": (8.80e-6, 0.08375, 119.7e-9, 0.685, 1.406, 0.692),
-}
+GASES = Path(__file__).with_name("gases.csv")
+"""Numbers of gases at some temperatures under the default pressure, with their sources."""
+
+
+@cache
+def _gases() -> np.ndarray:
+    """Return the cells of GASES, its header first."""
+    lines = GASES.read_text(encoding="utf-8").splitlines()
+    return np.array([line.split(",") for line in lines if not line.startswith("#")])
+
+
+def _numbers_of(gas: Gas) -> dict[str, float]:
+    """Return the numbers of a gas by its name, temperature and pressure; powers of T between rows.
+
+    Five digits, so that they are those of a row at its own temperature.
+    """
+    rows, own = _gases()[_gases()[:, 0] == gas.name, 1:].astype(float), {}
+    kelvin, *columns = np.log(rows).T
+    for name, values in zip(_gases()[0, 2:].tolist(), columns, strict=True):
+        value = np.exp(np.interp(np.log(gas.ambient_temperature_k), kelvin, values))
+        own[name] = float(f"{value:.5g}")
+    pressure = gas.ambient_pressure_pa / Gas.ambient_pressure_pa
+    own["density_kg_per_m3"] *= pressure
+    own["mean_free_path_m"] /= pressure
+    return own
 
 
 def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
-    """A gas with what is not written of it: by its name, the density as the pressure has it."""
-    written = dict(values) if isinstance(values, dict) else values
-    name = written.pop("name", "air") if isinstance(values, dict) else "air"
-    if name not in list(GASES):
-        raise mistake(f"{name!r} is none of {', '.join(GASES)}", "name")
-    gas, own = validated(written), dict(zip(OF_A_GAS, GASES[name], strict=True))
-    lacking = [each for each in OF_A_GAS if key_of(each) not in written]
-    viscosity = gas.viscosity_pa_s if "viscosity" in written else own["viscosity_pa_s"]
-    if lacking and abs(viscosity / own["viscosity_pa_s"] - 1) > LIKE_AIR:
+    """A gas with what is not written of it: by its name, temperature and pressure."""
+    gas = validated(values)
+    own, written = _numbers_of(gas), values if isinstance(values, dict) else {}
+    lacking = [each for each in own if key_of(each) not in written]
+    viscosity = own["viscosity_pa_s"]
+    if "viscosity" in written and abs(gas.viscosity_pa_s / viscosity - 1) > LIKE_AIR and lacking:
         raise mistake(
-            f"{viscosity:g} is not that of {name} at 20 °C, {own['viscosity_pa_s']:g}; of another "
-            f"gas give {', '.join(map(key_of, lacking))} too, which are {name}'s where they are "
-            "not written",
+            f"{gas.viscosity_pa_s:g} is not that of {gas.name} at {gas.ambient_temperature_k:g} K, "
+            f"{viscosity:.4g}; of another gas give {', '.join(map(key_of, lacking))} too, which "
+            f"are {gas.name}'s where they are not written",
             "viscosity",
         )
     if gas.slip_coefficient != 1 and gas.rarefaction != "slip":
@@ -210,9 +218,6 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
             f"{gas.rarefaction}",
             "slip_coefficient",
         )
-    density = gas.ambient_pressure_pa / Gas.ambient_pressure_pa
-    own["density_kg_per_m3"] *= density
-    own["mean_free_path_m"] /= density
     return replace(gas, **{each: own[each] for each in lacking})
 
 
