@@ -13,7 +13,7 @@ from random_scenes import random_films, shares
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.profiles import Quadrature, StandingWave
+from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.reynolds import solve
@@ -140,7 +140,7 @@ def test_errors_hold(tolerance: float) -> None:
     ("scene", "reason"),
     [
         (film(epsilon=0.3, sigma=300.0, inertia="included"), "not known with inertia"),
-        (film(epsilon=0.4, sigma=100.0, rarefaction="fukui-kaneko", knudsen=0.5), "no force"),
+        (film(epsilon=0.4, sigma=100.0, profile=Sinc(wave_number_per_m=1e6)), "no force"),
     ],
 )
 def test_what_has_no_derivatives_says_why(scene: Scene, reason: str) -> None:

@@ -75,14 +75,20 @@ def test_a_pressure_of_a_known_motion_comes_back_around_a_hole():
     assert found == pytest.approx(pressure, abs=1e-6)
 
 
-def test_plate_slider_and_holes_are_as_the_docs_show_them(repository):
-    rows = [*comparison.plate(), *comparison.inclined_slider(), *comparison.radial_films()]
-    shown = [row for row in rows if row.quantity != comparison.RADIAL.format(0)]
+def test_plate_slider_rarefied_gas_and_holes_are_as_the_docs_show_them(repository):
+    rows = [*comparison.plate(), *comparison.inclined_slider(), *comparison.rarefied_gas()]
     exact_values = [0.01529838, 28651.31, 2.410886, 0.57365352, 0.710850]
-    assert [row.exact for row in shown[:5]] == pytest.approx(exact_values, rel=1e-6)
-    assert max(row.solver_deviation for row in shown[:5]) < 1e-6
-    assert max(row.exact_deviation for row in shown[:5]) < 1.2e-3
-    assert all(20 * row.exact_deviation < row.viscous_deviation < 0.6 for row in shown[5:])
+    assert [row.exact for row in rows[:5]] == pytest.approx(exact_values, rel=1e-6)
+    assert max(row.solver_deviation for row in rows) < 1e-6
+    assert max(row.exact_deviation for row in rows[:5]) < 1.2e-3
+    # The published flow is 0.3 % too large at D = 0.01; from 0.015 to 0.03 it is 0.1 % too small.
+    scattered, *flows = [row.exact_deviation for row in rows[5:]]
+    assert max(flows) < 5e-4 < scattered < 4e-3
+    holes = [
+        row for row in comparison.radial_films() if row.quantity != comparison.RADIAL.format(0)
+    ]
+    assert all(20 * row.exact_deviation < row.viscous_deviation < 0.6 for row in holes)
+    shown = rows + holes
     cells = docs_rows(repository, "published")
     for row, (*names, _, published, exact_value, _, off, _, viscous) in zip(
         shown, cells, strict=True

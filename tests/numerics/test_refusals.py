@@ -41,10 +41,3 @@ def test_what_was_not_derived_is_refused_and_planned_so(numbers, pad, method, re
     assert reason in solution.status
     assert np.isnan(solution.force_n)
     assert previews([scene], tolerance=1e-3, method=method)[0].status == solution.status
-
-
-def test_a_gas_too_rarefied_for_the_flow_factor_is_refused():
-    scene = film(epsilon=0.9, sigma=500.0, rarefaction="fukui-kaneko", knudsen=0.17)
-    (solution,) = solve([scene], tolerance=1e-3)
-    assert "rarefied" in solution.status
-    assert np.isnan(solution.force_n)

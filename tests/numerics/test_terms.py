@@ -7,24 +7,88 @@ import pytest
 from films import PISTON, film, mean_overpressure, periodic_state
 from scipy.optimize import brentq
 
+from squeezefilm.film.scene import Scenes
+from squeezefilm.quantities.adjoint import fields_of
+from squeezefilm.quantities.derivatives import residual
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
+from squeezefilm.reynolds.problems import numbers_table
+from squeezefilm.reynolds.terms import terms_of
+from squeezefilm.reynolds.terms.rarefaction import (
+    SLIP,
+    TABLE,
+    flow_over_viscous,
+    slip_flow,
+    slip_growth,
+)
+from verification.rarefied_flow import poiseuille_flow
+
+KINETIC, NARROW = {"rarefaction": "fukui-kaneko"}, 67 / 60
+"""The flow factor, and the Knudsen number of air in a gap of 60 nm."""
 
 
-@pytest.mark.parametrize("rarefaction", ["none", "slip", "fukui-kaneko"])
+@pytest.mark.parametrize("inverse", [0.0113, 0.087, 0.42, 1.7, 5.3, 37.0, 300.0])
+def test_the_flow_factor_is_the_integral_equations(inverse):
+    flow = poiseuille_flow(inverse, points=40, half_rule=40)
+    assert inverse / 6 + slip_flow(inverse) == pytest.approx(flow, rel=1e-6)
+
+
+def test_the_table_is_the_integral_equations():
+    for inverse, stored in np.loadtxt(TABLE, delimiter=",", skiprows=1)[::10]:
+        assert stored == pytest.approx(poiseuille_flow(inverse), rel=4e-9)
+
+
+def test_beyond_the_table_gas_slips_or_its_molecules_fly_freely():
+    """Slip of the BGK equation, 1.1466 Kn, and ln(1/D)/√π, which is approached slowly."""
+    for inverse in (1e4, 1e6):
+        assert slip_flow(inverse) == pytest.approx(SLIP, rel=3 / inverse**0.5)
+    assert 2 * SLIP / np.pi**0.5 == pytest.approx(1.1466, rel=1e-4)
+    direct, other = (poiseuille_flow(each, points=40, half_rule=40) for each in (1e-4, 1e-5))
+    assert slip_flow(1e-5) - slip_flow(1e-4) == pytest.approx(other - direct, rel=2e-3)
+    assert slip_flow(1e-5) == pytest.approx(other, rel=1e-3)
+    assert other - direct == pytest.approx(np.log(10) / np.pi**0.5, rel=3e-3)
+
+
+def test_the_flow_factors_derivatives_are_difference_quotients():
+    inverse, step = np.geomspace(1e-3, 3e3, 30), 1e-4
+    low, high = (inverse * np.exp(s) for s in (-step, step))
+    first, second = slip_growth(inverse)
+    assert first == pytest.approx((slip_flow(high) - slip_flow(low)) / (2 * step), rel=1e-6)
+    rise = slip_growth(high)[0] - slip_growth(low)[0]
+    assert second == pytest.approx(rise / (2 * step), rel=1e-6)
+
+
 @pytest.mark.parametrize("exponent", [1.0, 1.4])
-def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(rarefaction, exponent):
-    """⟨Σ c_k H^(3−k) (g_k(P) − g_k(1))⟩ = 0 at every point: mass flows nowhere in the mean.
+@pytest.mark.parametrize("knudsen", [0.05, NARROW])
+def test_a_film_with_the_flow_factor_solves_the_equation_as_it_is_written(knudsen, exponent):
+    """∇·(W H³ρ ∇P) = σ ∂(Hρ)/∂T, which the solver has as two terms with other derivatives."""
+    scene = film(
+        epsilon=0.3, sigma=40.0, x=0.1, knudsen=knudsen, polytropic_exponent=exponent, **KINETIC
+    )
+    (solution,) = solve([scene], tolerance=1e-9, method="periodic", keep_states=True)
+    films = fields_of([scene], [solution])
+    left = films.mean(films.on_all_nodes(np.abs(residual(films))))
+    assert left < 1e-6 * films.mean(films.sigma * np.abs(films.gap_rate))
 
-    g_k is the integral of ρ^(1−k) from ambient pressure, by quadrature here.
+
+@pytest.mark.parametrize(
+    ("rarefaction", "knudsen"),
+    [("none", 0.05), ("slip", 0.05), ("fukui-kaneko", 0.05), ("fukui-kaneko", NARROW)],
+)
+@pytest.mark.parametrize("exponent", [1.0, 1.4])
+def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
+    rarefaction, knudsen, exponent
+):
+    """⟨∫ W H³ρ dP⟩ = 0 at every point: mass flows nowhere in the mean.
+
+    The integral is that from ambient pressure, by quadrature here.
     """
     scene = film(
         epsilon=0.5,
         sigma=150.0,
         profile=PISTON,
         rarefaction=rarefaction,
-        knudsen=0.05,
+        knudsen=knudsen,
         polytropic_exponent=exponent,
     )
     grid, states = periodic_state(scene, points=32, instants=40)
@@ -33,24 +97,44 @@ def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(rarefaction
     pressure = 1 + states.overpressure[0]
     nodes, weights = np.polynomial.legendre.leggauss(20)
     path = 1 + (pressure[..., None] - 1) * (nodes + 1) / 2
-    flow = np.zeros_like(pressure)
-    for k, coefficient in enumerate(flow_coefficients(scene)):
-        integral = (path ** ((1 - k) / exponent) * weights).sum(axis=-1) * (pressure - 1) / 2
-        flow += coefficient * gap ** (3 - k) * integral
+    density, numbers = path ** (1 / exponent), numbers_table(Scenes.of([scene]), terms_of(scene))
+    (factor,) = flow_over_viscous(numbers, (gap[:, None] * density)[None])
+    flow = gap**3 * (factor * density * weights).sum(axis=-1) * (pressure - 1) / 2
     assert np.abs(flow.mean(axis=-1)).max() < 1e-9
     assert np.abs(flow).max() > 0.1
 
 
-@pytest.mark.parametrize("knudsen", [0.01, 0.1])
-def test_slip_at_infinite_squeeze_number(knudsen):
-    """HP → ψ with ψ²/2 + 6Kψ = (1 + 3ε²/2)/2 + 6K(1 + ε²/2), approached like 1/√σ."""
-    epsilon = 0.4
-    wall = (1 + 1.5 * epsilon**2) / 2 + 6 * knudsen * (1 + epsilon**2 / 2)
-    psi = brentq(lambda value: value**2 / 2 + 6 * knudsen * value - wall, 0.1, 10)
+@pytest.mark.parametrize(
+    ("rarefaction", "knudsen"), [("slip", 0.01), ("slip", 0.1), ("fukui-kaneko", NARROW)]
+)
+def test_rarefied_films_at_infinite_squeeze_number(rarefaction, knudsen):
+    """HP → ψ, approached like 1/√σ, with ⟨H ∫ W(m) m dm from H to ψ⟩ = 0.
+
+    With slip that is ψ²/2 + 6Kψ = (1 + 3ε²/2)/2 + 6K(1 + ε²/2).
+    """
+    epsilon, inverse = 0.4, np.sqrt(np.pi) / (2 * knudsen)
+
+    def potential(mass):
+        """From 1, of the flow m W: 6 Q/D at D m without first-order slip."""
+        if rarefaction == "slip":
+            return (mass**2 - 1) / 2 + 6 * knudsen * (mass - 1)
+        nodes, weights = np.polynomial.legendre.leggauss(5)
+        flows = [poiseuille_flow(inverse * m, points=20) for m in 1 + (mass - 1) * (nodes + 1) / 2]
+        return 6 / inverse * (weights @ flows) * (mass - 1) / 2
+
+    gaps = 1 + epsilon * np.sin(2 * np.pi * np.arange(16) / 16)
+    wall = np.mean([gap * potential(gap) for gap in gaps])
+    psi = brentq(lambda mass: potential(mass) - wall, 0.5, 2)
     limit = psi / np.sqrt(1 - epsilon**2) - 1
     forces = [
         mean_overpressure(
-            film(epsilon=epsilon, sigma=sigma, profile=PISTON, rarefaction="slip", knudsen=knudsen),
+            film(
+                epsilon=epsilon,
+                sigma=sigma,
+                profile=PISTON,
+                rarefaction=rarefaction,
+                knudsen=knudsen,
+            ),
             points=96,
             instants=16,
             fold=True,
@@ -62,8 +146,8 @@ def test_slip_at_infinite_squeeze_number(knudsen):
 
 
 def test_flow_factors_agree_for_a_dense_gas():
-    """Fukui and Kaneko's factor is slip with coefficient 1.1466 to first order in Kn."""
-    factor = film(epsilon=0.3, sigma=100.0, rarefaction="fukui-kaneko", knudsen=1e-4)
+    """The flow factor is slip with coefficient 1.1466 to first order in Kn."""
+    factor = film(epsilon=0.3, sigma=100.0, knudsen=1e-4, **KINETIC)
     slip = film(epsilon=0.3, sigma=100.0, rarefaction="slip", knudsen=1.1466e-4)
     forces = [solve([scene], tolerance=1e-8)[0].force_n for scene in (factor, slip)]
     assert forces[0] == pytest.approx(forces[1], rel=1e-6)

@@ -8,16 +8,12 @@ from physics_facts import CENTRED_N
 
 from paper.uncertainty import compare
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 
 
 def film_like(scenes: list[Scene]) -> np.ndarray:
     """Forces that go with pressure and amplitude as the film's do, and less so with slip."""
     relative = [(s.epsilon / 0.44) ** 2.1 * s.gas.ambient_pressure_pa / 101_325 for s in scenes]
-    others = [
-        (1 - 0.1 * sum(flow_coefficients(scene)[1:])) * scene.gas.polytropic_exponent
-        for scene in scenes
-    ]
+    others = [(1 - 0.6 * s.slip_knudsen) * s.gas.polytropic_exponent for s in scenes]
     return CENTRED_N * np.array(relative) * others
 
 

@@ -52,16 +52,16 @@ def _over_limits(scene: Scene) -> dict[str, float]:
     """Numbers of a scene over values beyond which a force is not to be given without reserve.
 
     Flow around the edge is of the order of the gap over the pad; gas neither slips nor flows as a
-    viscous fluid from Kn 0.18 on (Fukui and Kaneko's D = 5); inertia changes forces severalfold at
-    Re 10, and its depth-averaged term is unchecked above Re 20; pressure differs across a gap by a
-    fifth at a tenth of the sound's wavelength.
+    viscous fluid from Kn 0.18 on, and the flow factor ends at Kn 89; inertia changes forces
+    severalfold at Re 10, and its depth-averaged term is unchecked above Re 20; pressure differs
+    across a gap by a fifth at a tenth of the sound's wavelength.
     """
     gas, pad = scene.gas, scene.pad
     sound_m_per_s = sqrt(gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3)
     wavelength_m = sound_m_per_s / scene.actuator.frequency_hz
     return {
         "gap over pad": scene.h0_m / min(pad.length_x_m, pad.length_y_m) / 0.1,
-        "Knudsen number": scene.knudsen / 0.178,
+        "Knudsen number": scene.knudsen / (89.0 if gas.rarefaction == "fukui-kaneko" else 0.178),
         "Reynolds number": scene.modified_reynolds / (20.0 if gas.inertia == "included" else 10.0),
         "gap over sound's wavelength": scene.h0_m / wavelength_m / 0.1,
         "excursion over gap": scene.closure() / 0.95,

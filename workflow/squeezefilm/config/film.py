@@ -131,8 +131,9 @@ class Gas:
         mean_free_path_m: mean free path at ambient density, for `rarefaction` and the budget; in
             the film it goes like 1/density; default: that of `name` under the pressure, 67 nm of
             air at 20 °C and 101325 Pa
-        rarefaction: `none` (viscous flow), `slip` (first order, 6 Kn H²) or `fukui-kaneko` (their
-            flow factor, for D ≥ 5)
+        rarefaction: `none` (viscous flow), `slip` (first order, 6 Kn H²) or `fukui-kaneko` (flow
+            factor of the linearised Boltzmann equation, at any Kn, for walls that reflect
+            molecules diffusely)
         slip_coefficient: slip length over the mean free path with `rarefaction: slip`: 1 is
             Maxwell's, 6 Kn H² of flow; 1.147 that of kinetic theory, 6.88 Kn H²; more where walls
             reflect molecules like mirrors

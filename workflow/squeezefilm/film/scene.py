@@ -72,7 +72,7 @@ class OperatingPoints:
 
     @property
     def inverse_knudsen(self) -> Any:
-        """D = √π / (2 Kn) at the mean gap and ambient density (Fukui and Kaneko)."""
+        """Inverse Knudsen number D = √π / (2 Kn) at the mean gap and ambient density."""
         return sqrt(pi) / (2 * self.knudsen)
 
     @cached_property

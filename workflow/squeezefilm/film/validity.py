@@ -24,8 +24,6 @@ OK = "ok"
 UNKNOWN, NOT_APPLICABLE = "error unknown", "the equation does not apply"
 # Squeeze number below which gas is pumped in and out and hardly compressed.
 THICK_SIGMA = 20.0
-# Inverse Knudsen number at which Fukui and Kaneko's polynomial ends: √π/(2 D) is the list's Kn.
-LEAST_INVERSE_KNUDSEN = 5.0
 # Roughness Ra of a finely ground or lapped surface, in m.
 ROUGHNESS_M = 1e-7
 
@@ -53,7 +51,7 @@ FILMS: dict[str, Callable[[Scenes], Any]] = {
     "all": lambda s: True,
     "viscous flow": lambda s: s.gas.rarefaction == "none",
     "first-order slip": lambda s: s.gas.rarefaction == "slip",
-    "Fukui and Kaneko's flow factor": lambda s: s.gas.rarefaction == "fukui-kaneko",
+    "flow factor": lambda s: s.gas.rarefaction == "fukui-kaneko",
     "inertia neglected": lambda s: s.gas.inertia != "included",
     "inertia included": lambda s: s.gas.inertia == "included",
     "heat included": lambda s: s.gas.heat == "included",

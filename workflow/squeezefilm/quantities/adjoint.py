@@ -23,6 +23,12 @@ from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Around, Axis
 from squeezefilm.reynolds.terms import stiffness_of, terms_of
+from squeezefilm.reynolds.terms.rarefaction import (
+    flow_over_viscous,
+    slip_flow,
+    slip_growth,
+    slip_of,
+)
 from squeezefilm.solution import Solution
 
 Operator = Callable[[np.ndarray], np.ndarray]
@@ -138,23 +144,32 @@ class Fields:
 
     @cached_property
     def velocity(self) -> np.ndarray:
-        """Mean velocity over the gap by pressure alone, ū = −(1/σ) Σ c_k H^(2−k) ρ^(−k) ∇P."""
+        """Mean velocity over the gap by pressure alone, ū = −(1/σ) ``mobility`` ∇P."""
         return self.slope * (self.mobility * (-1 / self.sigma))
 
     @cached_property
     def mobility(self) -> np.ndarray:
-        """Σ c_k H^(2−k) ρ^(−k), by which a slope of pressure drives gas; H² without slip."""
-        first, *rest = (self.number(c) for c in self.problems.numbers["flow"].T)
-        factor = first
-        for k, coefficient in enumerate(rest, start=1):
-            factor = factor + coefficient / self.mass**k
-        return np.asarray(factor * self.gap**2)
+        """H² W, by which a slope of pressure drives gas: W is the flow over a viscous gas'."""
+        return np.asarray(flow_over_viscous(self.problems.numbers, self.mass) * self.gap**2)
 
     @cached_property
-    def flux_coefficients(self) -> list[np.ndarray]:
-        """c_k H^(3−k) of each term of the flow; NumPy is quick at squares alone."""
-        flow = self.problems.numbers["flow"]
-        return [self.number(c) * (self.gap * self.gap ** (2 - k)) for k, c in enumerate(flow.T)]
+    def flow_terms(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray | float]]:
+        """c_k H^(3−k), dg_k/dP and d²g_k/dP² of each term of the flux Σ c_k H^(3−k) ∇g_k.
+
+        They are the terms of film_over_period.cl, the second derivative that of an isothermal gas.
+        """
+        square = self.gap**2
+        cube = self.gap * square
+        if self.problems.numbers["flow"].shape[1] == 1:
+            return [(cube, self.density, 1.0)]
+        slip, inverse = slip_of(self.problems.numbers, self.mass)
+        if inverse is None:
+            return [(cube, self.density, 1.0), (slip * square, np.ones_like(square), 0.0)]
+        over_gap, flow, (growth, bend) = slip / self.gap, slip_flow(inverse), slip_growth(inverse)
+        return [
+            (cube, self.density + over_gap * growth, 1 + over_gap / self.density * bend),
+            (slip * square, flow - growth, (growth - bend) / self.density),
+        ]
 
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
@@ -335,7 +350,7 @@ def response(films: Fields, source: np.ndarray, *, tolerance: float) -> np.ndarr
 
 
 def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
-    """J w = ∇·Σ c_k H^(3−k) ∇(ρ^(1−k) w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose."""
+    """J w = ∇·Σ c_k H^(3−k) ∇(dg_k/dP w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose."""
     x, y, (_, rows_x, rows_y) = films.along_x, films.along_y, films.inner
     # Between unknowns and all nodes: gradient and divergence along each axis.
     slopes = [
@@ -357,10 +372,10 @@ def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
         in_time = in_time.T
     terms = [
         (
-            (films.density ** (1 - k) / (films.gap * films.density_slope))[films.inner],
+            (rise / (films.gap * films.density_slope))[films.inner],
             (factor[:, :, rows_y], factor[:, rows_x]),
         )
-        for k, factor in enumerate(films.flux_coefficients)
+        for factor, rise, _ in films.flow_terms
     ]
 
     def apply(values: np.ndarray) -> np.ndarray:

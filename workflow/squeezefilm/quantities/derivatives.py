@@ -173,7 +173,7 @@ def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
 def residual(films: Fields) -> np.ndarray:
     """Return the residual of the film equation at the unknowns.
 
-    The residual is Σ c_k ∇·(H^(3−k) ρ^(1−k) ∇P) − σ ∂(Hρ)/∂T − Λ ∂(Hρ)/∂X,
+    The residual is ∇·(W H³ρ ∇P) − σ ∂(Hρ)/∂T − Λ ∂(Hρ)/∂X, W the flow over a viscous gas',
     of shape (scenes, nx, ny, nt).
     """
     flow = films.divergence(films.slope * (films.mobility * films.mass))

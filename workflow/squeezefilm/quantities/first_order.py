@@ -16,7 +16,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms.heat import JUMP_WARMS, temperature_jump
-from squeezefilm.reynolds.terms.rarefaction import fukui_kaneko
+from squeezefilm.reynolds.terms.rarefaction import slip_flow
 
 # Of the entrance coefficient C: kinetic energy of a plug and of a parabola, over that of the mean
 # velocity.
@@ -48,23 +48,20 @@ class Answers:
 
 
 def by_slip(scenes: list[Scene], films: Fields, answers: Answers) -> tuple[np.ndarray, np.ndarray]:
-    """Change by rarefaction, and by what it lacks of Fukui and Kaneko's flow factor.
+    """Change by rarefaction, and by what it lacks of the flow factor.
 
-    The source of a flow H^(3−k) ρ^(1−k) ∇P is −∇· of that, for each unit of the coefficient c_k.
-    Films without slip get the flow factor's effect, and lack nothing.
+    The source of a flow c H² F ∇P is −∇· of that. Films without slip get the flow factor's effect,
+    and lack nothing.
     """
-    factor = np.array([fukui_kaneko(scene) for scene in scenes])
-    slipping = factor.copy()
-    if scenes[0].gas.rarefaction != "none":
-        flow = films.problems.numbers["flow"]
-        slipping[:] = 0
-        slipping[:, : flow.shape[1]] = flow
-    power, changes = films.gap**2, []
-    for _ in range(factor.shape[1] - 1):
-        changes.append(-total(answers.along, power))
-        power = power / films.mass
-    by_flow = np.stack(changes, axis=1)
-    return tuple(np.sum(by_flow * part[:, 1:], axis=1) for part in (slipping, factor - slipping))
+    inverse = films.number(np.array([scene.inverse_knudsen for scene in scenes]))
+    factor = slipping = 6 / inverse * slip_flow(inverse * films.mass)
+    if scenes[0].gas.rarefaction == "slip":
+        slipping = films.number(films.problems.numbers["flow"][:, 1])
+    square = films.gap**2
+    return (
+        -total(answers.along, square * slipping),
+        total(answers.along, square * (slipping - factor)),
+    )
 
 
 def by_inertia(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
@@ -125,7 +122,6 @@ def by_entrance(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndar
     plug, 1.54 for a parabola, and more with losses: a bound of what can be known without the
     outside. On the rim ρ is 1, and λ is 0: of the flow only that across it counts.
     """
-    flow = sum(films.flux_coefficients)
     weights = films.weights.reshape(films.gap.shape[1:])
     to_x, to_y = (
         each.of_even.T / length
@@ -134,11 +130,17 @@ def by_entrance(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndar
     fallen = np.zeros(len(scenes))
     for end, inwards in ((slice(1), 1.0), (slice(-1, None), -1.0)):
         if inwards > 0 or not films.grid.x.folded:
-            mean = weights[end] - along_x(to_x[end], answers.slope[0] * flow)
+            mean = weights[end] - sum(
+                along_x(to_x[end], answers.slope[0] * factor) * rise[:, end]
+                for factor, rise, _ in films.flow_terms
+            )
             inflow = np.maximum(inwards * films.velocity[0][:, end], 0.0)
             fallen += total(inflow**2 / films.area[end], mean)
         if films.grid.outline is None and (inwards > 0 or not films.grid.y.folded):
-            mean = weights[:, end] - along_y(to_y[end], answers.slope[1] * flow)
+            mean = weights[:, end] - sum(
+                along_y(to_y[end], answers.slope[1] * factor) * rise[:, :, end]
+                for factor, rise, _ in films.flow_terms
+            )
             fallen += total(np.maximum(inwards * films.velocity[1][:, :, end], 0.0) ** 2, mean)
     return -films.problems.numbers["sigma"] * _reynolds(scenes) / 24 * fallen
 
@@ -211,10 +213,9 @@ def by_passing(films: list[Fields], bearing: np.ndarray) -> tuple[np.ndarray, np
 def _curvature_of_flow(films: Fields, rise: np.ndarray) -> np.ndarray:
     """Second order of an isothermal film's flow in a change of pressure, on all nodes.
 
-    ½ ∇·Σ c_k (1 − k) H^(3−k) ∇(ρ^(−k) δP²), as ρ = P.
+    ½ ∇·Σ c_k H^(3−k) ∇(d²g_k/dP² δP²).
     """
     flux = sum(
-        films.gradient(films.density ** (-k) * rise**2) * ((1 - k) / 2 * factor)
-        for k, factor in enumerate(films.flux_coefficients)
+        films.gradient(bend * rise**2) * (factor / 2) for factor, _, bend in films.flow_terms
     )
     return films.divergence(np.asarray(flux))

@@ -100,10 +100,10 @@ class ErrorBudget:
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``heat`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as the scene has them;
-            ``slip``, by Fukui and Kaneko's flow factor, or as the scene has it; ``flow_factor``,
-            the difference of first-order slip from that factor; ``edge_loss``, inlet loss for the
-            coefficient C = 1, with the remainder at the largest C; ``bearing`` of a sliding pad,
-            for a profile at rest under it; ``convected``, of the profile moving past it.
+            ``slip``, by the flow factor, or as the scene has it; ``flow_factor``, the difference of
+            first-order slip from that factor; ``edge_loss``, inlet loss for the coefficient C = 1,
+            with the remainder at the largest C; ``bearing`` of a sliding pad, for a profile at rest
+            under it; ``convected``, of the profile moving past it.
         status: ``ok``, or why there are none.
     """
 

@@ -28,7 +28,6 @@ from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import plans_of, solve
 from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, Period, axis, period
 from squeezefilm.reynolds.terms.heat import Heat
-from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
@@ -453,7 +452,7 @@ def at_ends(
 
 def _slip(scene: Scene) -> float:
     """6 Kn of first-order slip."""
-    return sum(flow_coefficients(scene)[1:])
+    return float(6 * scene.slip_knudsen)
 
 
 # Half the distance of numbers in a difference quotient, relative; taken once more twice as wide,

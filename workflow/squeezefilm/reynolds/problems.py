@@ -27,7 +27,7 @@ class Problems:
 
     Attributes:
         numbers: excursion ratio ``epsilon``, squeeze number ``sigma``, coefficients ``flow`` of the
-            flux's terms c_k H^(3−k) ρ^(1−k) ∇P, and the terms' own numbers; one row per scene.
+            flux's terms c_k H^(3−k) ∇g_k, and the terms' own numbers; one row per scene.
         terms: those that all of the scenes have.
         aspect: pad's length along y over that along x, one for all.
         parts: of the gap 1 + ε s sin T the profile s, or of any gap (terms/gap.py) s₁, s₂ and by

@@ -168,7 +168,7 @@ class Preview:
         method: name of the method.
         status: that of the solution as far as it is known before solving: ``ok``, why there will
             be no force, or how far the composite expansion is from the tolerance. What only
-            solving shows are a tolerance not reached, Newton's failure and a gas too rarefied.
+            solving shows are a tolerance not reached and Newton's failure.
         domain: ``whole``, ``half`` or ``quarter`` of the pad; empty where nothing is solved.
         terms: the terms of the equation that are solved.
         nx, ny, nt: points across the pad and over the period, on the finest grid expected.

@@ -22,6 +22,7 @@ from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.terms.rarefaction import slip_flow
 from verification.films import PISTON, film
 from verification.published import slider
 from verification.published.linear_film import (
@@ -31,6 +32,7 @@ from verification.published.linear_film import (
     piston_response,
     radial_pressure,
 )
+from verification.rarefied_flow import poiseuille_flow
 
 HERE = Path(__file__).parent
 SMALL = 1e-4
@@ -49,6 +51,9 @@ REYNOLDS, SIGMA = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
 SAMPLE = (4.0,), (1.0, 100.0)
 # Relative error of the solver's first harmonic against its own equation's.
 SAME = 1e-6
+# github.com/cml-berkeley/cmlair, flow.f90: Poiseuille flow of the linearised Boltzmann equation by
+# inverse Knudsen number, of the tables in comments.
+RAREFIED_FLOW = {0.01: 3.060, 0.1: 2.033, 1.0: 1.539, 10.0: 2.768, 100.0: 17.693}
 # github.com/hannes-holey/hans, tests/inclined-slider1D_x_ideal-gas.yaml; and two widths whose
 # difference is free of the ends.
 SLIDER_GAPS_M, SLIDER_LENGTH_M, SLIDER_WIDTHS_M = (66e-6, 10e-6), 0.1, (0.5, 1.0)
@@ -77,6 +82,7 @@ def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
     rows = [
         *plate(device),
         *inclined_slider(device),
+        *rarefied_gas(),
         *radial_films(),
         *depth_averaging(reynolds, sigma, device),
     ]
@@ -115,6 +121,14 @@ def inclined_slider(device: Device | None = None) -> Iterator[Row]:
     names = "largest pressure / p0", "load / (p0 area)", "centre of pressure / length"
     for numbers in zip(names, theirs, slider.exact(scenes[1]), ours, strict=True):
         yield _valued(*numbers, source="hans (Holey)", case="inclined slider, Λ 54.66")
+
+
+def rarefied_gas() -> Iterator[Row]:
+    """Poiseuille flow of a rarefied gas; the solver's is what its flow factor interpolates."""
+    row = partial(_valued, "Poiseuille flow", source="cmlair (CML Berkeley)")
+    for inverse, flow in RAREFIED_FLOW.items():
+        ours = inverse / 6 + float(slip_flow(inverse))
+        yield row(flow, poiseuille_flow(inverse), ours, case=f"rarefied gas, D {inverse:g}")
 
 
 def radial_films() -> Iterator[Row]:

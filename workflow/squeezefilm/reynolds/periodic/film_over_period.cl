@@ -1,8 +1,8 @@
 /* The film over one period: the Reynolds equation collocated in space and time.
  *
  * Unknown: the overpressure p = P − 1, zero on the rim. The mass flux is a sum of FLOW_TERMS terms
- * c_k H^a grad g_k(P) with a = 3 − k and dg_k/dP = ρ^(1−k): the viscous flow, and the corrections
- * of a rarefied gas in powers of the Knudsen number. With v = H^(a/2) g(P) each term needs second
+ * c_k H^a grad g_k with a = 3 − k and dg_k/dP = ρ^(1−k): the viscous flow, and that by slip of a
+ * rarefied gas, or as rarefaction_over_period.cl has them. With v = H^(a/2) g each term needs second
  * derivatives only (Liouville's transformation),
  *
  *     div(H^a grad g) = H^(a/2) (Δv − q v),   q = Δ(H^(a/2)) / H^(a/2),
@@ -27,7 +27,7 @@
 /* H^(a/2) for a = 3 − k. */
 static double4 half_power(double4 gap, int k)
 {
-    return k == 0 ? gap * sqrt(gap) : k == 1 ? gap : k == 2 ? sqrt(gap) : (double4)(1.0);
+    return k == 0 ? gap * sqrt(gap) : gap;
 }
 
 /* Density ρ(P) − 1 and its derivative; g_k(P) − g_k(1) and its derivative. All exact for small p. */
@@ -36,12 +36,11 @@ static double4 density_rise(const Film *film, double4 p) { return p; }
 static double4 density_slope(const Film *film, double4 p) { return (double4)(1.0); }
 static double4 flow_potential(const Film *film, double4 p, int k)
 {
-    return k == 0 ? p * (1.0 + 0.5 * p) : k == 1 ? p : k == 2 ? log1p(p) : p / (1.0 + p);
+    return k == 0 ? p * (1.0 + 0.5 * p) : p;
 }
 static double4 flow_slope(const Film *film, double4 p, int k)
 {
-    return k == 0 ? 1.0 + p : k == 1 ? (double4)(1.0) : k == 2 ? 1.0 / (1.0 + p)
-                                                               : 1.0 / ((1.0 + p) * (1.0 + p));
+    return k == 0 ? 1.0 + p : (double4)(1.0);
 }
 #endif
 
@@ -167,8 +166,12 @@ static double4 flow_from(const Grid *whole_grid, const Film *whole_film, int k, 
     {
         const double4 gap = gap_at(g, film, row, t), p = film->p[i];
         const double4 power = factor * gap_power[i];
-        const double4 response = power * flow_slope(film, p, k) / (gap * density_slope(film, p));
-        v[i] = power * flow_potential(film, p, k);
+        double4 potential = flow_potential(film, p, k), slope = flow_slope(film, p, k);
+#ifdef HAS_flow_factor
+        set_rarefied(film, gap, p, k, i, &potential, &slope);
+#endif
+        const double4 response = power * slope / (gap * density_slope(film, p));
+        v[i] = power * potential;
         store4(response, i, film->response[k]);
         diffusivity +=
             response * gap_power[i] * mean_resistance[t] * over_rest_squared(film, i);

@@ -48,7 +48,7 @@ STATUS = tuple(ENDINGS.values())
 # What the device says of a scene on a grid beside its overpressure: a row of its results.
 SAID = np.dtype(
     [
-        *((name, np.float64) for name in ("mean", "residual", "largest", "lowest", "thinnest")),
+        *((name, np.float64) for name in ("mean", "residual", "largest", "lowest")),
         *((name, np.float64) for name in ("moment", "size")),
         *((name, np.int64) for name in ("status", "newton_steps", "krylov_iterations")),
     ]

@@ -276,20 +276,11 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             const double2 change = change_of_means(&g, &film);
             said.moment = change.x;
             said.size = change.y;
-            said.lowest = said.thinnest = NAN;
+            said.lowest = NAN;
             if (k + 1 == begins[scene + 1]) {
                 double4 deficit = (double4)(-INFINITY);
                 FOR_EACH(i, g.count4) deficit = larger(deficit, -(1.0 + film.p[i]));
                 said.lowest = -max_over_group(max_of(deficit), scratch);
-#if FLOW_TERMS > 1 /* asked for of rarefied gas alone */
-                double4 thinness = (double4)(-INFINITY);
-                FOR_EACH_POINT(&g, place, t, i)
-                {
-                    const double4 density = 1.0 + density_rise(&film, film.p[i]);
-                    thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
-                }
-                said.thinnest = -max_over_group(max_of(thinness), scratch);
-#endif
             }
             if (get_local_id(0) == 0)
                 ((__global Said *)results)[k] = said;

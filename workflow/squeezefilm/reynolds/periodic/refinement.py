@@ -27,7 +27,6 @@ from squeezefilm.reynolds.periodic.resolution import (
     least_fall,
     profile_fall,
 )
-from squeezefilm.reynolds.terms import states_refused
 from squeezefilm.solution import Solutions
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
@@ -172,8 +171,6 @@ class Refinement:
             if finer is None:
                 reason = f"the pressure is not positive everywhere ({_size(grid)})"
                 end(negative & ~begun, reason)
-        for k, reason in states_refused(batch.scenes, terms, thinnest=said["thinnest"]).items():
-            end(np.arange(len(rows)) == k, reason)
         waiting = ~begun
         if reasons:
             waiting[list(reasons)] = False

@@ -43,8 +43,8 @@ def terms_of(scene: Scene) -> Terms:
 
 def absent_terms(terms: Terms) -> tuple[Simplification, ...]:
     """Return the simplifications by the terms that are absent."""
-    present = {*map(type, terms)}
-    return tuple(kind.ABSENT for kind in TERMS if kind.ABSENT and kind not in present)
+    absent = [kind for kind in TERMS if not any(isinstance(term, kind) for term in terms)]
+    return tuple(kind.ABSENT for kind in absent if kind.ABSENT)
 
 
 def scene_row(scene: Scene) -> dict[str, Any]:
@@ -127,14 +127,6 @@ def parts_of(terms: Terms) -> int:
 def own_fields(terms: Terms) -> int:
     """Fields that terms need room for beside the unknowns."""
     return sum(term.OWN_FIELDS for term in terms)
-
-
-def states_refused(scenes: Scenes, terms: Terms, *, thinnest: np.ndarray) -> dict[int, str]:
-    """The scenes whose states lie outside the range of a term, and why."""
-    refused: dict[int, str] = {}
-    for term in reversed(terms):
-        refused.update(term.refused_states(scenes, thinnest=thinnest))
-    return refused
 
 
 def notes_of(scene: Scene) -> list[str]:

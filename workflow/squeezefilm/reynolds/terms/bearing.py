@@ -9,6 +9,7 @@ import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
 from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
 
 if TYPE_CHECKING:
@@ -56,8 +57,9 @@ class Bearing(Term):
 
         scale, first = np.sqrt(grid.nx), grid.x.derivative[1:-1, 1:-1]
         vectors, inverse, triangle = np.empty((3, len(numbers), grid.nx, grid.nx))
-        for k, (speed, flow) in enumerate(zip(numbers["bearing"], numbers["flow"], strict=True)):
-            operator = grid.x.second_derivative - speed / flow.sum() * first
+        ambient = flow_over_viscous(numbers, np.ones(len(numbers)))
+        for k, (speed, flow) in enumerate(zip(numbers["bearing"], ambient, strict=True)):
+            operator = grid.x.second_derivative - speed / flow * first
             triangle[k], basis = schur(operator, output="real")
             vectors[k], inverse[k] = basis * scale, basis.T / scale
         return {"modes_x": vectors, "to_modes_x": inverse, "triangle": triangle}

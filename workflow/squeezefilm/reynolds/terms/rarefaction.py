@@ -1,66 +1,123 @@
-"""Rarefaction: slip at the walls, or Fukui and Kaneko's flow factor, in powers of Kn.
+"""Rarefaction: slip at the walls, or the flow of a gas at any Knudsen number.
 
-The mass flux becomes Σ c_k H^(3−k) ρ^(1−k) ∇P; the mean free path's 1/ρ is in the powers of ρ.
+The mass flux becomes H³ρ ∇P + c H² F ∇P. First-order slip has c = 6 Kn and F = 1. The flow factor
+has c = 6/D and F = Q − x/6, the part of the Poiseuille flow Q by which a viscous gas would not
+flow, a function of the local inverse Knudsen number x = D ρ H.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
-from squeezefilm.film.validity import LEAST_INVERSE_KNUDSEN
+from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
 
-# Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
-# inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
-# J. Tribology 112 (1990), 78–83, the branch for D ≥ 5.
-FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
+# Poiseuille flow Q by x, from the linearised BGK equation (verification/rarefied_flow.py).
+TABLE = Path(__file__).with_name("rarefied_flow.csv")
+# F for x → ∞, and the number of powers of u that interpolate the table to 1e-6.
+SLIP, POWERS = 1.016191418, 16
+# Above this Q counts as that in the fit: slip is a small part of a dense gas' flow.
+LARGE_FLOW = 3.0
 
 
-def flow_coefficients(scene: OperatingPoints) -> tuple[Any, ...]:
-    """Coefficients c_k of the mass flux Σ c_k H^(3−k) ρ^(1−k) ∇P, the first being 1.
+@lru_cache(maxsize=1)
+def slip_series() -> tuple[float, ...]:
+    """Return s_k of F = ln(1 + 1/x)/√π + Σ s_k u^k, where u = (√x − 2)/(√x + 2).
 
-    Slip of first order adds 6 Kn H² (Burgdorfer 1959), times the gas' ``slip_coefficient``.
+    The logarithm is that of free molecules, x → 0, and the sum is SLIP for x → ∞.
     """
-    rarefaction = np.ravel(scene.gas.rarefaction)[0]  # scenes of like terms
-    if rarefaction == "slip":
-        return (1.0, 6 * scene.slip_knudsen)
-    return fukui_kaneko(scene) if rarefaction == "fukui-kaneko" else (1.0,)
+    inverse, flow = np.loadtxt(TABLE, delimiter=",", skiprows=1, unpack=True)
+    powers = np.vander(_mapped(inverse), POWERS, increasing=True)
+    falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, LARGE_FLOW)
+    rest = flow - inverse / 6 - np.log1p(1 / inverse) / np.sqrt(np.pi) - SLIP
+    series, *_ = np.linalg.lstsq(falling * weights[:, None], rest * weights, rcond=None)
+    return tuple((np.append(series, 0.0) - np.append(-SLIP, series)).tolist())
 
 
-def fukui_kaneko(scene: OperatingPoints) -> tuple[Any, ...]:
-    """The coefficients of Fukui and Kaneko's flow factor, whatever the scene's gas has."""
-    inverse = scene.inverse_knudsen
-    return tuple(c / inverse**k for k, c in enumerate(FUKUI_KANEKO))
+def _mapped(inverse: Any) -> Any:
+    return (np.sqrt(inverse) - 2) / (np.sqrt(inverse) + 2)
+
+
+def slip_flow(inverse: Any) -> Any:
+    """Return F at some inverse Knudsen numbers x > 0."""
+    series = np.polynomial.Polynomial(slip_series())
+    return np.log1p(1 / inverse) / np.sqrt(np.pi) + series(_mapped(inverse))
+
+
+def slip_growth(inverse: Any) -> tuple[Any, Any]:
+    """Return the first two derivatives of F by ln x at some inverse Knudsen numbers x > 0."""
+    u, series = _mapped(inverse), np.polynomial.Polynomial(slip_series())
+    slope, by_log, free = series.deriv()(u), (1 - u**2) / 4, 1 / (1 + inverse) / np.sqrt(np.pi)
+    bend = (series.deriv(2)(u) * by_log - slope * u / 2) * by_log
+    return slope * by_log - free, bend + free * inverse / (1 + inverse)
+
+
+def slip_of(numbers: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+    """Return c of scenes that slip, and x where F is not 1.
+
+    Args:
+        numbers: of the scenes' equation, (n,).
+        mass: ρ H, of any shape with the scenes first.
+    """
+    columns = (-1, *(1,) * (mass.ndim - 1))
+    coefficient, inverse = numbers["flow"][:, 1].reshape(columns), None
+    if "inverse_knudsen" in (numbers.dtype.names or ()):
+        inverse = numbers["inverse_knudsen"].reshape(columns) * mass
+    return coefficient, inverse
+
+
+def flow_over_viscous(numbers: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Return the flow over that of a viscous gas, W = 1 + c F/(ρ H); arguments as of slip_of."""
+    if numbers["flow"].shape[1] == 1:
+        return np.ones_like(mass)
+    coefficient, inverse = slip_of(numbers, mass)
+    flow = 1.0 if inverse is None else slip_flow(inverse)
+    return np.asarray(1 + coefficient * flow / mass)
 
 
 @dataclass(frozen=True)
 class Rarefaction(Term):
-    """``label`` is the gas' ``rarefaction``, ``slip`` or ``fukui-kaneko``."""
+    """First-order slip (Burgdorfer 1959), with the gas' ``slip_coefficient``.
+
+    ``label`` is the gas' ``rarefaction``, ``slip`` or, of a FlowFactor, ``fukui-kaneko``.
+    """
 
     NAME = "rarefaction"
     ABSENT = Simplification("rarefaction", "gas.rarefaction is none", "no slip")
 
     @classmethod
     def of(cls, scene: Scene) -> Rarefaction | None:
-        return cls(scene.gas.rarefaction) if scene.gas.rarefaction != "none" else None
+        kinds = {"slip": Rarefaction, "fukui-kaneko": FlowFactor}
+        kind = kinds.get(scene.gas.rarefaction)
+        return kind(scene.gas.rarefaction) if kind else None
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
-        return {"flow": flow_coefficients(scene)}
+        return {"flow": (1.0, 6 * scene.slip_knudsen)}
 
     @property
     def in_expansions(self) -> bool:
-        return self.label == "slip"
+        return True
 
-    def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
-        if self.label != "fukui-kaneko":
-            return {}
-        least = scenes.inverse_knudsen * thinnest
+
+@dataclass(frozen=True)
+class FlowFactor(Rarefaction):
+    """Flow by the linearised Boltzmann equation, as of Fukui and Kaneko, J. Tribology 110, 1988."""
+
+    NAME = "flow_factor"
+    OVER_PERIOD = "terms/rarefaction_over_period.cl"
+
+    def numbers(self, scene: OperatingPoints) -> Numbers:
         return {
-            row: f"gas too rarefied: D falls to {least[row]:.2g}, below {LEAST_INVERSE_KNUDSEN:g}"
-            for row in np.flatnonzero(least < LEAST_INVERSE_KNUDSEN).tolist()
+            "flow": (1.0, 6 / scene.inverse_knudsen),
+            "inverse_knudsen": scene.inverse_knudsen,
+            "slip_series": slip_series(),
         }
+
+    @property
+    def in_expansions(self) -> bool:
+        return False

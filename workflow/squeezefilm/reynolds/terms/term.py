@@ -144,7 +144,3 @@ class Term:
     def refused_on_grid(self, scene: Scene) -> str:
         """Return the reason why the periodic state is not supported with the term, or empty."""
         return ""
-
-    def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
-        """The scenes whose states lie outside its range, given the smallest ρ H, and why."""
-        return {}
