@@ -18,6 +18,7 @@ rule summary:
         "<results>/simulations/device.json",
         "<results>/simulations/screen/budget.csv",
         SCAN_SUMMARY,
+        "<results>/measurements/summary.json" if MEASURED else [],
         expand("<results>/figures/{name}.png", name=FRONT_PICTURES),
     output:
         markdown="<results>/summary.md",

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from reporting.figures import style
 from reporting.figures.film import budget, levitation, response
 from reporting.figures.maps import error_map, force_map, profile
+from reporting.figures.measurements import measurements
 from reporting.figures.models import model_errors, refined, sensitivity
 from reporting.figures.overview import overview
 from reporting.figures.verification import published, stability, work_precision
@@ -25,7 +26,16 @@ Draw = Callable[[Results], Figure | tuple[Figure, pd.DataFrame]]
 
 FIGURES: dict[str, Draw] = {
     f"figures/{function.__name__}": function
-    for function in (overview, error_map, force_map, budget, response, levitation, profile)
+    for function in (
+        overview,
+        error_map,
+        force_map,
+        budget,
+        response,
+        levitation,
+        profile,
+        measurements,
+    )
 }
 FIGURES |= {
     f"numerics/{function.__name__}": function for function in (work_precision, stability, published)

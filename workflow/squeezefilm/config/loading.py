@@ -240,12 +240,13 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
     """The whole study as YAML that reads as the same study; what was not written says so.
 
     Args:
-        folder: where the text will lie, for the paths of a scan and an outline; by default
-            beside the study.
+        folder: where the text will lie, for the paths of the files that the study names; by
+            default beside the study.
     """
     assert config.model is not None
     sections = config.model.model_dump(exclude_none=True, by_alias=True)
-    for named in (sections["actuator"]["profile"], sections["pad"].get("outline", {})):
+    outline, measured = sections["pad"].get("outline", {}), sections.get("measurements", {})
+    for named in (sections["actuator"]["profile"], outline, measured):
         if folder is not None and "file" in named:
             named["file"] = os.path.relpath(config.path.parent / named["file"], start=folder)
     head = f"# {config.path}, as it is computed: what is not marked was written there.\n"

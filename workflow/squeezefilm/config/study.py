@@ -17,6 +17,7 @@ from squeezefilm.config.film import (
     Number,
     Pad,
     Section,
+    Text,
     key_of,
     mistake,
 )
@@ -366,6 +367,19 @@ class Numerics(Section):
     longest_seconds: Annotated[float, Number("s", 0, 1e5, open=True)] = 0.2
 
 
+class Measurements(Section):
+    """`snakemake measurements`: your own measured forces beside computed ones.
+
+    Attributes:
+        file: a table (CSV, from the folder of this file) with the columns `h0 [µm]`, `hv [µm]`, a
+            position unless the pad is centred, `force [mN]` and `force uncertainty [mN]`, each in
+            any unit; and, where they are known, `h0 uncertainty [µm]` and `hv uncertainty [µm]`.
+            Uncertainties are standard ones
+    """
+
+    file: Text
+
+
 class Header(Section):
     """What a study begins with."""
 
@@ -400,6 +414,7 @@ class Study(FilmSections, Header):
     validation: Validation = Field(default_factory=Validation)
     extrapolation: Extrapolation
     numerics: Numerics = Field(default_factory=Numerics)
+    measurements: Measurements = DERIVED
 
     @model_validator(mode="after")
     def with_derived(self) -> "Study":

@@ -1,0 +1,47 @@
+"""Measured forces beside computed ones, each kind of error apart."""
+
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from reporting.figures import style
+from reporting.results import Results
+from squeezefilm.film.validity import OK
+
+MODELLING: dict[str, Any] = {"color": style.ORANGE, "linewidth": 4, "alpha": 0.5}
+NUMERICAL: dict[str, Any] = {"color": "black", "fmt": "none", "capsize": 2.5, "elinewidth": 0.8}
+MEASURED: dict[str, Any] = {"color": style.BLUE, "fmt": "o", "ms": 3}
+
+
+def measurements(results: Results) -> Figure:
+    """Left measured over computed forces, right residuals beside the errors of computed ones."""
+    data = results.table("measurements/comparison.csv", "residual_n", "status")
+    summary = results.summary("measurements/summary.json")
+    data = data[data["status"] == OK]
+    measured, force, residual, uncertainty, error, lower, upper = (
+        data[f"{name}_n"].to_numpy()
+        for name in (
+            *("measured_force", "force", "residual", "measurement_uncertainty"),
+            *("force_error", "modelling_error_lower", "modelling_error_upper"),
+        )
+    )
+    error = error + data["profile_uncertainty_n"].to_numpy()
+    figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.2)
+    left.axline((0, 0), slope=1, color=style.GREY, linewidth=0.6)
+    left.hlines(measured, force + lower, force + upper, **MODELLING)
+    left.errorbar(force, measured, xerr=error, **NUMERICAL)
+    left.errorbar(force, measured, uncertainty, **MEASURED)
+    left.set(ylabel="measured force (N)", title="(a) measured and computed")
+    label = "residual, measurement uncertainty"
+    right.axhline(0, color=style.GREY, linewidth=0.6)
+    right.vlines(force, 1e3 * lower, 1e3 * upper, **MODELLING, label="modelling error")
+    right.errorbar(force, 0 * force, 1e3 * error, **NUMERICAL, label="numerical error, mode shape")
+    right.errorbar(force, 1e3 * residual, 1e3 * uncertainty, **MEASURED, label=label)
+    right.set(ylabel="measured − computed force (mN)", title="(b) residuals")
+    figure.legend(*right.get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    for panel in (left, right):
+        panel.set_xlabel("computed force (N)")
+        panel.grid(True)
+    compared = f"{summary['degrees_of_freedom']} of {summary['points']} points"
+    style.add_note(figure, f"{compared}: {summary['verdict']}.", results.beyond)
+    return figure
