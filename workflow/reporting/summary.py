@@ -79,14 +79,12 @@ def headline_values(results: Results) -> dict[str, Any]:
 
     Raises InputError for a result that is missing or lacks what it must have.
     """
-    config, noise, recommended, measured = results.config, 0.0, None, None
+    config, noise, recommended = results.config, 0.0, None
     file = "simulations/extrapolation/forces.csv"
     forces = results.forces("extrapolation").set_index("point_id")
     point = results.row(forces, "operating_point", file)
     if results.exists("profile/summary.json"):
         noise = results.summary("profile/summary.json").get("largest_force_noise_share", 0.0)
-    if "measurements" in config:
-        measured = results.summary("measurements/summary.json")
     if not config["paper"]:
         columns = ("space", "model", "validation_error", "force_n")
         recommended = results.table("models/recommended.csv", *columns).dropna(subset="model")
@@ -99,7 +97,7 @@ def headline_values(results: Results) -> dict[str, Any]:
         "judged": results.validation("two_factor_design", "screen"),
         "claims": _claims(results) if config["paper"] else None,
         "recommended": recommended,
-        "measured": measured,
+        "measured": "measurements" in config and results.summary("measurements/summary.json"),
         "band": config["validation"]["relative_error_band"],
         "amplitudes": _amplitudes,
         "wanted": config["extrapolation"],

@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from squeezefilm.errors import InputError, naming, needing
+from squeezefilm.errors import InputError, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.lazy import pd
 from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
@@ -34,22 +34,19 @@ ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", 
 """What a reader of a refinement's rounds may count on; the table has more."""
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 UNCERTAINTY_COLUMNS = ("force_uncertainty_n", "h0_uncertainty_m", "hv_uncertainty_m")
+# What a table of measured forces has, for messages.
 MEASURED = (
     "h0 [µm], hv [µm], force [mN] and force uncertainty [mN], each with its unit; and, where they "
     "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
 )
-"""What a table of measured forces has, for messages."""
 TEXT_COLUMNS = {
     *("point_id", "origin", "status", "validity", "method", "simplifications"),
     *("derivatives_status", "outputs_status"),
 }
-QUANTITY = re.compile(
-    r"(h0|hv|x|y|phi_r|phi|force)([\s_]+(?:standard[\s_]+)?uncertainty)?"
-    r"[\s_/,\[(]+([^\s\])]+)[\])]?",
-    re.I,
-)
-"""A quantity or its uncertainty with a unit, as people write it: ``h0_um``, ``h0 [µm]``,
-``X (mm)``, ``phi/rad``, ``force uncertainty [mN]``."""
+# A quantity or its uncertainty with a unit, as people write it: ``h0_um``, ``h0 [µm]``, ``X (mm)``,
+# ``phi/rad``, ``force uncertainty [mN]``.
+NAMED = r"(h0|hv|x|y|phi_r|phi|force)([\s_]+(?:standard[\s_]+)?uncertainty)?"
+QUANTITY = re.compile(NAMED + r"[\s_/,\[(]+([^\s\])]+)[\])]?", re.I)
 PARQUET = ".parquet"
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
@@ -157,7 +154,7 @@ def _read(
         measured: whether names and uncertainties but that of the force may be missing, and
             uncertainties must be above 0.
     """
-    path, needs = Path(path), MEASURED if measured else ""
+    path = Path(path)
     optional = ("point_id", *UNCERTAINTY_COLUMNS[1:]) if measured else ()
 
     def wanted(header: Sequence[str]) -> list[str]:
@@ -166,14 +163,13 @@ def _read(
         if others == "refused" and not {*POLAR, *CARTESIAN} & {*header}:
             named = [name for name in named if name not in POLAR]
         named = [name for name in named if name not in optional or name in header]
-        with naming(path):
-            _check_header(header, columns=named, refused=others == "refused", needs=needs)
+        _check_header(header, columns=named, refused=others == "refused", path=path)
         return [*named, *(name for name in header if others == "kept" and name not in named)]
 
     table, lines = (
         _parquet_rows(path, wanted=wanted, chunk=chunk)
         if path.suffix == PARQUET
-        else _csv_rows(path, wanted=wanted, needs=needs or ", ".join(columns))
+        else _csv_rows(path, wanted=wanted, needs=MEASURED if measured else ", ".join(columns))
     )
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
@@ -287,22 +283,22 @@ def _number(cell: str | float) -> float:
 
 
 def _check_header(
-    header: Sequence[str], *, columns: Sequence[str], refused: bool, needs: str
+    header: Sequence[str], *, columns: Sequence[str], refused: bool, path: Path
 ) -> None:
     """Refuse a header that lacks a column or has it twice, others where they are ``refused``."""
     if len(header) == 1 and ";" in header[0]:
-        raise InputError("cells are separated by semicolons; a table has commas")
-    needs = f"; the table needs {needs}" if needs else ""
+        raise InputError(f"{path}: cells are separated by semicolons; a table has commas")
+    needs = f"; the table needs {MEASURED}" * (UNCERTAINTY_COLUMNS[0] in columns)
     either = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
     for name in columns:
         if header.count(name) != 1:
             how = "stands twice" if name in header else f"is missing; it has {', '.join(header)}"
             other = f" ({either})" if name in (*POLAR, *CARTESIAN) else ""
-            raise InputError(f"column {name!r} {how}{other}{needs}")
+            raise InputError(f"{path}: column {name!r} {how}{other}{needs}")
     for name in header:
         if name not in columns and (refused or name in CARTESIAN):
             also = either if name in CARTESIAN else f"the columns are {', '.join(columns)}"
-            raise InputError(f"unknown column {name!r}; {also}{needs}")
+            raise InputError(f"{path}: unknown column {name!r}; {also}{needs}")
 
 
 def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:

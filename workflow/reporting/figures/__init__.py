@@ -26,17 +26,9 @@ Draw = Callable[[Results], Figure | tuple[Figure, pd.DataFrame]]
 
 FIGURES: dict[str, Draw] = {
     f"figures/{function.__name__}": function
-    for function in (
-        overview,
-        error_map,
-        force_map,
-        budget,
-        response,
-        levitation,
-        profile,
-        measurements,
-    )
+    for function in (overview, error_map, force_map, budget, response, levitation, profile)
 }
+FIGURES["figures/measurements"] = measurements
 FIGURES |= {
     f"numerics/{function.__name__}": function for function in (work_precision, stability, published)
 }

@@ -18,30 +18,25 @@ def measurements(results: Results) -> Figure:
     data = results.table("measurements/comparison.csv", "residual_n", "status")
     summary = results.summary("measurements/summary.json")
     data = data[data["status"] == OK]
-    measured, force, residual, uncertainty, error, lower, upper = (
-        data[f"{name}_n"].to_numpy()
-        for name in (
-            *("measured_force", "force", "residual", "measurement_uncertainty"),
-            *("force_error", "modelling_error_lower", "modelling_error_upper"),
-        )
-    )
-    error = error + data["profile_uncertainty_n"].to_numpy()
+    measured, force = data["measured_force_n"], data["force_n"]
+    bounds = [data[f"modelling_error_{end}_n"] for end in ("lower", "upper")]
+    uncertainty = data["measurement_uncertainty_n"]
+    error = data["force_error_n"] + data["profile_uncertainty_n"]
     figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.2)
     left.axline((0, 0), slope=1, color=style.GREY, linewidth=0.6)
-    left.hlines(measured, force + lower, force + upper, **MODELLING)
+    left.hlines(measured, *(force + each for each in bounds), **MODELLING)
     left.errorbar(force, measured, xerr=error, **NUMERICAL)
     left.errorbar(force, measured, uncertainty, **MEASURED)
     left.set(ylabel="measured force (N)", title="(a) measured and computed")
-    label = "residual, measurement uncertainty"
     right.axhline(0, color=style.GREY, linewidth=0.6)
-    right.vlines(force, 1e3 * lower, 1e3 * upper, **MODELLING, label="modelling error")
+    right.vlines(force, *(1e3 * each for each in bounds), **MODELLING, label="modelling error")
     right.errorbar(force, 0 * force, 1e3 * error, **NUMERICAL, label="numerical error, mode shape")
-    right.errorbar(force, 1e3 * residual, 1e3 * uncertainty, **MEASURED, label=label)
+    residual = 1e3 * data["residual_n"]
+    right.errorbar(force, residual, 1e3 * uncertainty, **MEASURED, label="measurement")
     right.set(ylabel="measured − computed force (mN)", title="(b) residuals")
     figure.legend(*right.get_legend_handles_labels(), loc="outside upper center", ncols=3)
     for panel in (left, right):
         panel.set_xlabel("computed force (N)")
         panel.grid(True)
-    compared = f"{summary['degrees_of_freedom']} of {summary['points']} points"
-    style.add_note(figure, f"{compared}: {summary['verdict']}.", results.beyond)
+    style.add_note(figure, summary["verdict"], results.beyond)
     return figure

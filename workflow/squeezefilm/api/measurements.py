@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import nan
 from typing import Any
 
 import numpy as np
@@ -17,12 +16,11 @@ from squeezefilm.quantities.derivatives import moved
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import measured_points
 
-LEAST_PROBABILITY = 0.05
-"""Of χ² by chance, below which differences count as larger than their uncertainty."""
-MOST_UNCERTAINTIES = 2.0
-"""Standard uncertainties above which the difference of a single point is named."""
+# Probability of χ² below which differences count as larger than their uncertainty; and how many
+# standard uncertainties above which the difference of a single point is named.
+LEAST_PROBABILITY, MOST_UNCERTAINTIES = 0.05, 2.0
+# Columns of what makes the uncertainty of a measured force.
 PARTS = [f"force_uncertainty{part}_n" for part in ("", "_h0", "_hv")]
-"""Columns of what makes the uncertainty of a measured force."""
 
 
 def compare_measurements(config: Config) -> pd.DataFrame:
@@ -37,7 +35,7 @@ def compare_measurements(config: Config) -> pd.DataFrame:
     Raises InputError for a wrong table of measurements.
     """
     points, film = measured_points(config), Film(config)
-    how = {"settings": solver_settings(config, outputs=()), "device": film.device}
+    how: dict[str, Any] = {"settings": solver_settings(config, outputs=()), "device": film.device}
     forces = forces_of(film.scenes(points), smoothed=film.scan, budget=True, **how)
     computed = pd.DataFrame([_computed(force) for force in forces], index=points.index)
     table = points.rename(columns={"force_n": "measured_force_n"}).assign(**computed)
@@ -52,7 +50,7 @@ def compare_measurements(config: Config) -> pd.DataFrame:
 def _computed(force: Force) -> dict[str, Any]:
     """What is known of a computed force, in columns."""
     known = force.validity == OK and not force.budget.first_order_invalid
-    bounds = force.modelling_error_percent if known else (nan, nan)
+    bounds = force.modelling_error_percent if known else (np.nan, np.nan)
     lower_n, upper_n = sorted(percent / 100 * force.force_n for percent in bounds)
     return {
         "force_n": force.force_n,
@@ -68,7 +66,7 @@ def _computed(force: Force) -> dict[str, Any]:
 def _propagated(name: str, off_m: np.ndarray, forces: Sequence[Force], **how: Any) -> np.ndarray:
     """What a factor's uncertainty makes of each force, in newtons; NaN where that is not known."""
     parts_n = np.array([0.0 * force.force_n for force in forces])
-    rows = np.flatnonzero((off_m > 0) & np.isfinite(parts_n))
+    rows = np.flatnonzero((off_m > 0) & np.isfinite(parts_n)).tolist()
     ends = [moved(forces[k].scene, name, sign * off_m[k]) for sign in (1, -1) for k in rows]
     if ends:
         more, less = np.reshape([each.force_n for each in solved_with(ends, **how)], (2, -1))
@@ -77,10 +75,10 @@ def _propagated(name: str, off_m: np.ndarray, forces: Sequence[Force], **how: An
 
 
 def with_residuals(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a comparison with its residuals, and those over their standard uncertainty.
+    """Return a comparison with its residuals.
 
-    ``measurement_uncertainty_n`` is the root of the squares of PARTS; ``residual_n`` is the measured
-    force less the computed one, ``unexplained_n`` its part beyond the sum of numerical error,
+    ``measurement_uncertainty_n`` is the root of the squares of PARTS; ``residual_n`` the measured
+    force less the computed one; ``unexplained_n`` its part beyond the sum of numerical error,
     profile uncertainty and modelling error: NaN where the last is not known.
     """
     uncertainty_n = np.sqrt((table[PARTS] ** 2).sum(axis=1, skipna=False))
@@ -94,7 +92,6 @@ def with_residuals(table: pd.DataFrame) -> pd.DataFrame:
         residual_n=residual_n,
         residual_over_uncertainty=residual_n / uncertainty_n,
         unexplained_n=unexplained_n,
-        unexplained_over_uncertainty=unexplained_n / uncertainty_n,
     )
 
 
@@ -102,46 +99,38 @@ def summary_of(table: pd.DataFrame) -> dict[str, Any]:
     """Return χ² of a comparison's solved points, of residuals and of their unexplained parts.
 
     Nothing is fitted, so that each point is a degree of freedom. A χ² of which a part is not known
-    is None. ``verdict`` says in words what the differences are worth.
+    is None. ``verdict`` says in words what the differences are worth, no more than is known.
     """
     from scipy.stats import chi2
 
-    solved = table[table["status"] == OK]
-    count, unknown = len(solved), int(solved["unexplained_n"].isna().sum())
-    ratios = solved[["residual_over_uncertainty", "unexplained_over_uncertainty"]]
+    solved = table[table["status"] == OK].set_index("point_id")
+    uncertainty_n, count = solved["measurement_uncertainty_n"], len(solved)
+    ratios = solved[["residual_n", "unexplained_n"]].div(uncertainty_n, axis=0)
     # What is not known of a residual adds nothing: a lower bound of χ².
     squares, beyond = (ratios**2).sum().tolist()
-    chances = [float(chi2.sf(each, count)) if count else None for each in (squares, beyond)]
+    chance, chance_beyond = (float(chi2.sf(each, max(count, 1))) for each in (squares, beyond))
+    off, unknown = ratios["unexplained_n"].abs(), int(ratios["unexplained_n"].isna().sum())
+    larger = "larger than measurement uncertainty"
+    if not count:
+        worth = "not known: none has a computed force"
+    elif chance >= LEAST_PROBABILITY:
+        worth = "within measurement uncertainty"
+    elif chance_beyond < LEAST_PROBABILITY:
+        names = ", ".join(off.index[off > MOST_UNCERTAINTIES]) or "no single point"
+        most = f"by more than {MOST_UNCERTAINTIES:g} uncertainties at {names}"
+        worth = f"{larger} and the known errors of the computed forces, {most}"
+    else:
+        scan = " and the uncertainty of the mode shape" * bool(
+            solved["profile_uncertainty_n"].any()
+        )
+        missing = f"is not known at {unknown} of them, so that it is open whether it explains them"
+        worth = f"{larger}; the modelling error{scan} {missing if unknown else 'can explain them'}"
     return {
         "points": len(table),
-        "points_without_modelling_error": unknown,
         "degrees_of_freedom": count,
         "chi_square": squares,
-        "probability": chances[0],
+        "probability": chance,
         "chi_square_unexplained": None if unknown else beyond,
-        "probability_unexplained": None if unknown else chances[1],
-        "verdict": _verdict(solved, *chances, unknown=unknown),
+        "probability_unexplained": None if unknown else chance_beyond,
+        "verdict": f"differences at {count} of {len(table)} points are {worth}",
     }
-
-
-def _verdict(
-    solved: pd.DataFrame, chance: float | None, beyond: float | None, *, unknown: int
-) -> str:
-    """Return what the differences are worth, no more than is known."""
-    if chance is None or beyond is None:
-        return "no point has a computed force to compare with"
-    if chance >= LEAST_PROBABILITY:
-        return "differences are within measurement uncertainty"
-    larger = "differences are larger than measurement uncertainty"
-    if beyond < LEAST_PROBABILITY:
-        off = solved["unexplained_over_uncertainty"].abs() > MOST_UNCERTAINTIES
-        names = ", ".join(solved.loc[off, "point_id"])
-        return (
-            f"{larger} and the known errors of the computed forces, by more than "
-            f"{MOST_UNCERTAINTIES:g} standard uncertainties at {names or 'no single point'}"
-        )
-    if unknown:
-        where = f"at {unknown} of {len(solved)} points"
-        return f"{larger}; the modelling error, which may explain them, is not known {where}"
-    scan = " and the uncertainty of the mode shape" * bool(solved["profile_uncertainty_n"].any())
-    return f"{larger}; the modelling error{scan} can explain them"

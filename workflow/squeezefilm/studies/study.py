@@ -226,19 +226,19 @@ def measured_points(config: Config, *, profile: Profile | None = None) -> pd.Dat
     Args:
         profile: stands in for the study's own where the points are checked.
 
-    Raises InputError for a wrong table, and a point that is no film within its uncertainties.
+    Raises InputError for a study without one, a wrong table, and for a point that is no film within
+    its uncertainties.
     """
+    if "measurements" not in config:
+        raise InputError(f"{config.path}: there is no section measurements: {{file: TABLE.csv}}")
     path = config.path.parent / config["measurements"]["file"]
     table = read_measurements(path)
-    ends = [table]
-    for sign in (-1, 1):  # closest to contact and farthest from it
+    for sign, within in zip((0, -1, 1), ("", *[" with its uncertainties"] * 2), strict=True):
         h0_m = table["h0_m"] + sign * table["h0_uncertainty_m"]
         hv_m = table["hv_m"] - sign * table["hv_uncertainty_m"]
-        names = table["point_id"] + " with its uncertainties of h0 and hv"
-        ends.append(table.assign(h0_m=h0_m, hv_m=hv_m, point_id=names))
-    with naming(path):
-        for points in ends:
-            scenes_in(points, config, profile=profile)
+        ends = table.assign(h0_m=h0_m, hv_m=hv_m, point_id=table["point_id"] + within)
+        with naming(path):
+            scenes_in(ends, config, profile=profile)
     return table
 
 
