@@ -1,24 +1,26 @@
-"""The example's measured forces, config/synthetic-forces.csv: computed with inertia, with noise."""
+"""The example's measured forces, config/synthetic.csv: computed with inertia and heat, with noise.
+
+Gaps, amplitudes and forces are off by their uncertainties times normal random numbers.
+"""
+
+from itertools import product
 
 import numpy as np
 import pandas as pd
 
 from squeezefilm.api.film import Film
-from squeezefilm.config.loading import Config
+from squeezefilm.config.loading import parse_config
 
-SEED = 1
-H0_UM, HV_UM = (each.ravel() for each in np.meshgrid([5, 6, 7, 8], [1, 1.5, 2]))
-UNCERTAINTIES = {"h0 [µm]": 0.03, "hv [µm]": 0.01, "force [mN]": 1.5}
+SEED, GAPS_UM, AMPLITUDES_UM = 1, (5, 6, 7, 8), (1, 1.5, 2)
+UNCERTAINTIES = {"h0 uncertainty [µm]": 0.03, "hv uncertainty [µm]": 0.01}
+UNCERTAINTIES |= {"force uncertainty [mN]": 1.5}
 
 
-def synthetic_forces(config: Config) -> pd.DataFrame:
-    """Forces at gaps and amplitudes that are off by their uncertainty, and that of the force."""
-    noise = np.random.default_rng(SEED).standard_normal((3, len(H0_UM)))
-    off_h0, off_hv, off_force = np.array(list(UNCERTAINTIES.values()))[:, None] * noise
-    gas = config["gas"] | {"inertia": "included", "heat": "included"}
-    film = Film(Config(config.path, {**config.sections, "gas": gas}))
-    forces = film.forces(pd.DataFrame({"h0_m": H0_UM + off_h0, "hv_m": HV_UM + off_hv}) * 1e-6)
-    force_mn = (1e3 * forces["force_n"] + off_force).round(2)
-    table = pd.DataFrame({"h0 [µm]": H0_UM, "hv [µm]": HV_UM, "force [mN]": force_mn})
-    named = {name.replace(" [", " uncertainty ["): each for name, each in UNCERTAINTIES.items()}
-    return table.assign(**named)
+def synthetic_forces(text, path):
+    """Return the table of measurements of a study, of which the text is, with all of its terms."""
+    film = Film(parse_config(text.replace("none", "included"), path=path))
+    table = pd.DataFrame(product(GAPS_UM, AMPLITUDES_UM), columns=["h0 [µm]", "hv [µm]"])
+    noise = np.random.default_rng(SEED).standard_normal((len(table), 3)) * [*UNCERTAINTIES.values()]
+    points = pd.DataFrame(1e-6 * (table.to_numpy() + noise[:, :2]), columns=["h0_m", "hv_m"])
+    force_mn = 1e3 * film.forces(points)["force_n"] + noise[:, 2]
+    return table.assign(**{"force [mN]": force_mn.round(2)}, **UNCERTAINTIES)

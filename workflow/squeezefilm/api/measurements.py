@@ -68,9 +68,8 @@ def _propagated(name: str, off_m: np.ndarray, forces: Sequence[Force], **how: An
     parts_n = np.array([0.0 * force.force_n for force in forces])
     rows = np.flatnonzero((off_m > 0) & np.isfinite(parts_n)).tolist()
     ends = [moved(forces[k].scene, name, sign * off_m[k]) for sign in (1, -1) for k in rows]
-    if ends:
-        more, less = np.reshape([each.force_n for each in solved_with(ends, **how)], (2, -1))
-        parts_n[rows] = np.abs(more - less) / 2
+    more, less = np.reshape([each.force_n for each in solved_with(ends, **how)], (2, -1))
+    parts_n[rows] = np.abs(more - less) / 2
     return parts_n
 
 
@@ -120,13 +119,10 @@ def summary_of(table: pd.DataFrame) -> dict[str, Any]:
         most = f"by more than {MOST_UNCERTAINTIES:g} uncertainties at {names}"
         worth = f"{larger} and the known errors of the computed forces, {most}"
     else:
-        scan = " and the uncertainty of the mode shape" * bool(
-            solved["profile_uncertainty_n"].any()
-        )
+        scan = "and the uncertainty of the scan " * bool(solved["profile_uncertainty_n"].any())
         missing = f"is not known at {unknown} of them, so that it is open whether it explains them"
-        worth = f"{larger}; the modelling error{scan} {missing if unknown else 'can explain them'}"
+        worth = f"{larger}; the modelling error {missing if unknown else scan + 'can explain them'}"
     return {
-        "points": len(table),
         "degrees_of_freedom": count,
         "chi_square": squares,
         "probability": chance,
