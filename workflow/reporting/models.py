@@ -37,7 +37,6 @@ COLUMNS = (
     *("about", "note"),
 )
 COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
-PARAMETERS = ("model", "parameter", "unit", "estimate", "lower_end", "upper_end")
 RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in SPACES))
 """The plans that the recommended model is judged by; the first has the positions."""
 RECOMMENDED = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
@@ -73,7 +72,7 @@ def _parameters(results: Results, space: str, fits: Sequence[FittedModel]) -> pd
             found = parameter_ranges(fit.force_model, factors, force_n, theta)
             rows += [{"model": fit.model} | each.to_dict() for each in found]
     table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
-    return table.set_axis([*PARAMETERS], axis="columns")
+    return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
 
 
 def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:

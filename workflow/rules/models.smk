@@ -98,4 +98,4 @@ rule models:
             end=[".csv", ".md", ".html", "_errors.csv", "_errors.png", "_errors.svg"],
         ),
     message:
-        "Candidates are compared in results/{STUDY}/models; `squeezefilm recommend results/{STUDY}` names the best"
+        "Compared in results/{STUDY}/models; `squeezefilm recommend results/{STUDY}` names the best"

@@ -14,7 +14,6 @@ from squeezefilm.errors import InputError
 
 Dimension = Mapping[str, Fraction]
 BASES = ("N", "m", "s", "deg", "K")
-ZERO_CELSIUS_K = 273.15
 NONE: Dimension = {}
 MOST_LEVELS = 10_000
 LEAST_MILLI = 1e-4
@@ -110,7 +109,7 @@ def in_unit(text: str, unit: str) -> float | None:
     if not match or not own or not wanted or own.dimension != wanted.dimension:
         return None
     # Fifteen digits: 2.2 µm is 2.2e-6 m and not 2.1999999999999997e-6 m.
-    zero = ZERO_CELSIUS_K * (text[match.end() :].strip() == "°C")
+    zero = 273.15 * (text[match.end() :].strip() == "°C")
     value = float(f"{float(match[1]) * own.size / wanted.size + zero:.15g}")
     return value if math.isfinite(value) else None
 

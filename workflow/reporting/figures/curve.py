@@ -6,7 +6,6 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reporting.figures import style
-from reporting.notes import percent
 from squeezefilm.errors import InputError
 from squeezefilm.film.validity import OK
 
@@ -36,8 +35,8 @@ def curve(table: pd.DataFrame) -> Figure:
     others = [name for name in counts if counts[name] > 1 and name != along]
     lines = list(table.groupby(others)) if others else [((), table)]
     if counts[along] < 2 or len(lines) > MOST_LINES:
-        what = f"{counts[along]} values of {along} on {len(lines)} lines"
-        raise InputError(f"{what}: a curve has 2 or more, on at most {MOST_LINES} lines")
+        what = f"{len(lines)} lines over {counts[along]} points"
+        raise InputError(f"{what}: a curve has 2 points or more, and at most {MOST_LINES} lines")
     figure, axes = style.subplots(height_in=3.0)
     label, unit, size = AXES[along]
     axes.set(xlabel=f"{label} ({unit})", ylabel="mean force $F$ (N)")
@@ -47,13 +46,10 @@ def curve(table: pd.DataFrame) -> Figure:
         named = [(*AXES[name], rows[name].iloc[0]) for name in others]
         text = ", ".join(f"{word.split()[-1]} = {v * k:.4g} {u}" for word, u, k, v in named)
         data = rows.assign(at=rows[along] * size).sort_values("at")
-        look = {"color": colour, "fmt": "o-", "markersize": 3.5, "label": text}
-        axes.errorbar("at", "force_n", "force_error_n", data=data, **look)
+        axes.errorbar("at", "force_n", "force_error_n", data=data, c=colour, fmt=".-", label=text)
         outside = data[data["validity"] != OK]
-        axes.plot(outside["at"], outside["force_n"], "o", color="white", markersize=2, zorder=3)
+        axes.plot(outside["at"], outside["force_n"], ".", color="white", markersize=3, zorder=3)
     if others:
         axes.legend()
-    share = float((table["force_error_n"] / table["force_n"]).abs().max())
-    note = f"Bars: estimated error of the force, at most {percent(share)} of it."
-    style.add_note(figure, note, "Hollow: outside the limits of validity.")
+    style.add_note(figure, "Bars: error of the force. Hollow: outside the limits of validity.")
     return figure

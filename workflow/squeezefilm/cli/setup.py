@@ -88,8 +88,7 @@ def config(options: argparse.Namespace) -> None:
     print(effective_text(study), end="")
     named = {name for section in NAMING for space in SPACES for name in study[section][space]}
     for name in [each for each in study["models"] if each not in named]:
-        add = f"add it to comparison.{' or comparison.'.join(SPACES)}"
-        print(f"note: no comparison names models.{name}: not fitted; {add}", file=sys.stderr)
+        print(f"note: models.{name} is not fitted: add it to a comparison", file=sys.stderr)
 
 
 @command(option("--device", help="part of the wanted one's name, instead of SQUEEZEFILM_DEVICE"))

@@ -173,15 +173,13 @@ class Gas:
 
 GASES = Path(__file__).with_name("gases.csv")
 """Numbers of gases at some temperatures under the default pressure, with their sources."""
-COMMENTS = 5
-"""Lines above its header."""
 
 
 @cache
-def gases() -> np.ndarray:
-    """Return the rows of GASES as records, those of a gas in the order of temperature."""
-    how: dict[str, Any] = {"delimiter": ",", "dtype": None, "encoding": "utf-8"}
-    return np.genfromtxt(GASES, skip_header=COMMENTS, names=True, **how)
+def _gases() -> np.ndarray:
+    """Return the cells of GASES, its header first."""
+    lines = GASES.read_text(encoding="utf-8").splitlines()
+    return np.array([line.split(",") for line in lines if not line.startswith("#")])
 
 
 def _numbers_of(gas: Gas) -> dict[str, float]:
@@ -189,10 +187,11 @@ def _numbers_of(gas: Gas) -> dict[str, float]:
 
     Five digits, so that they are those of a row at its own temperature.
     """
-    rows, own = gases()[gases()["gas"] == gas.name], {}
-    at, kelvin = np.log(gas.ambient_temperature_k), np.log(rows["temperature_k"])
-    for name in rows.dtype.names[2:]:
-        own[name] = float(f"{np.exp(np.interp(at, kelvin, np.log(rows[name]))):.5g}")
+    rows, own = _gases()[_gases()[:, 0] == gas.name, 1:].astype(float), {}
+    kelvin, *columns = np.log(rows).T
+    for name, values in zip(_gases()[0, 2:].tolist(), columns, strict=True):
+        value = np.exp(np.interp(np.log(gas.ambient_temperature_k), kelvin, values))
+        own[name] = float(f"{value:.5g}")
     pressure = gas.ambient_pressure_pa / Gas.ambient_pressure_pa
     own["density_kg_per_m3"] *= pressure
     own["mean_free_path_m"] /= pressure
