@@ -3,24 +3,21 @@
 Gaps, amplitudes and forces are off by their uncertainties times normal random numbers.
 """
 
-from itertools import product
-
 import numpy as np
 import pandas as pd
 
 from squeezefilm.api.film import Film
 from squeezefilm.config.loading import parse_config
 
-SEED, GAPS_UM, AMPLITUDES_UM = 1, (5, 6, 7, 8), (1, 1.5, 2)
-UNCERTAINTIES = {"h0 uncertainty [µm]": 0.03, "hv uncertainty [µm]": 0.01}
-UNCERTAINTIES |= {"force uncertainty [mN]": 1.5}
+SEED = 1
+OFF = {"h0 uncertainty [µm]": 0.03, "hv uncertainty [µm]": 0.01, "force uncertainty [mN]": 1.5}
+H0_UM, HV_UM = np.repeat([5, 6, 7, 8], 3), np.tile([1, 1.5, 2], 4)
 
 
 def synthetic_forces(text, path):
-    """Return the table of measurements of a study, of which the text is, with all of its terms."""
+    """Return the measurements of a study, of which the text is, if its gas has inertia and heat."""
     film = Film(parse_config(text.replace("none", "included"), path=path))
-    table = pd.DataFrame(product(GAPS_UM, AMPLITUDES_UM), columns=["h0 [µm]", "hv [µm]"])
-    noise = np.random.default_rng(SEED).standard_normal((len(table), 3)) * [*UNCERTAINTIES.values()]
-    points = pd.DataFrame(1e-6 * (table.to_numpy() + noise[:, :2]), columns=["h0_m", "hv_m"])
-    force_mn = 1e3 * film.forces(points)["force_n"] + noise[:, 2]
-    return table.assign(**{"force [mN]": force_mn.round(2)}, **UNCERTAINTIES)
+    h0_um, hv_um, force_mn = np.random.default_rng(SEED).normal(0, [*OFF.values()], (12, 3)).T
+    points = pd.DataFrame({"h0_m": H0_UM + h0_um, "hv_m": HV_UM + hv_um}) * 1e-6
+    force_mn = (1e3 * film.forces(points)["force_n"] + force_mn).round(2)
+    return pd.DataFrame({"h0 [µm]": H0_UM, "hv [µm]": HV_UM, "force [mN]": force_mn, **OFF})
