@@ -1,6 +1,6 @@
 """The example's measured forces, config/synthetic.csv: computed with inertia and heat, with noise.
 
-Gaps, amplitudes and forces are off by their uncertainties times normal random numbers of the seed 1.
+Gaps, amplitudes and forces are off by their uncertainties times normal random numbers, seed 1.
 """
 
 import numpy as np
