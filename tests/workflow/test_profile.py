@@ -1,4 +1,4 @@
-"""What is made from a study's scan or outline is made anew where its file changes."""
+"""What is made from a study's scan, outline or measurements is made anew where its file changes."""
 
 import pytest
 from example_outline import STUDY, write_outline
@@ -10,6 +10,7 @@ from .conftest import copy_checkout, snakemake
     ("study", "target", "message"),
     [
         ("vibrometer", "profile/smoothed.pickle", "Make a smooth profile of the scan"),
+        ("synthetic", "figures/measurements.png", "Measured forces beside computed ones"),
         ("patch", "simulations/device.json", "Compile the kernels"),
     ],
 )

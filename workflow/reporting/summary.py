@@ -104,6 +104,7 @@ def headline_values(results: Results) -> dict[str, Any]:
         "judged": results.validation("two_factor_design", "screen"),
         "claims": verdicts(results.table("claims.csv", *CLAIM)) if config["paper"] else None,
         "recommended": recommended,
+        "measured": "measurements" in config and results.summary("measurements/summary.json"),
         "amplitudes": _amplitudes,
         "wanted": config["extrapolation"],
         "neglected": _neglected(results),

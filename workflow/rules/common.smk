@@ -69,6 +69,7 @@ SUMMARY = "1 Summary and claims" if PAPER else "1 Summary"
 SCAN = CONFIG["actuator"]["profile"].get("file")
 OUTLINE = CONFIG["pad"].get("outline", {}).get("file")
 STYLE = CONFIG["figures"].get("style")
+MEASURED = CONFIG.get("measurements", {}).get("file")
 
 # What decides a job's numbers beside its input files are parameters of its rule, so that Snakemake
 # makes anew what an edit reaches: a digest of its stage's code, and sections of the study.
@@ -82,7 +83,12 @@ def sections(*names):
     found = {name: CONFIG[name] for name in names}
     named = [
         CONFIG.path.parent / file
-        for file, section in ((SCAN, "actuator"), (OUTLINE, "pad"), (STYLE, "figures"))
+        for file, section in (
+            (SCAN, "actuator"),
+            (OUTLINE, "pad"),
+            (STYLE, "figures"),
+            (MEASURED, "measurements"),
+        )
         if file and section in found
     ]
     found["files"] = [file_digest(file) for file in named if file.is_file()]

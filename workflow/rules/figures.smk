@@ -61,6 +61,7 @@ OTHERS = {
         for name in ("work_precision", "stability", "published")
     },
     **({"figures/profile": ["figures/profile.csv", "profile/summary.json"]} if SCAN else {}),
+    "figures/measurements": expand("measurements/{file}", file=["comparison.csv", "summary.json"]),
 }
 for space in FITS:
     OTHERS[f"models/{space}_errors"] = [f"models/{space}.csv", f"models/{space}_errors.csv"]

@@ -24,6 +24,7 @@ rule summary:
         "<results>/simulations/device.json",
         "<results>/simulations/screen/budget.csv",
         SCAN_SUMMARY,
+        "<results>/measurements/summary.json" if MEASURED else [],
         expand("<results>/figures/{name}.png", name=PICTURES.values()),
         profile=SMOOTHED,
     output:

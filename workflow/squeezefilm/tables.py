@@ -33,12 +33,20 @@ LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_erro
 ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
 """What a reader of a refinement's rounds may count on; the table has more."""
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
+UNCERTAINTY_COLUMNS = ("force_uncertainty_n", "h0_uncertainty_m", "hv_uncertainty_m")
+# What a table of measured forces has, for messages.
+MEASURED = (
+    "h0 [µm], hv [µm], force [mN] and force uncertainty [mN], each with its unit; and, where they "
+    "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
+)
 TEXT_COLUMNS = {
     *("point_id", "origin", "status", "validity", "method", "simplifications"),
     *("derivatives_status", "outputs_status"),
 }
-FACTOR = re.compile(r"(h0|hv|x|y|phi_r|phi)[\s_/\[(]+([^\s\])]+)[\])]?", re.I)
-"""A factor with its unit, as people write it: ``h0_um``, ``h0 [µm]``, ``X (mm)``, ``phi/rad``."""
+# A quantity or its uncertainty with a unit, as people write it: ``h0_um``, ``h0 [µm]``, ``X (mm)``,
+# ``phi/rad``, ``force uncertainty [mN]``.
+NAMED = r"(h0|hv|x|y|phi_r|phi|force)([\s_]+(?:standard[\s_]+)?uncertainty)?"
+QUANTITY = re.compile(NAMED + r"[\s_/,\[(]+([^\s\])]+)[\])]?", re.I)
 PARQUET = ".parquet"
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
@@ -73,6 +81,19 @@ def read_design(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the file, the row or the column that is wrong.
     """
     return _read(path, columns=DESIGN_COLUMNS, numbers=FACTOR_COLUMNS)
+
+
+def read_measurements(path: Path | str) -> pd.DataFrame:
+    """Read measured forces with their standard uncertainties.
+
+    Points without a name are called by their line. Uncertainties of gap and amplitude are 0 where
+    the table has none.
+
+    Raises InputError naming the file, the row or the column that is wrong, and what is allowed.
+    """
+    numbers = (*FACTOR_COLUMNS, "force_n", *UNCERTAINTY_COLUMNS)
+    table = _read(path, columns=("point_id", *numbers), numbers=numbers, measured=True)
+    return table.assign(**{name: table.get(name, 0.0) for name in UNCERTAINTY_COLUMNS})
 
 
 def read_timings(path: Path | str) -> pd.DataFrame:
@@ -122,23 +143,31 @@ def _read(
     columns: Sequence[str],
     numbers: Sequence[str],
     others: Others = "refused",
+    measured: bool = False,
     chunk: tuple[int, int] = (1, 1),
 ) -> pd.DataFrame:
-    """The columns of a table, and what becomes of others that it has."""
+    """The columns of a table, and what becomes of others that it has.
+
+    Args:
+        measured: whether names and uncertainties but that of the force may be missing, and
+            uncertainties must be above 0.
+    """
     path = Path(path)
+    optional = ("point_id", *UNCERTAINTY_COLUMNS[1:]) if measured else ()
 
     def wanted(header: Sequence[str]) -> list[str]:
         """The columns of a table with this header that are read."""
         named = as_in(columns, header)
         if others == "refused" and not {*POLAR, *CARTESIAN} & {*header}:
             named = [name for name in named if name not in POLAR]
+        named = [name for name in named if name not in optional or name in header]
         _check_header(header, columns=named, refused=others == "refused", path=path)
         return [*named, *(name for name in header if others == "kept" and name not in named)]
 
     table, lines = (
         _parquet_rows(path, wanted=wanted, chunk=chunk)
         if path.suffix == PARQUET
-        else _csv_rows(path, wanted=wanted, needs=", ".join(columns))
+        else _csv_rows(path, wanted=wanted, needs=MEASURED if measured else ", ".join(columns))
     )
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
@@ -150,7 +179,11 @@ def _read(
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             cell = table[name].tolist()[row]
             raise InputError(f"{place} {lines[row]}: {name} is {cell!r}, not a finite number")
+        for row in np.flatnonzero((values <= 0) & (name in UNCERTAINTY_COLUMNS))[:1]:
+            raise InputError(f"{place} {lines[row]}: {name} is {values[row]:g}; it must be above 0")
         table[name] = values
+    if "point_id" not in table:
+        table.insert(0, "point_id", [f"{word} {line}" for line in lines])
     ids = table["point_id"]
     for row in np.flatnonzero(ids.isna() | (ids == ""))[:1]:
         raise InputError(f"{place} {lines[row]}: point_id is empty")
@@ -192,10 +225,13 @@ def _csv_rows(
 
 def _column(name: str) -> tuple[str, float]:
     """Return the column that a cell of a header names, and the size of its unit in that of it."""
-    match = FACTOR.fullmatch(name)
-    unit = "deg" if match and match[1].lower() == "phi" else "m"
-    size = sizes(unit).get(match[2]) if match else None
-    return (name, 1.0) if match is None or size is None else (f"{match[1].lower()}_{unit}", size)
+    match = QUANTITY.fullmatch(name)
+    if match is None:
+        return name, 1.0
+    quantity, end = match[1].lower(), "_uncertainty" * bool(match[2])
+    unit = {"phi": "deg", "force": "N"}.get(quantity, "m")
+    size = sizes(unit).get(match[3])
+    return (name, 1.0) if size is None else (f"{quantity}{end}_{unit.lower()}", size)
 
 
 def _in_si(cell: str, size: float) -> str:
@@ -250,16 +286,17 @@ def _check_header(
     """Refuse a header that lacks a column or has it twice, others where they are ``refused``."""
     if len(header) == 1 and ";" in header[0]:
         raise InputError(f"{path}: cells are separated by semicolons; a table has commas")
+    needs = f"; the table needs {MEASURED}" * (UNCERTAINTY_COLUMNS[0] in columns)
     either = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
     for name in columns:
         if header.count(name) != 1:
             how = "stands twice" if name in header else f"is missing; it has {', '.join(header)}"
             other = f" ({either})" if name in (*POLAR, *CARTESIAN) else ""
-            raise InputError(f"{path}: column {name!r} {how}{other}")
+            raise InputError(f"{path}: column {name!r} {how}{other}{needs}")
     for name in header:
         if name not in columns and (refused or name in CARTESIAN):
             also = either if name in CARTESIAN else f"the columns are {', '.join(columns)}"
-            raise InputError(f"{path}: unknown column {name!r}; {also}")
+            raise InputError(f"{path}: unknown column {name!r}; {also}{needs}")
 
 
 def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:

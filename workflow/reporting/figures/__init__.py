@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from reporting.figures import style
 from reporting.figures.film import budget, levitation, response
 from reporting.figures.maps import amplitudes, error_map, forces, profile, vibration
+from reporting.figures.measurements import measurements
 from reporting.figures.models import design, fitted_model, model_errors, refined, sensitivity
 from reporting.figures.overview import overview
 from reporting.figures.verification import published, stability, work_precision
@@ -27,7 +28,7 @@ FIGURES: dict[str, Draw] = {
     f"figures/{function.__name__}": function
     for function in (
         *(overview, vibration, profile, forces, fitted_model, design, error_map, amplitudes),
-        *(budget, response, levitation),
+        *(budget, response, levitation, measurements),
     )
 }
 FIGURES |= {

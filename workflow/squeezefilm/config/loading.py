@@ -240,13 +240,14 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
     """The whole study as YAML that reads as the same study; what was not written says so.
 
     Args:
-        folder: where the text will lie, for the paths of a scan and an outline; by default
-            beside the study.
+        folder: where the text will lie, for the paths of the files that the study names; by
+            default beside the study.
     """
     assert config.model is not None
     sections = config.model.model_dump(exclude_none=True, by_alias=True)
-    scan, outline = sections["actuator"]["profile"], sections["pad"].get("outline", {})
-    for section, key in ((scan, "file"), (outline, "file"), (sections["figures"], "style")):
+    outline, measured = sections["pad"].get("outline", {}), sections.get("measurements", {})
+    named = sections["actuator"]["profile"], outline, measured
+    for section, key in (*((each, "file") for each in named), (sections["figures"], "style")):
         if folder is not None and key in section:
             section[key] = os.path.relpath(config.path.parent / section[key], start=folder)
     head = f"# {config.path}, as it is computed: what is not marked was written there.\n"

@@ -378,6 +378,19 @@ class Figures(Section):
     style: Text = DERIVED
 
 
+class Measurements(Section):
+    """`snakemake measurements`: your own measured forces beside computed ones.
+
+    Attributes:
+        file: a table (CSV, from the folder of this file) with the columns `h0 [µm]`, `hv [µm]`, a
+            position unless the pad is centred, `force [mN]` and `force uncertainty [mN]`, each in
+            any unit; and, where they are known, `h0 uncertainty [µm]` and `hv uncertainty [µm]`.
+            Uncertainties are standard ones
+    """
+
+    file: Text
+
+
 class Header(Section):
     """What a study begins with."""
 
@@ -413,6 +426,7 @@ class Study(FilmSections, Header):
     extrapolation: Extrapolation
     numerics: Numerics = Field(default_factory=Numerics)
     figures: Figures = Field(default_factory=Figures)
+    measurements: Measurements = DERIVED
 
     @model_validator(mode="after")
     def with_derived(self) -> "Study":

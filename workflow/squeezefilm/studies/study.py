@@ -22,7 +22,7 @@ from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetr
 from squeezefilm.film.validity import check_scene, check_scenes
 from squeezefilm.lazy import pd
 from squeezefilm.solution import POLAR, as_in, cartesian
-from squeezefilm.tables import FACTOR_COLUMNS
+from squeezefilm.tables import FACTOR_COLUMNS, read_measurements
 
 if TYPE_CHECKING:
     from squeezefilm.film.measured.smooth import SmoothedScan
@@ -212,10 +212,34 @@ def check_study(config: Config) -> Config:
             scan = read_scan(path, frequency_hz=settings.pop("frequency_hz"))
             check_places(scan, **settings)
         profile = planned_profile_of(config)
+    if "measurements" in config:
+        measured_points(config, profile=profile)
     for section, points in _extreme_points(config):
         with naming(f"{config.path}: {section}"):
             scenes_in(points, config, profile=profile)
     return config
+
+
+def measured_points(config: Config, *, profile: Profile | None = None) -> pd.DataFrame:
+    """Return the table of measured forces of a study that has one.
+
+    Args:
+        profile: stands in for the study's own where the points are checked.
+
+    Raises InputError for a study without one, a wrong table, and for a point that is no film within
+    its uncertainties.
+    """
+    if "measurements" not in config:
+        raise InputError(f"{config.path}: there is no section measurements: {{file: TABLE.csv}}")
+    path = config.path.parent / config["measurements"]["file"]
+    table = read_measurements(path)
+    for sign, within in zip((0, -1, 1), ("", *[" with its uncertainties"] * 2), strict=True):
+        h0_m = table["h0_m"] + sign * table["h0_uncertainty_m"]
+        hv_m = table["hv_m"] - sign * table["hv_uncertainty_m"]
+        ends = table.assign(h0_m=h0_m, hv_m=hv_m, point_id=table["point_id"] + within)
+        with naming(path):
+            scenes_in(ends, config, profile=profile)
+    return table
 
 
 def _extreme_points(config: Config) -> Iterator[tuple[str, pd.DataFrame]]:

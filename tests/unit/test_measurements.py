@@ -1,0 +1,53 @@
+"""Measured forces beside computed ones: by hand, of the synthetic example, and of wrong tables."""
+
+import pandas as pd
+import pytest
+from example_measurements import synthetic_forces
+
+from squeezefilm.api.measurements import PARTS, compare_measurements, summary_of, with_residuals
+from squeezefilm.config.loading import load_config
+
+# Forces, bounds of the modelling error, χ² by itself and beyond the bounds, the verdict.
+WORTH = [
+    ([10.5, 11, 9, 1], [0, 0, None, 0], 2.25, None, "at 3 of 4 points are within measurement"),
+    ([13, 12, 10, 1], [2, 2, 2, 0], 13, 1, "the modelling error can explain them"),
+    ([13, 12, 10, 1], [1, 2, None, 0], 13, None, "the modelling error is not known at 1 of them"),
+    ([7, 10, 15, 1], [2, 2, 1, 0], 34, 25, "and the known errors of the computed forces"),
+]
+HEAD, ROW = "h0 [µm],hv [µm],force [mN],force uncertainty [mN]", "\n5,1,10,1"
+WRONG = {
+    "": "measured.csv: the table is empty; it needs h0 [µm], hv [µm], force [mN]",
+    HEAD + "\n5,1,10,": "line 2: force_uncertainty_n is ''",
+    HEAD + ROW + "\n5,1,10,0": "line 3: force_uncertainty_n is 0; it must be above 0",
+    HEAD.replace("mN", "kg") + ROW: "column 'force_n' is missing; it has h0_m, hv_m, force [kg]",
+    HEAD + ",h0 uncertainty [nm]\n5,4,9,1,2e3": "line 2 with its uncertainties: hv_m = 4e-06",
+}
+
+
+@pytest.mark.parametrize(("measured", "upper", "squares", "beyond", "worth"), WORTH)
+def test_chi_square_is_that_found_by_hand(measured, upper, squares, beyond, worth):
+    """Three points of 10 N, each with an uncertainty of √(0.6² + 0.8²), and one without a force."""
+    table = pd.DataFrame({"measured_force_n": measured, "modelling_error_upper_n": upper})
+    table = table.assign(point_id=[*"abcd"], status=[*3 * ["ok"], "not converged"], force_n=10.0)
+    table[PARTS] = [0.6, 0.8, 0.0]
+    table[["force_error_n", "profile_uncertainty_n", "modelling_error_lower_n"]] = 0.0
+    got = summary_of(with_residuals(table))
+    assert [got["chi_square"], got["chi_square_unexplained"]] == pytest.approx([squares, beyond])
+    assert worth in got["verdict"]
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_a_wrong_table_is_refused_before_anything_runs(text, edited, refused, tmp_path):
+    (tmp_path / "measured.csv").write_text(text, encoding="utf-8")
+    told = refused("config", edited("synthetic", measurements={"file": "measured.csv"}))
+    assert WRONG[text] in told
+
+
+def test_the_synthetic_forces_are_explained_by_inertia(repository):
+    path = repository / "config/synthetic.yaml"
+    made = synthetic_forces(path.read_text(encoding="utf-8"), path)
+    assert made.to_numpy() == pytest.approx(pd.read_csv(path.with_suffix(".csv")), abs=0.011)
+    table = compare_measurements(load_config(path))
+    assert "the modelling error can explain them" in summary_of(table)["verdict"]
+    # The force goes as hv² at small amplitudes.
+    assert table["force_uncertainty_hv_n"][9] == pytest.approx(0.02 * table["force_n"][9], rel=0.02)
