@@ -14,6 +14,7 @@ from squeezefilm import __version__
 from squeezefilm.cli.main import commands_of
 from squeezefilm.config.keys import key_table, schema
 from squeezefilm.film.validity import LIMITS
+from squeezefilm.tables import COLUMNS
 
 project, version, release = "squeezefilm", __version__, __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
@@ -62,7 +63,7 @@ def measured(path: Path) -> str:
 
 
 def write_generated() -> None:
-    """Write keys, help of all commands, limits of validity, claims and measured tables."""
+    """Write keys, columns, help of all commands, limits of validity, claims, measured tables."""
     GENERATED.mkdir(exist_ok=True)
     rows = [
         f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
@@ -70,6 +71,9 @@ def write_generated() -> None:
         for limit in LIMITS
     ]
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
+    names = (f"| `{name}` | {' | '.join(about)} |" for name, *about in COLUMNS)
+    head = "| column | unit | meaning | tables |", "| --- | --- | --- | --- |"
+    (GENERATED / "columns.md").write_text("\n".join([*head, *names]), encoding="utf-8")
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
     (GENERATED / "claims.md").write_text("\n".join(claims()), encoding="utf-8")
     for path in sorted((HERE / "data").glob("*.csv")):

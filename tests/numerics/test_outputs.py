@@ -73,8 +73,8 @@ def test_first_harmonics_of_a_small_piston_are_those_of_the_linear_series(sigma:
     found = outputs(scene, "harmonics")
     spring, damping = piston_response(sigma)
     speed = scene.actuator.angular_frequency_rad_per_s
-    assert found.value["force_sin"] == pytest.approx(-1e-3 * spring * FORCE_N, rel=1e-5)
-    assert found.value["force_cos"] == pytest.approx(-1e-3 * damping * FORCE_N, rel=1e-5)
+    assert found.value["force_in_phase"] == pytest.approx(-1e-3 * spring * FORCE_N, rel=1e-5)
+    assert found.value["force_quadrature"] == pytest.approx(-1e-3 * damping * FORCE_N, rel=1e-5)
     assert found.value["film_stiffness"] == pytest.approx(spring * FORCE_N / H0_M, rel=1e-5)
     assert found.value["film_damping"] == pytest.approx(damping * FORCE_N / H0_M / speed, rel=1e-5)
 

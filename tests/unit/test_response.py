@@ -36,7 +36,7 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     assert film["falling_n"].iloc[0] / settled == pytest.approx(
         summary["lasting_fraction"], rel=1e-3
     )
-    late = film["time_s"] > summary["rise_s"]
+    late = film["time_s"] > summary["settling_start_s"]
     assert (abs(film["rising_n"][late] / settled - 1) < 0.05).all()
 
 

@@ -80,7 +80,7 @@ def test_a_position_is_cartesian_unless_the_formula_is_polar():
 
 
 def test_a_row_in_lines_has_texts_and_says_what_is_not_known():
-    row = {"h0_m": 4e-6, "others_m": "2e-06", "h0_modelling_error_lower_m": math.nan}
+    row = {"h0_m": 4e-6, "other_gaps_m": "2e-06", "h0_modelling_error_lower_m": math.nan}
     assert [line.split(maxsplit=1)[1] for line in in_lines(row).splitlines()] == [
         *("4 µm", "2e-06 m", "not known"),
     ]

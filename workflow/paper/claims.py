@@ -54,7 +54,7 @@ def judge(results: Results) -> pd.DataFrame:
 def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     """The claim with its texts filled in and the verdict."""
     ours = values[claim["claim_id"]]
-    agrees = claim["least"] <= ours <= claim["largest"]
+    agrees = claim["lower"] <= ours <= claim["upper"]
     claim["verdict"] = (
         f"agrees {claim['within']}" if agrees else f"differs because {claim['because']}"
     )
@@ -77,7 +77,7 @@ def _two_factor_values(results: Results) -> Values:
     same = "the same" if spread < 1e-6 else f"sum of squares up to {spread:.1g} apart"
     smallest = screen.sort_values("force_n", kind="stable").iloc[0]
     ppm = 1e6 * float(smallest["force_n"])
-    seconds = read_timings(results.folder / "simulations/screen/timings.csv")["solve_seconds"].max()
+    seconds = read_timings(results.folder / "simulations/screen/timings.csv")["solve_s"].max()
     bound = next((f"below {name}" for limit, name in TIME_BOUNDS if seconds < limit), None)
     return {
         **limits,

@@ -66,7 +66,7 @@ RESULTS = {
     "simulations/screen/levitation": "load_n|hv_m|h0_m|stiffness_n_per_m|modified_reynolds",
     "simulations/extrapolation/film": "phase_deg|x_mm|surface_um|pad_um|gauge_pressure_kpa",
     "validation/two_factor_design_on_error_map": "h0_m|hv_m|relative_error",
-    "tables/uncertainty": "assumption|force_(low|high)_n|ours_n|verdict",
+    "tables/uncertainty": "assumption|force_(lower|upper)_n|ours_n|verdict",
 }
 """Tables that the study's figures are drawn from, and their columns that are compared."""
 GIVEN_PLAN = "(screen|error_map|four_factor_control)"

@@ -84,7 +84,7 @@ def headline_values(results: Results) -> dict[str, Any]:
     forces = results.forces("extrapolation").set_index("point_id")
     point = results.row(forces, "operating_point", file)
     if results.exists("profile/summary.json"):
-        noise = results.summary("profile/summary.json").get("largest_force_noise_share", 0.0)
+        noise = results.summary("profile/summary.json").get("largest_force_noise_fraction", 0.0)
     if not config["paper"]:
         columns = ("space", "model", "validation_error", "force_n")
         recommended = results.table("models/recommended.csv", *columns).dropna(subset="model")
@@ -190,7 +190,7 @@ def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
 def _errors(results: Results, pair: str) -> dict[str, str]:
     fit, _, plan = pair.partition("_on_")
     errors = results.validation(fit, plan)
-    inside, band = 100 * errors["share_within_band"], 100 * errors["band"]
+    inside, band = 100 * errors["fraction_within_band"], 100 * errors["band"]
     return {
         "model fitted on": f"{fit} ({results.fit(fit).points} points)",
         "validated on": f"{plan} ({errors['points']:g} points)",

@@ -187,8 +187,8 @@ class Derivatives:
 # docs/outputs.md has their signs and formulas.
 OUTPUTS: dict[str, dict[str, str]] = {
     "harmonics": {
-        "force_sin": "n",
-        "force_cos": "n",
+        "force_in_phase": "n",
+        "force_quadrature": "n",
         "film_stiffness": "n_per_m",
         "film_damping": "n_s_per_m",
     },

@@ -9,11 +9,12 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from fnmatch import fnmatchcase
 from math import nan
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -26,15 +27,11 @@ FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
-TIMING_COLUMNS = ("point_id", "solve_seconds")
+TIMING_COLUMNS = ("point_id", "solve_s")
 LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_error_n", "status")
 ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
 """What a reader of a refinement's rounds may count on; the table has more."""
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
-TEXT_COLUMNS = {
-    *("point_id", "origin", "status", "validity", "method", "simplifications"),
-    *("derivatives_status", "outputs_status"),
-}
 PARQUET = ".parquet"
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
@@ -42,6 +39,32 @@ OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", "
 THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
+
+
+class Column(NamedTuple):
+    """A column that a table may have; ``*`` in its name stands for any text.
+
+    Attributes:
+        unit: as its name ends, 1 for a plain number, ``text`` or ``bool``.
+        tables: the tables that have it.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    tables: str
+
+
+def _columns(path: Path) -> tuple[Column, ...]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return tuple(Column(*row) for row in list(csv.reader(file))[1:])
+
+
+COLUMNS = _columns(Path(__file__).with_name("columns.csv"))
+"""Every column that the commands and the workflow write."""
+NAMES = {each.name for each in COLUMNS}
+PATTERNS = [name for name in NAMES if "*" in name]
+TEXT_COLUMNS = {each.name for each in COLUMNS if each.unit == "text"}
 
 Others = Literal["refused", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read."""
@@ -76,7 +99,7 @@ def read_timings(path: Path | str) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    return _read(path, columns=TIMING_COLUMNS, numbers=("solve_seconds",))
+    return _read(path, columns=TIMING_COLUMNS, numbers=("solve_s",))
 
 
 def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
@@ -258,18 +281,31 @@ def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
     return data
 
 
-def write_table(table: pd.DataFrame, path: Path | str) -> None:
-    """Write a table with full double precision, whole or not at all."""
-    with table_writer(path) as write:
+def unregistered(names: Iterable[str]) -> list[str]:
+    """Return the columns that COLUMNS does not list."""
+    others = set(names) - NAMES
+    return [name for name in others if not any(fnmatchcase(name, each) for each in PATTERNS)]
+
+
+def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str] = ()) -> None:
+    """Write a table as ``table_writer`` does."""
+    with table_writer(path, given=given) as write:
         write(table)
 
 
 @contextmanager
-def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
+def table_writer(
+    path: Path | str, *, given: Collection[str] = ()
+) -> Iterator[Callable[[pd.DataFrame], None]]:
     """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
 
     All pieces have the columns of the first one. CSV comes with full double precision.
-    Raises InputError for a name that says that something else is in the file.
+
+    Args:
+        given: columns of the user's own.
+
+    Raises InputError for a name that says that something else is in the file, ValueError for a
+    column without a meaning in COLUMNS.
     """
     path = Path(path)
     if path.suffix.lower() in OTHER_FORMATS:
@@ -277,15 +313,23 @@ def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
             f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "
             f"not as {path.suffix}"
         )
-    with whole_file(path) as name:
-        if path.suffix == PARQUET:
-            with _parquet_pieces(name) as write:
-                yield write
-        else:
-            with name.open("w", encoding="utf-8", newline="") as file:
-                yield lambda piece: piece.to_csv(
-                    file, index=False, header=file.tell() == 0, lineterminator="\n"
-                )
+    pieces = _parquet_pieces if path.suffix == PARQUET else _csv_pieces
+
+    def write(piece: pd.DataFrame) -> None:
+        if unknown := unregistered({*piece} - {*given}):
+            raise ValueError(f"{path}: columns.csv has no {', '.join(unknown)}")
+        write_piece(piece)
+
+    with whole_file(path) as name, pieces(name) as write_piece:
+        yield write
+
+
+@contextmanager
+def _csv_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
+    with name.open("w", encoding="utf-8", newline="") as file:
+        yield lambda piece: piece.to_csv(
+            file, index=False, header=file.tell() == 0, lineterminator="\n"
+        )
 
 
 @contextmanager

@@ -75,21 +75,21 @@ def ablation(
     }
     exact = periodic(scenes, tolerance=REFERENCE_TOLERANCE).force_n
     rows = []
-    for tolerance, (put_back, (way, changed)) in product(tolerances, ways.items()):
+    for tolerance, (re_enabled, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        found, cpu_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
+        found, cpu_s = measure(call, repeats=repeats, long_seconds=np.inf)
         error, stated = np.abs(found.force_n - exact), found.force_error_n
         row = {
-            "put_back": put_back,
+            "re_enabled": re_enabled,
             "tolerance": tolerance,
-            "cpu_seconds": cpu_seconds,
+            "cpu_s": cpu_s,
             "worst_error": np.max(error / np.abs(exact)),
-            "covered": np.mean(error <= stated) if np.isfinite(stated).all() else np.nan,
+            "coverage": np.mean(error <= stated) if np.isfinite(stated).all() else np.nan,
         }
         rows.append(row)
     table = pd.DataFrame(rows)
-    needed = table[table["put_back"] == AS_NEEDED].set_index("tolerance")["cpu_seconds"]
-    ratio = table["cpu_seconds"] / table["tolerance"].map(needed)
+    needed = table[table["re_enabled"] == AS_NEEDED].set_index("tolerance")["cpu_s"]
+    ratio = table["cpu_s"] / table["tolerance"].map(needed)
     return table.assign(cpu_ratio=ratio, scenes=len(scenes))
 
 

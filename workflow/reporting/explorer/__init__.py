@@ -48,8 +48,8 @@ def explorer_page(
     for name in candidates:
         path = results.folder / f"models/four_factor/{name}.json"
         values = read_json(path)
-        if "refused" in values:
-            not_available[name] = str(values["refused"])
+        if "not_supported" in values:
+            not_available[name] = str(values["not_supported"])
         else:
             models[f"{name} on four_factor"] = fit_of(values, place=path), "four_factor"
     start = config["extrapolation"]

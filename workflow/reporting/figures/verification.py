@@ -22,7 +22,7 @@ STYLES = {
     "finite elements from rest": (style.VERMILLION, "p", "-"),
 }
 """Colour, marker and line of each method."""
-MARKERS = {"solved": "o", "unchecked": "D", "refused": "s", "failed": "X"}
+MARKERS = {"solved": "o", "unchecked": "D", "not supported": "s", "failed": "X"}
 EPSILON_TICKS = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99)
 LARGEST_EPSILON = 0.998
 APART = 0.25
@@ -31,7 +31,7 @@ APART = 0.25
 
 def stability(results: Results) -> Figure:
     """Left the films without inertia over (ε, σ), right those with it over (Re, σ)."""
-    data = results.table("numerics/stability.csv", "verdict", "worst_over_allowed")
+    data = results.table("numerics/stability.csv", "verdict", "worst_ratio")
     figure = style.new_figure(wide=True, height_in=4.4)
     left, right = figure.subplots(1, 2, width_ratios=(3, 2), sharey=True)
     moving = data["reynolds"] > 0
@@ -62,7 +62,7 @@ def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
     look |= {"edgecolors": "0.3", "linewidths": 0.6, "plotnonfinite": True, "x": "x", "y": "y"}
     for verdict, marker in MARKERS.items():
         some = films[films["verdict"] == verdict]
-        dots = parts.coloured_dots(axes, some, "worst_over_allowed", marker=marker, **look)
+        dots = parts.coloured_dots(axes, some, "worst_ratio", marker=marker, **look)
     axes.set_yscale("log")
     axes.grid(True)
     return dots
@@ -70,16 +70,16 @@ def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
 
 def work_precision(results: Results) -> Figure:
     """A panel for each film, a line for each method."""
-    data = results.table("numerics/work_precision.csv", "film", "method", "relative_error")
+    data = results.table("numerics/work_precision.csv", "case", "method", "relative_error")
 
-    films = data["film"].unique()
+    films = data["case"].unique()
     columns = min(2, len(films))
     rows = -(-len(films) // columns)
     figure = style.new_figure(wide=True, height_in=1.0 + 2.3 * rows)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     lowest = 0.2 * float(data["reference_uncertainty"].min())
     for panel, film in zip(panels, films, strict=False):
-        here = data[data["film"] == film]
+        here = data[data["case"] == film]
         floor = float(here["reference_uncertainty"].iloc[0])
         panel.axhline(float(here["model_error"].iloc[0]), color=style.ORANGE, linewidth=1.5)
         panel.axhspan(lowest, floor, color="0.85", linewidth=0, zorder=0)
@@ -88,7 +88,7 @@ def work_precision(results: Results) -> Figure:
             look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line, "ms": 4}
             look["mfc"] = "white" if line == ":" else colour
             error = np.maximum(path["relative_error"], floor)
-            panel.plot(path["cpu_seconds"], error, label=method, **look)
+            panel.plot(path["cpu_s"], error, label=method, **look)
         panel.set(title=film, xscale="log", yscale="log", ylim=(lowest, 1))
         panel.set(xlabel="processor time per film (s)", ylabel="relative error of the force (–)")
         panel.grid(True)

@@ -58,7 +58,7 @@ class Force:
         budget: the effects that the film equation neglects, one by one; its
             status says where it was not asked for.
         scan: what the scan of a measured profile leaves open: ``noise_n``, half of the interval
-            that holds the noise's part in 95 % of all scans; ``out_of_phase_n``, by what the force
+            that holds the noise's part in 95 % of all scans; ``quadrature_n``, by what the force
             is low without the motion out of phase; ``scan_error_n``, both. None without a scan.
         device: the name of the OpenCL device.
         notes: which terms ``auto`` could not include and why, and what was seen of the scan.
@@ -112,7 +112,7 @@ class Force:
         scene, found = self.scene, self.solution
         parts: dict[str, float] = {}
         if self.scan is not None:
-            parts = {f"scan's {name}": self.scan[name] for name in ("noise_n", "out_of_phase_n")}
+            parts = {f"scan's {name}": self.scan[name] for name in ("noise_n", "quadrature_n")}
             parts["solver's error_n"] = found.force_error_n
         row = {
             "force_n": self.force_n,
@@ -279,7 +279,9 @@ def preview_table(
             "terms": "; ".join(preview.terms),
             **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
             "simplifications": "; ".join(part.what for part in preview.simplifications),
-            "why": "; ".join(f"{part.what}: {part.why}" for part in preview.simplifications),
+            "simplification_reasons": "; ".join(
+                f"{part.what}: {part.why}" for part in preview.simplifications
+            ),
             "expected_error": preview.expected_error,
             "expected_mflop": preview.expected_mflop,
             "notes": "; ".join(notes_of(scene)),
@@ -289,7 +291,7 @@ def preview_table(
 
             refused = refusals(scene, tolerance=settings.tolerance)
             lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
-            row["outputs_refused"] = "; ".join(lacking)
+            row["outputs_not_supported"] = "; ".join(lacking)
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -304,7 +306,7 @@ def preview_text(table: pd.DataFrame, *, tolerance: float) -> str:
     )
     lines = [f"{len(table)} scenes at tolerance {tolerance:g}:", ""]
     lines.append(summary.to_string(index=False, float_format="{:.3g}".format))
-    for column in ("status", "validity", "outputs_refused", "notes"):
+    for column in ("status", "validity", "outputs_not_supported", "notes"):
         for words, alike in table.groupby(column, sort=False) if column in table else ():
             if words not in ("", OK):
                 first = alike["point_id"].iloc[0]
@@ -390,7 +392,7 @@ def simulate_table(
             # By floating-point operations, of which closed forms need none worth counting.
             work = np.array([solution.work for solution in solutions])
             shares = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
-            write_times(rows[["point_id"]].assign(solve_seconds=wall * shares))
+            write_times(rows[["point_id"]].assign(solve_s=wall * shares))
             seconds += wall
             for point_id, solution in zip(rows["point_id"], solutions, strict=True):
                 if reason := missing_of(solution):

@@ -53,8 +53,8 @@ def levitate(options: argparse.Namespace) -> None:
     table keeps the reason as its `status`, as a load that no gap carries does; one load alone ends
     with exit status 1 and the range of loads that have a gap. `stiffness_n_per_m` is that of slow
     motion, −∂F/∂h0 with the amplitude kept and without the scan's noise, and `stable` is said of
-    vertical motion alone. `others_m` are smaller gaps, roughly, that carry the same load. With a
-    mass, which is its own load where none is given, `resonance_hz` and `damping_ratio` (1 is
+    vertical motion alone. `other_gaps_m` are smaller gaps, roughly, that carry the same load. With
+    a mass, which is its own load where none is given, `resonance_hz` and `damping_ratio` (1 is
     critical) are those of its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is
     the root of its equation of motion with the film's stiffness at s.
     `modelling_error_lower_percent` and `…_upper_percent` bound what neglected effects change the
@@ -131,8 +131,8 @@ def response(options: argparse.Namespace) -> None:
     follows at once (`instantaneous_fraction`; `lasting_fraction` remains when the surface stops),
     the rest with the gas that passes the film edge: `instantaneous_gain` is what remains of the
     gain above the corner, `corner_hz`; the film passes modulation at any frequency, with another
-    size. `rise_s` is until the force stays within 5 % after the surface starts, `release_s` until 5
-    % is left after it stops, each to about two periods.
+    size. `settling_start_s` is the time until the force stays within 5 % after the surface starts,
+    `settling_stop_s` until 5 % is left after it stops, each to about two periods.
 
     By the film equation averaged over a period of the vibration, without inertia and heat of the
     gas; films whose averaged settled force is more than 3 % off are not supported. What the

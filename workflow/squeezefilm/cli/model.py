@@ -38,7 +38,7 @@ def predict(options: argparse.Namespace) -> None:
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=place)
-    write_rows(predicted, options.output)
+    write_rows(predicted, options.output, given=table.columns)
     print(fit.statement)
     valid = predicted["validity"].iloc[0]
     alone = len(predicted) == 1 and not (options.points or options.output)

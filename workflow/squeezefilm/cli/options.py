@@ -6,7 +6,7 @@ The docstring of a command is its help.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -99,13 +99,13 @@ def points_in(options: argparse.Namespace) -> pd.DataFrame:
     return pd.DataFrame(columns_in(options))
 
 
-def write_rows(table: pd.DataFrame, path: str | None) -> None:
+def write_rows(table: pd.DataFrame, path: str | None, *, given: Collection[str] = ()) -> None:
     """Write a table, or print it for people where no path is given: one row in lines.
 
-    What is printed has no more digits than its error leaves.
+    What is printed has no more digits than its error leaves. ``given`` are the user's own columns.
     """
     if path:
-        write_table(table, path)
+        write_table(table, path, given=given)
         return
     if len(table) == 1:
         print(in_lines(table.to_dict("records")[0]))

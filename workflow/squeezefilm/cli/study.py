@@ -30,7 +30,7 @@ def profile(options: argparse.Namespace) -> None:
     The profile is the one that every simulation of the study uses. Its noise is drawn anew, from
     the residuals, and some of the study's scenes are simulated with each profile that comes out.
     FORCES.csv has their forces with the half of the interval that holds the noise's part in 95 % of
-    all scans (`noise_n`), by what they are low without motion out of phase (`out_of_phase_n`), and
+    all scans (`noise_n`), by what they are low without motion out of phase (`quadrature_n`), and
     the sum of both (`scan_error_n`), which the solver's own error adds to. PROFILE.csv has the
     scan's points with their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
     """
@@ -145,4 +145,6 @@ def optimal(options: argparse.Namespace) -> None:
             existing=read_scenes(options.existing) if options.existing else None,
         )
     write_table(found["designs"], options.output)
-    write_rows(found["efficiencies"][["plan", "points", "d_efficiency", "lower_bound"]], None)
+    write_rows(
+        found["efficiencies"][["plan", "points", "d_efficiency", "d_efficiency_lower"]], None
+    )

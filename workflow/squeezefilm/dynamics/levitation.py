@@ -62,7 +62,7 @@ class Levitation:
         h0_error_m: numerical error of the gap, from the force's error and the stiffness.
         stiffness_n_per_m, stiffness_error_n_per_m: −∂F/∂h0 for slow motion.
         budget: what the film equation neglects of the force.
-        others_m: further gaps at which the force equals the load, rough, rising.
+        other_gaps_m: further gaps at which the force equals the load, rough, rising.
         notes: on the terms of the equation: which ``auto`` could not include and why, and which
             the scene stretches.
     """
@@ -73,7 +73,7 @@ class Levitation:
     stiffness_n_per_m: float
     stiffness_error_n_per_m: float
     budget: ErrorBudget = field(default_factory=ErrorBudget)
-    others_m: tuple[float, ...] = ()
+    other_gaps_m: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
@@ -167,7 +167,9 @@ def levitate(
         effect = "its first order is in the modelling error" if usable else "its effect is unknown"
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
     stretched = notes_of(found.scene)
-    found = replace(found, others_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched))
+    found = replace(
+        found, other_gaps_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched)
+    )
     if doubts := found.untrustworthy:
         text = "; ".join([*doubts, *notes])
         raise RunError(f"load: no gap is given for {load_n:g} N: {text}")
@@ -340,7 +342,7 @@ COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "h0_error_m": lambda found: found.h0_error_m,
     "h0_modelling_error_lower_m": lambda found: found.modelling_error_m[0],
     "h0_modelling_error_upper_m": lambda found: found.modelling_error_m[1],
-    "others_m": lambda found: "; ".join(f"{each:.3g}" for each in found.others_m),
+    "other_gaps_m": lambda found: "; ".join(f"{each:.3g}" for each in found.other_gaps_m),
     "stiffness_n_per_m": lambda found: found.stiffness_n_per_m,
     "stiffness_error_n_per_m": lambda found: found.stiffness_error_n_per_m,
     "stable": lambda found: found.stable,

@@ -45,8 +45,8 @@ NEGLECTED = ("inertia", "heat")
 CHANGED = {
     "gain": "static_gain",
     "corner": "corner_hz",
-    "rise": "rise_s",
-    "release": "release_s",
+    "settling_start": "settling_start_s",
+    "settling_stop": "settling_stop_s",
 }
 
 
@@ -58,10 +58,10 @@ class Response(NamedTuple):
         instantaneous_gain: for one too fast for the gas to leave.
         corner_hz: where what lies between them has fallen by 3 dB.
         instantaneous_fraction: of the settled force, that is there when the surface starts.
-        rise_s: until the force stays within 5 % of the settled one; its error and that of
-            ``release_s`` are the phase in which the vibration starts or stops, two periods.
+        settling_start_s: until the force stays within 5 % of the settled one; its error and that of
+            ``settling_stop_s`` are the phase in which the vibration starts or stops, two periods.
         lasting_fraction: of the settled force, that is left when the surface stops.
-        release_s: until 5 % of the settled force is left.
+        settling_stop_s: until 5 % of the settled force is left.
         error: relative, of the static gain, which is that of the settled force. Corner, fractions
             and instantaneous gain are those of the period-averaged equation; times are accurate to
             two periods at best.
@@ -71,11 +71,11 @@ class Response(NamedTuple):
     instantaneous_gain: float
     corner_hz: float
     instantaneous_fraction: float
-    rise_s: float
-    rise_error_s: float
+    settling_start_s: float
+    settling_start_error_s: float
     lasting_fraction: float
-    release_s: float
-    release_error_s: float
+    settling_stop_s: float
+    settling_stop_error_s: float
     error: float
 
 
@@ -161,11 +161,11 @@ def _response(scene: Scene, points: int) -> Response:
         instantaneous_gain=float(prompt),
         corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
         instantaneous_fraction=float(rising[0] / settled),
-        rise_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
-        rise_error_s=two_periods_s,
+        settling_start_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
+        settling_start_error_s=two_periods_s,
         lasting_fraction=float(falling[0] / settled),
-        release_s=_crossing(time, np.abs(falling / settled)) / rate,
-        release_error_s=two_periods_s,
+        settling_stop_s=_crossing(time, np.abs(falling / settled)) / rate,
+        settling_stop_error_s=two_periods_s,
         error=error,
     )
 

@@ -239,8 +239,8 @@ def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
 
     Raises InputError naming the place and the entry that is missing or wrong.
     """
-    if "refused" in values:
-        raise InputError(f"{place}: there is no fit: {values['refused']}")
+    if "not_supported" in values:
+        raise InputError(f"{place}: there is no fit: {values['not_supported']}")
     try:
         # Of the film a file has names with units, which are keys of a study without.
         given = {**values, "place": str(place)}

@@ -304,7 +304,7 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
     rows = [
         region
         | {
-            "share_of_points": (inside & known).sum() / known.sum(),
+            "fraction_of_points": (inside & known).sum() / known.sum(),
             "fraction_of_squares": squares[inside].sum() / squares.sum(),
             "bias_n": error[inside & known].mean(),
         }

@@ -180,8 +180,8 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
             found[name] = place, (error + abs(place) * doubt) / (abs(force) - doubt)
     if "harmonics" not in refused:
         for name, part, per in (
-            ("film_stiffness", "force_sin", scene.hv_m),
-            ("film_damping", "force_cos", scene.hv_m * speed),
+            ("film_stiffness", "force_in_phase", scene.hv_m),
+            ("film_damping", "force_quadrature", scene.hv_m * speed),
         ):
             found[name] = -found[part][0] / per, found[part][1] / per
     drag = _couette(film)
@@ -201,7 +201,9 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
         for (drawn, off), share in zip(parts, turned, strict=True):
             found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
     names = {name for output in OUTPUTS if output not in refused for name in OUTPUTS[output]}
-    known = {n: each for n, each in found.items() if n in names | {"force_sin", "force_cos"}}
+    known = {
+        n: each for n, each in found.items() if n in names | {"force_in_phase", "force_quadrature"}
+    }
     return Outputs(
         value={name: value for name, (value, _) in known.items()},
         error={name: off for name, (_, off) in known.items()},
@@ -245,8 +247,8 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
         "moment_x": force * np.stack([y, nothing, nothing]),
         "moment_y": force * np.stack([-x, nothing, nothing]),
         # F₁ of F₀ + F₁ sin T + F₂ cos T is twice the mean with sin T.
-        "force_sin": 2 * force * np.stack([nothing, one, nothing]),
-        "force_cos": 2 * force * np.stack([nothing, nothing, one]),
+        "force_in_phase": 2 * force * np.stack([nothing, one, nothing]),
+        "force_quadrature": 2 * force * np.stack([nothing, nothing, one]),
         # −p ∂h/∂t, the work that the surface does against the pressure.
         "power": force * speed * np.stack([nothing, cosine, -sine]),
         "thrust_x": force * scene.h0_m * thrust_x,

@@ -156,7 +156,7 @@ def depth_averaging(
     for heat, (re, s) in product(("none", "included"), product(reynolds, sigma)):
         scene = film("", SMALL, s, profile=PISTON, reynolds=re).with_gas(heat=heat)
         (found,) = _quantities([scene], "harmonics", tolerance=1e-5, device=device)
-        force = -(found["force_sin"] + 1j * found["force_cos"])
+        force = -(found["force_in_phase"] + 1j * found["force_quadrature"])
         ours = force / (scene.force_scale_n * scene.epsilon)
         prandtl = scene.gas.prandtl if heat == "included" else 0.0
         gas = {"prandtl": prandtl, "heat_capacity_ratio": scene.gas.heat_capacity_ratio}

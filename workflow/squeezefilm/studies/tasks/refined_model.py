@@ -112,7 +112,7 @@ def refine(
     except InputError as error:
         print(error)
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
-        reason = about | {"refused": str(error)}
+        reason = about | {"not_supported": str(error)}
         return tables, reason, reason
     loop = Sequential(
         model,
@@ -151,7 +151,7 @@ def refine(
         "fitted_points": len(last.design),
         "verification_points": settings["verification"],
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
-        "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
+        "required": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": {key: _finite(getattr(last, key)) for key in estimated},
         "settings": dict(settings),
         "errors_mapped_by": source,
@@ -212,7 +212,7 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
     rounds = rounds.rename(columns={"number": "round", "design": "fitted_points"})
     worst = space.rows(space.table, rounds.pop("worst_at"), FACTOR_COLUMNS).add_prefix("worst_")
     theta = pd.DataFrame(rounds.pop("theta").tolist(), columns=list(model.parameter_names))
-    estimated, shares = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_share":]
+    estimated, shares = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_fraction":]
     return pd.concat([estimated, worst, shares, theta.add_prefix("parameter_")], axis=1)
 
 

@@ -39,7 +39,7 @@ def scan_errors(
         the standard deviation over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
         and all that was taken off the profile's maximum as the noise's;
-        ``out_of_phase_n``, by what the force is low without motion out of phase that was neglected;
+        ``quadrature_n``, by what the force is low without motion out of phase that was neglected;
         ``scan_error_n``, the sum of both.
 
     Raises:
@@ -67,10 +67,10 @@ def scan_errors(
     table = pd.DataFrame({"force_n": forces[0], "spread_n": spread_n})
     size_n = table["force_n"].abs()
     table["noise_n"] = quantile * spread_n + bias * size_n
-    table["out_of_phase_n"] = effect * size_n
-    table["noise_share"] = table["noise_n"] / size_n
-    table["scan_error_n"] = table["noise_n"] + table["out_of_phase_n"]
-    return table.assign(scan_error_share=table["scan_error_n"] / size_n)
+    table["quadrature_n"] = effect * size_n
+    table["noise_fraction"] = table["noise_n"] / size_n
+    table["scan_error_n"] = table["noise_n"] + table["quadrature_n"]
+    return table.assign(scan_error_fraction=table["scan_error_n"] / size_n)
 
 
 def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
@@ -114,13 +114,13 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
         "outlier_lines": outliers,
         "degree": smoothed.fit.degree,
         "peak_um": peak_um,
-        "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
-        "noise_share": smoothed.noise_m / smoothed.peak_m,
-        "quadrature_share": smoothed.quadrature,
-        "largest_standard_error_share": unsure,
-        "two_phases": complex_,
-        "largest_force_noise_share": noise,
-        "largest_force_error_share": error,
+        "peak_bias_fraction": smoothed.peak_bias_m / smoothed.peak_m,
+        "noise_fraction": smoothed.noise_m / smoothed.peak_m,
+        "quadrature_fraction": smoothed.quadrature,
+        "largest_standard_error_fraction": unsure,
+        "complex_profile": complex_,
+        "largest_force_noise_fraction": noise,
+        "largest_force_error_fraction": error,
         "notes": smoothed.warnings,
     }
     phases = f"motion out of phase {100 * smoothed.quadrature:.2g} % in rms with its noise"
@@ -163,7 +163,7 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
     error = smoothed.standard_error(x_m=x_m, y_m=y_m) * micrometres
     if isinstance(smoothed.profile.surface, Disc):
         drawn = {"layer": "profile", "r_mm": x_m[:, 0] * 1e3, "error_um": error.max(axis=1)}
-        drawn |= {"lowest_um": profile.min(axis=1), "highest_um": profile.max(axis=1)}
+        drawn |= {"profile_min_um": profile.min(axis=1), "profile_max_um": profile.max(axis=1)}
     else:
         drawn |= {"profile_um": profile.ravel(), "error_um": error.ravel()}
     table = pd.concat([pd.DataFrame(points), pd.DataFrame(drawn)], ignore_index=True).round(9)
