@@ -1,4 +1,4 @@
-"""Is a finished study the one that was made before? Results beside small stored references.
+"""Comparison of a finished study with a small stored reference.
 
 A study's quantities are listed in one place, each with its numbers as texts and its tolerance; a
 reference holds the same, thinned out. Figures' data stand before what they are made from, for they
@@ -403,8 +403,8 @@ def _fit(results: Results, close: Kinds, part: str, item: str) -> Made:
 
 
 def _design(results: Results, close: Kinds, part: str, item: str) -> Made:
-    """How much a design teaches of the model that it was made for: its D-efficiency times that
-    of the best one."""
+    """D-efficiency of a design for the model that it was made for, times that of the best
+    design."""
     fit, design = results.fit(FIT_OF_DESIGN[item]), results.design(item)
     slopes = fit.force_model.gradient(fit.theta, factors_of(design))
     sign, logarithm = np.linalg.slogdet(slopes.T @ slopes / len(slopes))

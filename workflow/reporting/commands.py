@@ -1,4 +1,4 @@
-"""What people do with a finished study: figures, the recommended model, the check."""
+"""Commands for a finished study: figures, the recommended model, the check."""
 
 import argparse
 from collections.abc import Sequence
@@ -92,7 +92,7 @@ def recommend(options: argparse.Namespace) -> None:
     option("--output", "CHECK.csv", "the table, a row each quantity"),
 )
 def check(options: argparse.Namespace) -> int:
-    """Is a finished study the one that was made before? Compare its results with a small reference.
+    """Compare the results of a finished study with a small reference.
 
       squeezefilm check results/paper --reference tests/reference/paper
 

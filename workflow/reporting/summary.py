@@ -167,7 +167,7 @@ def _effects(results: Results) -> pd.DataFrame:
 
 
 def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
-    """What the study's equation has beyond the paper's: as the simulations had it, if any did."""
+    """Terms of the study's equation beyond the paper's, as in the simulations if there are any."""
     without = [
         row.split("; ") for each in tables.values() for row in each["simplifications"].dropna()
     ]
@@ -201,7 +201,7 @@ def _errors(results: Results, pair: str) -> dict[str, str]:
 
 
 def _range(column: pd.Series) -> str:
-    """From the least to the largest; what is nothing beside the largest is 0."""
+    """Range from the least to the largest; values that are negligible beside the largest are 0."""
     low, high = float(column.min()), float(column.max())
     low = 0.0 if abs(low) < NOTHING * abs(high) else low
     return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} – {high:.3g}"

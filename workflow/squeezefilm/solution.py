@@ -103,7 +103,7 @@ class Solutions(Sequence[Solution]):
         return found
 
     def put(self, rows: np.ndarray, solutions: Solutions) -> None:
-        """Those of some scenes in their places."""
+        """Put the solutions of some scenes in their places."""
         for name, column in self.columns.items():
             column[rows] = solutions.columns[name]
 
@@ -234,7 +234,7 @@ class Outputs:
         return "; ".join(f"{name}: {reason}" for name, reason in self.refused.items()) or "ok"
 
     def only(self, asked: tuple[str, ...]) -> Outputs:
-        """What was asked for of it."""
+        """Return the outputs that were asked for."""
         names = {name for output in asked for name in OUTPUTS[output]}
         return Outputs(
             asked=asked,

@@ -51,7 +51,7 @@ REFERENCE_TOLERANCE = 1e-9
 def ablation(
     scenes: Sequence[Scene], *, tolerances: Sequence[float], repeats: int, device: Device
 ) -> pd.DataFrame:
-    """For each tolerance a row for the scenes as they need, and one for each thing put back.
+    """Table with a row for each tolerance and each simplification that is disabled.
 
     Columns: what is put back, seconds of all scenes in one call, processor time over that of the
     scenes as they need, worst relative error, share of scenes within their error estimate; NumPy

@@ -1,4 +1,4 @@
-"""Where run time goes: the paper by rule, one force by part, many scenes on host and device."""
+"""Run times: the paper by rule, one force by part, many scenes on host and device."""
 
 import argparse
 import os
@@ -41,7 +41,7 @@ ROUNDS = 9
     option("--output", "FOLDER", "for the tables", required=True, type=Path),
 )
 def run_times(options: argparse.Namespace) -> None:
-    """Where run time goes on this machine: three tables.
+    """Measure run times on this machine: three tables.
 
       make paper && python -m verification run-times --output docs/data
 

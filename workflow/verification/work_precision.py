@@ -113,7 +113,7 @@ def work_precision(
 
 
 def with_speedup(table: pd.DataFrame) -> pd.DataFrame:
-    """With how many times less processor time the solver takes than another method's each row.
+    """Table with the speedup of the solver over each row of another method.
 
     The solver is asked for a tolerance and chooses its method, its error estimate included in the
     time; of the tolerances whose true error is no larger, the cheapest counts. Errors within the
@@ -167,7 +167,7 @@ def _elements(scene: Scene, level: int) -> Settings:
 
 
 def _from_rest(scene: Scene, level: int) -> Settings:
-    """From rest until the transient has decayed as far as the other errors."""
+    """Settings of a start from rest until the transient has decayed as far as the other errors."""
     periods = periods_to_settle(sigma=scene.sigma, tolerance=0.1 / 4**level)
     return _elements(scene, level) | {"periods": periods}
 

@@ -1,4 +1,4 @@
-"""What films do besides giving a force: effects that the equation neglects, loads, modulation."""
+"""Figures of a film: effects that the equation neglects, loads, modulation."""
 
 from functools import partial
 from typing import Any

@@ -215,7 +215,7 @@ def solved_with(
 
 
 def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[[Scene], float]:
-    """What a scan leaves open in a scene's force, in newtons: nothing where there is none."""
+    """Return the function that gives the error of a scene's force by the scan, in newtons."""
     if smoothed is None:
         return lambda scene: 0.0
     from squeezefilm.studies.tasks.scan_errors import scan_errors
@@ -406,7 +406,7 @@ def simulate_table(
 
 
 def missing_of(solution: Solution) -> str:
-    """Why there is no force, or not what was asked for beside it; empty if all is there."""
+    """Return the reason for a missing force or a missing quantity beside it, or an empty text."""
     asked = (solution, solution.derivatives, solution.outputs)
     return next((each.status for each in asked if each and each.status != "ok"), "")
 

@@ -48,7 +48,7 @@ class Fit:
 
     @property
     def statement(self) -> str:
-        """What is known of the model's error, in a sentence."""
+        """A sentence about the model's error."""
         return self.model.statement
 
     @property

@@ -120,7 +120,7 @@ def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]
     points(many=False),
 )
 def response(options: argparse.Namespace) -> None:
-    """How the mean force follows a changing amplitude: gain and phase, rise and release.
+    """Response of the mean force to a changing amplitude: gain, phase and settling times.
 
       squeezefilm response --h0 5um --hv 2.2um [--frequencies 10Hz,100Hz,300Hz]
       squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]

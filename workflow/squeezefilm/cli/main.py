@@ -114,7 +114,7 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
 
 
 def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
-    """What stands instead of a command: --help, --version, or a mistake."""
+    """Answer --help, --version or an unknown command."""
     parser = argparse.ArgumentParser(
         prog="squeezefilm",
         usage="squeezefilm COMMAND …",

@@ -1,4 +1,4 @@
-"""What commands have in common: how they are declared, their options, and tables as they are shown.
+"""Declaration of commands, their common options, and tables on the screen.
 
 The docstring of a command is its help.
 """

@@ -116,7 +116,7 @@ def doctor(options: argparse.Namespace) -> None:
 
 
 def caches() -> dict[str, str]:
-    """Where compiled kernels are kept, and whether that can be written."""
+    """Report the folders of compiled kernels, and if they can be written."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     pocl = Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
     folders = {"PoCL (POCL_CACHE_DIR)": pocl}

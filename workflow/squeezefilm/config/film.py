@@ -216,7 +216,7 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
 
 
 class Rectangle(Section):
-    """Of a rectangle, instead of `surface_radius`; the pad must lie on it.
+    """A rectangular surface, instead of `surface_radius`; the pad must lie on it.
 
     Attributes:
         shape: its outline
@@ -361,7 +361,7 @@ class Actuator(Section):
 
 
 class OutlineFile(Section):
-    """Of a curve: where it is.
+    """File of a pad's outline.
 
     Attributes:
         file: a table of points around the rim (see below), from the folder of this file
@@ -375,7 +375,7 @@ class OutlineFile(Section):
 
 @dataclass(frozen=True)
 class GapShape:
-    """How the gap at rest differs from h0, the gap at the pad's centre; all zero if pad and
+    """Deviation of the gap at rest from h0, the gap at the pad's centre; all zero if pad and
     surface are parallel.
 
     Attributes:
@@ -459,7 +459,7 @@ class Pad(Section):
 
 
 class Solver(Section):
-    """How forces are computed.
+    """Settings of the solver.
 
     Attributes:
         method: `auto` takes, for each scene, the composite expansion where that holds the tolerance

@@ -42,7 +42,7 @@ Names = Annotated[list[Name], UpTo100, Different]
 
 
 class Simulation(Section):
-    """How the work is divided.
+    """Division of the work into jobs.
 
     Attributes:
         seconds_per_job: the simulations of a plan are divided into jobs of about so many seconds of
@@ -320,7 +320,7 @@ class Optimal(Section):
 
 
 class Validation(Section):
-    """How fitted models are judged: by samples of independent points, uniform over the declared
+    """Samples of independent points that validate fitted models, uniform over the declared
     space, one with the pad centred and one over all factors.
 
     Attributes:
@@ -367,7 +367,7 @@ class Numerics(Section):
 
 
 class Header(Section):
-    """What a study begins with."""
+    """First keys of a study."""
 
     study: Annotated[str, Field(pattern="^[a-z0-9][a-z0-9_-]{0,59}$")]
     paper: StrictBool = False
@@ -529,13 +529,13 @@ def _fill(section: Section, **values: Any) -> None:
 
 
 def _reach_m(pad: Pad) -> float:
-    """How far a pad reaches from its centre."""
+    """Largest distance of a pad's edge from its centre."""
     half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
     return max(half_x, half_y) if pad.shape == "ellipse" else hypot(half_x, half_y)
 
 
 def _reaches_m(pad: Pad) -> tuple[float, float]:
-    """How far a pad reaches from its centre along the surface's axes."""
+    """Extent of a pad from its centre along the surface's axes."""
     half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
     angle = radians(pad.rotation_deg)
     c, s = abs(cos(angle)), abs(sin(angle))
@@ -545,7 +545,7 @@ def _reaches_m(pad: Pad) -> tuple[float, float]:
 
 
 def _way_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
-    """How far the pad may go one way."""
+    """Largest distance that the pad may move one way."""
     if half_m - reach_m <= 1e-6 * reach_m:
         raise mistake(
             f"the pad reaches {reach_m * 1e3:.4g} mm from its centre and the surface ({surface}) "

@@ -98,7 +98,7 @@ class Round:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How the loop ended: reached, model, simulation or budget, and in words why.
+    """End of the loop: reached, model, simulation or budget, and the reason.
 
     hindsight is the best fit to all points, verification included; simulated lists them, in the
     order in which they were, with their forces in newtons. scale_n is the root mean

@@ -149,7 +149,7 @@ def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
 
 @lru_cache(maxsize=10_000)
 def _response(scene: Scene, points: int) -> Response:
-    """By the film on one grid: kept, for it is most often that of the effect of slip too."""
+    """Response by the film on one grid; cached, for the effect of slip mostly needs it too."""
     film, error = film_on(scene, points)
     static, prompt = film.response(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s

@@ -155,7 +155,7 @@ EQUAL = 1e-9
 
 
 def no_symmetry(surface: Surface) -> Symmetry:
-    """That of a film whose positions stand for no others."""
+    """Symmetry of a film whose positions stand for no others."""
     if isinstance(surface, Rectangle):
         return Mirrors(x=False, y=False)
     return Directions(0.0, 360.0, mirror=False)

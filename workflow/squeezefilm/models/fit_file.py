@@ -105,7 +105,7 @@ class FittedModel(BaseModel):
     """The file, for messages."""
 
     def to_dict(self) -> dict[str, Any]:
-        """What the file holds, ready for JSON."""
+        """Content of the file, ready for JSON."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
     @cached_property
@@ -216,7 +216,7 @@ class FittedModel(BaseModel):
 
     @property
     def statement(self) -> str:
-        """What is known of the model's error, in a sentence."""
+        """A sentence about the model's error."""
         return f"Not validated: {NO_SAMPLE}." if self.interval is None else self.interval.statement
 
     @property

@@ -285,7 +285,7 @@ def sum_of_squares(
 
 
 def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
-    """See that the gradient has full rank at some theta, so that a fit can have one answer.
+    """Check that the gradient has full rank at some theta, so that a fit can have one answer.
 
     The rank is taken numerically, with columns scaled to one, at many random theta at which the
     model is defined: what fails at all of them is a property of the model and the points.
@@ -378,7 +378,7 @@ def parameter_ranges(
     spread = np.where(usable | (theta == 0) & (spread > 0), spread, 0.1 * np.abs(theta) + 1e-6)
 
     def end(place: int, step: float) -> tuple[float, Array]:
-        """Where the profile reaches the allowed sum of squares, on one side, and theta there."""
+        """End of the range on one side, at the allowed sum of squares, and theta there."""
         tried = {0.0: (theta, least - allowed)}
 
         def excess(way: float) -> float:

@@ -76,12 +76,12 @@ class ExpressionModel:
 
     @property
     def is_centred(self) -> bool:
-        """Whether gap and amplitude are its only factors: a model of the centred pad."""
+        """True if gap and amplitude are the only factors: a model of the centred pad."""
         return self.factor_names == ("h0_m", "hv_m")
 
     @property
     def is_linear(self) -> bool:
-        """Whether the force is a linear function of the parameters, so that no search is needed."""
+        """True if the force is linear in the parameters, so that no search is needed."""
         return _degree(self.parsed, self.parameter_names) <= 1
 
     def evaluate(self, theta: ArrayLike, factors: Factors) -> Array:
@@ -130,7 +130,7 @@ class ExpressionModel:
         return dict(zip(self.parameter_names, parameters, strict=True)) | self.columns_of(factors)
 
     def columns_of(self, factors: Factors) -> dict[str, Array]:
-        """What the expression knows of points, by the names that it has there."""
+        """Values of the points by their names in the expression."""
         return {
             name: factors.column(column)
             for name, column in (FACTORS | COLUMNS).items()
@@ -241,7 +241,7 @@ def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: obj
 
 
 def check_columns(model: ExpressionModel, factors: Factors) -> None:
-    """See that a model's columns are known at every point.
+    """Check that a model's columns are known at every point.
 
     Raises InputError naming the column, and what to do.
     """

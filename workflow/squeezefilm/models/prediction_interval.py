@@ -90,7 +90,7 @@ class PredictionInterval(BaseModel):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def statement(self) -> str:
-        """What the interval says, in a sentence for every output."""
+        """A sentence about the interval, for every output."""
         sample = f"{self.points} independent simulations" + (
             f", {self.failed} of which have no force," if self.failed else ""
         )
@@ -119,7 +119,7 @@ class PredictionInterval(BaseModel):
         return constant + share * np.abs(np.asarray(force_n, dtype=float))
 
     def outside(self, factors: Factors) -> list[str]:
-        """Which factors of each point lie outside the declared space, empty where none does."""
+        """Factors of each point outside the declared space, empty where there are none."""
         notes = np.full(len(factors), "", dtype=object)
         off_centre = factors.phi_r_m > SLACK * self.ranges.get("phi_r_m", (0.0, 0.0))[1]
         for name, (low, high) in self.ranges.items():
@@ -133,8 +133,8 @@ class PredictionInterval(BaseModel):
 
 
 def film_folds(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
-    """To which fold each point belongs, shape (n,): of as many as asked for, or as there are pairs
-    of a gap and an amplitude if these are fewer; all points of a pair to one."""
+    """Fold of each point, shape (n,): of as many as asked for, or as there are pairs of a gap and
+    an amplitude if these are fewer; all points of a pair belong to one."""
     films = pd.DataFrame({"h0_m": factors.h0_m, "hv_m": factors.hv_m})
     film = films.groupby(["h0_m", "hv_m"], sort=False).ngroup().to_numpy()
     return np.random.default_rng(seed).permutation(np.arange(film.max() + 1) % folds)[film]
@@ -219,7 +219,7 @@ def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float
 
 
 def ranking_half(points: int) -> NDArray[np.bool_]:
-    """Which points of a validation sample rank models, shape (points,); the others calibrate."""
+    """Mask of the validation points that rank models, shape (points,); the others calibrate."""
     return np.arange(points) % 2 == 0
 
 

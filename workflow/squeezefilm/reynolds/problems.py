@@ -89,7 +89,7 @@ def terms_of_all(scenes: Scenes) -> Terms:
 
 
 def aspect_of(scenes: Scenes) -> float:
-    """That of scenes which all have the same."""
+    """Aspect ratio of scenes that all have the same."""
     pad = scenes.films[scenes.film_index[0]].pad
     return pad.length_y_m / pad.length_x_m
 

@@ -1,4 +1,4 @@
-"""From scenes to forces with errors, each by the cheapest method that holds the tolerance."""
+"""Forces of scenes with errors, each by the cheapest method that meets the tolerance."""
 
 from __future__ import annotations
 

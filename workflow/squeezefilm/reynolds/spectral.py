@@ -470,5 +470,5 @@ class FluxPoints:
 
 @lru_cache(maxsize=64)
 def flux_points(points: int, folded: bool) -> FluxPoints:
-    """Those of the axis with so many unknowns; their matrices are computed once."""
+    """Flux points of the axis with so many unknowns; their matrices are computed once."""
     return FluxPoints(axis(points, folded))

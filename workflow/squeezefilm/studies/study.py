@@ -1,4 +1,4 @@
-"""From a study's configuration to the things it is about."""
+"""Film, scenes and symmetry of a study's configuration."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def scan_path(config: Config) -> Path | None:
 
 
 def smoothing_settings(config: Config) -> dict[str, Any]:
-    """What decides how a scan is smoothed, besides its file: arguments of ``smoothed_scan``."""
+    """Arguments of ``smoothed_scan`` besides the scan's file."""
     actuator = config["actuator"]
     return {
         "surface": surface_of(config),

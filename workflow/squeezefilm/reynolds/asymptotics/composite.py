@@ -208,7 +208,7 @@ def _second_order(films: Films) -> SecondOrder:
 
 
 def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
-    """With an infinite error where layers are too thick or the table of the layer ends."""
+    """Forces, with an infinite error where layers are too thick or the layer's table ends."""
     thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
     return AsymptoticForces(mean=mean, error=_known(np.where(thin, error, np.inf)))
 

@@ -207,7 +207,7 @@ class Refinement:
         return len(rows) - int(np.count_nonzero(begun) + np.count_nonzero(waiting))
 
     def _begin_again(self, group: Group, failed: np.ndarray, finer: Grid | None) -> np.ndarray:
-        """Have scenes without a state on the last grid wait for finer ones, from rest."""
+        """Let scenes without a state on the last grid wait for finer ones, from rest."""
         again = finer_grid(finer, room=self.room) if finer else None
         which = failed & (self.failures[group.rows] < MOST_FAILURES)
         if finer is None or again is None or margin_of(group.terms) > 1:

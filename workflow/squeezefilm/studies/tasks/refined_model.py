@@ -170,7 +170,7 @@ def _print_round(done: Round) -> None:
 
 
 def _labels(outcome: Outcome, checks: int) -> list[str]:
-    """What each simulation was for: verification-3, or design-2-5, the fifth, of round two."""
+    """Purpose of each simulation: verification-3, or design-2-5, the fifth, of round two."""
     labels = [f"verification-{number}" for number in range(1, checks + 1)]
     for done in outcome.rounds:
         new = range(len(labels) - checks + 1, len(done.design) + 1)

@@ -1,4 +1,4 @@
-"""What a scan leaves open in the forces that are simulated with its profile."""
+"""Errors of forces due to the noise of the scan of their profile."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def scan_errors(
 
 
 def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
-    """By which share the scene's force is low without the motion out of phase: an estimate.
+    """Estimate of the relative change of a force by the neglected quadrature component.
 
     Small forces go as the sum of both squares under the pad. With more motion a force grows faster,
     a piston's of little motion out of phase (closed form, σ → ∞) by less than 1/(1 − ε).
