@@ -272,12 +272,12 @@ def test_errors_hold_over_kinks_of_the_profile(shape: str, epsilon: float, sigma
 def test_what_is_not_known_says_why(numbers: dict[str, object], output: str, reason: str) -> None:
     scene = film(**{"epsilon": 0.3, "sigma": 300.0} | numbers)
     found = outputs(scene, tolerance=1e-3)
-    assert reason in found.refused[output]
+    assert reason in found.missing[output]
     missing = [name for name in OUTPUTS[output] if name not in found.value]
     assert missing
     assert f"{output}: " in found.status
     if reason != "no force":
-        assert refusals(scene, tolerance=1e-3)[output] == found.refused[output]
+        assert refusals(scene, tolerance=1e-3)[output] == found.missing[output]
 
 
 def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(

@@ -8,6 +8,7 @@ import pytest
 
 from squeezefilm.errors import InputError
 from squeezefilm.tables import (
+    COLUMNS,
     FORCE_COLUMNS,
     SCENE_COLUMNS,
     read_forces,
@@ -17,6 +18,7 @@ from squeezefilm.tables import (
     table_writer,
     write_table,
 )
+from squeezefilm.units import unit_of_column
 
 HEADER = ",".join(SCENE_COLUMNS)
 
@@ -126,3 +128,15 @@ def test_a_wrong_parquet_table_is_refused(tmp_path):
     table.assign(hv_m=[1e-6, np.nan]).to_parquet(tmp_path / "scenes.parquet")
     with pytest.raises(InputError, match="row 2: hv_m is nan"):
         read_scenes(tmp_path / "scenes.parquet")
+
+
+def test_a_column_has_one_meaning_and_the_unit_of_its_name(tmp_path):
+    assert len({each.name for each in COLUMNS}) == len(COLUMNS) > 300
+    assert all(each.unit and each.meaning and each.tables for each in COLUMNS)
+    for each in COLUMNS:
+        assert unit_of_column(each.name)[1] in ("", each.unit), each
+    path = tmp_path / "table.csv"
+    with pytest.raises(ValueError, match="columns.csv has no guess_n"):
+        write_table(pd.DataFrame({"h0_m": [5e-6], "guess_n": [1.0]}), path)
+    assert not path.exists()
+    write_table(pd.DataFrame({"h0_m": [5e-6], "guess_n": [1.0]}), path, given=["guess_n"])

@@ -18,7 +18,7 @@ from squeezefilm.models.data import COLUMNS as COLUMNS_OF_PHYSICS
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import fit_of, read_fit
 from squeezefilm.studies.tasks.fits import validated
-from squeezefilm.tables import FACTOR_COLUMNS, read_forces
+from squeezefilm.tables import FACTOR_COLUMNS, read_forces, unregistered
 
 MORE = 1.02
 """Forces of the other study, over those of the first."""
@@ -35,6 +35,14 @@ def test_every_claim_of_the_paper_is_there_once_with_a_verdict(study, claims):
     assert len(claims) == len(CLAIMS) >= 20
     assert claims["verdict"].str.match(r"agrees \S+|differs because \S+").all()
     assert (claims["ours"] != "").all()
+
+
+def test_every_column_of_the_results_has_a_meaning(study):
+    headers = {path: pd.read_csv(path, nrows=0) for path in study.root.rglob("*.csv")}
+    assert len(headers) > 100
+    assert not {
+        (path.name, name) for path, names in headers.items() for name in unregistered(names)
+    }
 
 
 def test_the_papers_own_numbers_agree_with_themselves():

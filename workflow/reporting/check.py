@@ -295,7 +295,7 @@ def tolerances(solver: float) -> dict[str, Close]:
 
 
 def study_quantities(results: Results, reference: Path) -> list[Quantity]:
-    """All quantities of a finished study, in the order in which they are judged.
+    """All quantities of a finished study, in the order in which they are checked.
 
     A file that is missing has none; those that a reference has of it then fail.
 

@@ -61,7 +61,7 @@ def models_page(results: Results, *, space: str) -> Page:
 def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The candidates of a space, columns COLUMNS, and their errors at each ranking point.
 
-    A model that cannot be judged keeps its row, with the reason in ``note``.
+    A model that cannot be validated keeps its row, with the reason in ``note``.
 
     Raises InputError for a file that is missing or lacks what it must have.
     """
@@ -84,7 +84,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
 def _judged(
     path: Path, factors: Factors, forces: pd.DataFrame
 ) -> tuple[dict[str, Any], np.ndarray | None]:
-    """A model's row, and its relative error at each point, unless it cannot be judged."""
+    """A model's row, and its relative error at each point, unless it cannot be validated."""
     values = read_json(path)
     try:
         fit = read_fit(path)
@@ -130,7 +130,7 @@ def recommend(results: Results) -> pd.DataFrame:
     ranks, that with fewer parameters where two are the same. ``worst_error`` is the largest
     relative error at any simulation of RECOMMENDED_BY, fitted or not. The amplitude gives the
     study's wanted force at its gap (section ``extrapolation``). One empty row where no model can be
-    judged.
+    validated.
     """
     forces = {
         plan: read_forces(results.folder / f"simulations/{plan}/forces.csv").query("status == 'ok'")
@@ -143,7 +143,7 @@ def recommend(results: Results) -> pd.DataFrame:
 def _recommended(
     results: Results, space: str, forces: dict[str, pd.DataFrame]
 ) -> Iterator[dict[str, Any]]:
-    """A space's model at its positions; nothing where none can be judged."""
+    """A space's model at its positions; nothing where none can be validated."""
     names = ("model", "parameters", "validation_points", "validation_error")
     table = results.table(f"models/{space}.csv", *names)
     judged = table[table["validation_error"].notna()]

@@ -86,7 +86,7 @@ def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def beyond_note(config: Mapping[str, Any]) -> str:
-    """A line for a study whose gaps go beyond the equation's validity; empty where none does."""
+    """A line for a study whose gaps exceed the equation's validity; empty where none does."""
     per_square, most, beyond = inertia(config).values()
     h0_m = config["screen"]["h0_m"]["stop"]
     if (reynolds := per_square * h0_m**2) <= most:

@@ -59,7 +59,7 @@ class Results:
         return read_fit(self.folder / f"fits/{name}.json")
 
     def candidate(self, space: str, model: str) -> Path:
-        """The fit of a model that is compared in a space; of its own that to all its points."""
+        """The fit of a model that is compared in a space; the study's own on all points."""
         own = "screen" if space == "two_factor" else space
         file = f"fits/{own}" if model == space else f"models/{space}/{model}"
         return self.folder / f"{file}.json"

@@ -13,7 +13,7 @@ or a vertical tangent the value is NaN. A formula that is undefined for real num
 complex value; its real value has to be looked at first.
 
 The units of a formula's parameters follow from those of the quantities in it. A parameter whose
-unit is not known yet is a base of its own; dimensions are linear in these.
+unit is not known yet is an additional base; dimensions are linear in these.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ NAMES = {each.name for each in COLUMNS}
 PATTERNS = [name for name in NAMES if "*" in name]
 TEXT_COLUMNS = {each.name for each in COLUMNS if each.unit == "text"}
 
-Others = Literal["refused", "ignored", "kept"]
+Others = Literal["invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read."""
 
 
@@ -140,7 +140,7 @@ def _read(
     *,
     columns: Sequence[str],
     numbers: Sequence[str],
-    others: Others = "refused",
+    others: Others = "invalid",
     chunk: tuple[int, int] = (1, 1),
 ) -> pd.DataFrame:
     """The columns of a table, and what becomes of others that it has."""
@@ -149,7 +149,7 @@ def _read(
     def wanted(header: Sequence[str]) -> list[str]:
         """The columns of a table with this header that are read."""
         named = as_in(columns, header)
-        _check_header(header, columns=named, refused=others == "refused", path=path)
+        _check_header(header, columns=named, strict=others == "invalid", path=path)
         return [*named, *(name for name in header if others == "kept" and name not in named)]
 
     table, lines = (
@@ -242,9 +242,9 @@ def _number(cell: str | float) -> float:
 
 
 def _check_header(
-    header: Sequence[str], *, columns: Sequence[str], refused: bool, path: Path
+    header: Sequence[str], *, columns: Sequence[str], strict: bool, path: Path
 ) -> None:
-    """Refuse a header that lacks a column or has it twice, others where they are ``refused``."""
+    """Reject a header that lacks a column or has it twice, with ``strict`` others too."""
     if len(header) == 1 and ";" in header[0]:
         raise InputError(f"{path}: cells are separated by semicolons; a table has commas")
     either = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
@@ -254,7 +254,7 @@ def _check_header(
             other = f" ({either})" if name in (*POLAR, *CARTESIAN) else ""
             raise InputError(f"{path}: column {name!r} {how}{other}")
     for name in header:
-        if name not in columns and (refused or name in CARTESIAN):
+        if name not in columns and (strict or name in CARTESIAN):
             also = either if name in CARTESIAN else f"the columns are {', '.join(columns)}"
             raise InputError(f"{path}: unknown column {name!r}; {also}")
 

@@ -1,9 +1,9 @@
 """Savings by each simplification, and its effect on accuracy: each is removed in turn.
 
-Scenes of the study's space are solved as they need, and again with one thing put back: the mirror
-halves, a term that is zero, more modes than wanted, time where a limit would do. Of a term so
-little is put back that it changes nothing but has to be computed. Last, the same algorithm in
-NumPy.
+Scenes of the study's space are solved as they need, and again with one simplification disabled:
+the mirror halves, a term that is zero, more modes than wanted, time where a limit would do. Of a
+term so little is re-enabled that it changes nothing but has to be computed. Last, the same
+algorithm in NumPy.
 """
 
 from collections import ChainMap
@@ -53,7 +53,7 @@ def ablation(
 ) -> pd.DataFrame:
     """Table with a row for each tolerance and each simplification that is disabled.
 
-    Columns: what is put back, seconds of all scenes in one call, processor time over that of the
+    Columns: what is re-enabled, seconds of all scenes in one call, processor time over that of the
     scenes as they need, worst relative error, share of scenes within their error estimate; NumPy
     has none, nor the points that tight tolerances ask for.
     """

@@ -1,6 +1,6 @@
 """Films given by their dimensionless numbers, as scenes for the solver and for other methods.
 
-Among them the stiff and extreme ones, in groups, and which of these the solver may refuse.
+Among them the stiff and extreme ones, in groups, and which of these need not be supported.
 """
 
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Stiff and extreme films, each judged by checks that the solver does not know of.
+"""Stiff and extreme films, each with checks that are independent of the solver.
 
 Verdicts: *solved*, all checks passed; *unchecked*, solved, but no check can be had; *not
 supported*, the solver says so and the film lies where that is documented (`films.beyond`);
@@ -110,7 +110,7 @@ def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, fl
 
 
 def check_state(scene: Scene, state: State) -> dict[str, float]:
-    """Judge a periodic state.
+    """Check a periodic state.
 
     Returns:
         ``residual``: change of the force in one correction by the mean-coefficient operator,

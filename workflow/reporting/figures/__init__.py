@@ -1,6 +1,6 @@
 """The figures: each a function of a study's results, from which it draws, by its place there.
 
-A function returns the figure and, where that is a product of its own, the table that is drawn;
+A function returns the figure and, where that is a product too, the table that is drawn;
 column names carry the unit that the axis shows. A page of figures is drawn by one job.
 """
 

@@ -57,7 +57,7 @@ class Force:
         solution: the force and how it was obtained; its error is the solver's alone.
         budget: the effects that the film equation neglects, one by one; its
             status says where it was not asked for.
-        scan: what the scan of a measured profile leaves open: ``noise_n``, half of the interval
+        scan: uncertainty by the noise of a measured profile: ``noise_n``, half of the interval
             that holds the noise's part in 95 % of all scans; ``quadrature_n``, by what the force
             is low without the motion out of phase; ``scan_error_n``, both. None without a scan.
         device: the name of the OpenCL device.
@@ -80,7 +80,7 @@ class Force:
 
     @property
     def error_n(self) -> float:
-        """The solver's error estimate and what a scan leaves open, in newtons.
+        """The solver's error estimate plus the uncertainty by the scan, in newtons.
 
         The modelling error is not in it: see ``modelling_error_percent``.
         """
@@ -161,7 +161,7 @@ def forces_of(
 
     Args:
         smoothed: the scan that their profile was measured in.
-        budget: whether to estimate the modelling error too, from states of its own.
+        budget: whether to estimate the modelling error too, from separate states.
     """
     notes = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
     scenes = settings.resolved(scenes, device)

@@ -71,7 +71,7 @@ def config(options: argparse.Namespace) -> None:
 
       squeezefilm config config/my-actuator.yaml
 
-    All that a run would refuse is refused here. What is not marked was written; `default` is the
+    All that is invalid for a run is reported here. What is not marked was written; `default` is the
     library's, `derived` follows from what was written. The text is a study itself. A run writes it
     beside its results: results/STUDY/study.yaml. `--schema` prints a study's JSON schema, for
     editors.

@@ -27,7 +27,7 @@ def profile(options: argparse.Namespace) -> None:
 
       squeezefilm profile --config config/mine.yaml [--forces FORCES.csv] [--table PROFILE.csv]
 
-    The profile is the one that every simulation of the study uses. Its noise is drawn anew, from
+    The profile is the one that every simulation of the study uses. Its noise is drawn again, from
     the residuals, and some of the study's scenes are simulated with each profile that comes out.
     FORCES.csv has their forces with the half of the interval that holds the noise's part in 95 % of
     all scans (`noise_n`), by what they are low without motion out of phase (`quadrature_n`), and
@@ -60,8 +60,8 @@ def fit(options: argparse.Namespace) -> None:
 
     The model is one of the library's or of the study's own (its section `models`). What a model
     uses of the physics limits is computed for the points, and a table of it over the study's space
-    put into FIT.json. Where the study's profile is measured, what the scan leaves open is part of
-    the fit's error. --sample has the forces of a validation sample, such as those of the study's
+    put into FIT.json. Where the study's profile is measured, the uncertainty by its noise is part
+    of the fit's error. --sample has the forces of a validation sample, such as those of the study's
     plans validation_two_factor and validation_four_factor: without one the fit is not validated at
     any point.
 

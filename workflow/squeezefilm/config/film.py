@@ -3,7 +3,7 @@
 A key's meaning stands under ``Attributes`` in the docstring of its section, from which the table in
 the documentation and an editor's schema are made (config/keys.py). Names in Python have their unit
 (``frequency_hz``); keys in a file have none (``frequency: 43.27 kHz``), and there a number is in SI
-units, or degrees, and a text has a unit of its own.
+units, or degrees, and a text has its unit.
 """
 
 import re
@@ -47,7 +47,7 @@ def mistake(text: str, *place: str) -> PydanticCustomError:
 
 @dataclass(frozen=True)
 class Number:
-    """A number within limits, in SI units or as a text with a unit of its own.
+    """A number within limits, in SI units or as a text with its unit.
 
     Attributes:
         unit: SI, or degrees; ``1`` for none.
@@ -316,7 +316,7 @@ class Scan(Section):
         file: a vibrometer's table (see below), from the folder of this file
         axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
             leaves it free, and is what a rectangle needs
-        sign: with `measured` a scan without phase and sign is refused, for it would be folded up at
+        sign: with `measured` a scan without phase and sign is invalid, for it is rectified at
             a node line; `unknown` takes it as it is, and every force says so
     """
 
@@ -419,7 +419,7 @@ class Pad(Section):
         length_y_m: the same along y; default: the same along y
         diameter_m: of a circle, instead of its lengths
         rotation_deg: by how much its x axis is turned from the actuator's, against the clock
-        speed_x_m_per_s: speed at which the surface passes it, towards +x of its own axes; 0 at rest
+        speed_x_m_per_s: speed at which the surface passes it, along the pad's +x axis; 0 at rest
     """
 
     model_config = ConfigDict(json_schema_extra=_described_with_circle)

@@ -59,7 +59,7 @@ class Sweep(Section):
     Attributes:
         points: how many
         first: how many points of the sequence to skip: sweeps with `first` 0, 1000, 2000 … and
-            1000 `points` each are one sweep in parts, each a study of its own
+            1000 `points` each are one sweep in parts, each a separate study
         seed: of the sequence's scrambling; the same for all parts
     """
 
@@ -130,7 +130,7 @@ class Design(Section):
     """D-optimal triplets of the two-factor model, criterion (12).
 
     Attributes:
-        searches: how many searches, each from a seed of its own
+        searches: how many searches, each with a different seed
         first_seed: seed of the first search; the others count up from it
         scaling: in which measure the distances of (12) are taken for the design that is used:
             `unit` (factors scaled to [0, 1]), `micrometre`, `metre`. All three are searched and
@@ -181,7 +181,7 @@ class FourFactorDesign(Section):
     """D-optimal points of the four-factor model.
 
     Attributes:
-        searches: how many searches, each from a seed of its own
+        searches: how many searches, each with a different seed
         first_seed: seed of the first search; the others count up from it
         separation: least distance between two points of the physically distinct form, all factors
             scaled to 1
@@ -193,7 +193,7 @@ class FourFactorDesign(Section):
 
 
 class FourFactorControl(Section):
-    """Random points of the four-factor space, on which the paper's fits are judged.
+    """Random points of the four-factor space, on which the paper's fits are validated.
 
     Attributes:
         points: how many
@@ -279,7 +279,7 @@ class Refine(Section):
         global_error: wanted |model − simulation|/|simulation| over the space; its upper 95 % limit
             must be below
         worst_error: wanted largest error, over the root mean square force of the space
-        simulations: most simulations in all, verification included
+        simulations: most simulations, verification included
         verification: of these, points drawn from the space that are never fitted
         batch: points designed in each round
         candidates: most points of the grid that designs are chosen from
@@ -325,7 +325,7 @@ class Validation(Section):
 
     Attributes:
         points: of each sample; one half ranks models, the other calibrates their prediction
-            intervals (95 % needs 38 points in all, 99 % 198)
+            intervals (95 % needs 38 points altogether, 99 % 198)
         seed: of their draw
         relative_error_band: relative error up to which a model counts as good, 0.15 in the paper
     """
@@ -462,7 +462,7 @@ class Study(FilmSections, Header):
                 setattr(positions, f"{axis}_m", [0.0, _cut(way_m / 2), _cut(way_m)])
 
     def _check_ranges(self) -> None:
-        """Refuse empty ranges, and what lies outside the screen's, where models are fitted.
+        """Reject empty ranges, and values outside the screen's, where models are fitted.
 
         An extrapolation may lie above them in amplitude, up to FARTHEST times the largest; an error
         map must have points that the screen has not.
@@ -501,7 +501,7 @@ class Study(FilmSections, Header):
             )
 
     def _check_positions(self) -> None:
-        """Refuse positions in a form that is not the surface's."""
+        """Reject positions in a form that is not the surface's."""
         disc, positions = self.actuator.surface is None, self.positions
         factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
         written = [name for name in (*POLAR, *CARTESIAN) if getattr(positions, name) is not None]

@@ -382,7 +382,7 @@ def levitations(
 
     Args:
         how: the settings of ``levitate``.
-        scan_error_n: what the scan of a measured profile leaves open in a scene's force.
+        scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
         mass_kg: that floats, for its resonance.
     """
     rows = []

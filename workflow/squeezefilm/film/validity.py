@@ -144,7 +144,7 @@ SLACK = 1e-9
 
 
 def check_scenes(scenes: Scenes) -> None:
-    """Refuse scenes as ``check_scene`` does, the first of them that has no solution."""
+    """Reject scenes as ``check_scene`` does, the first of them that has no solution."""
     for row in np.flatnonzero(~exist(scenes)).tolist():
         check_scene(scenes[row])
 
@@ -162,7 +162,7 @@ def exist(scenes: Scenes) -> np.ndarray:
 
 
 def check_scene(scene: Scene) -> None:
-    """Refuse a scene that has no solution or lies off the actuator.
+    """Reject a scene that has no solution or lies off the actuator.
 
     Raises InputError naming the point, the factor and what is allowed.
     """

@@ -112,7 +112,7 @@ def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[s
 
 
 def _printed(expression: Expression, names: Mapping[str, str], own: str) -> str:
-    """A formula with everything in brackets, so that no order is left open."""
+    """A formula with everything in brackets, so that the order is explicit."""
 
     def printed(part: Operation, arguments: list[str]) -> str:
         if part.operator == "negative":

@@ -78,8 +78,8 @@ class FittedModel(BaseModel):
     of each factor's column that the model was fitted on; cross_validation holds the errors at
     held-out points, where there are enough of them; interval, ``validation`` in the file, is the
     prediction interval of a validation sample. error_scale is what ``prediction_interval``'s
-    function of that name returns, profile_uncertainty the largest share of a force that the scan of
-    the study's profile leaves open, at 95 %. What else the file has is kept.
+    function of that name returns, profile_uncertainty the largest uncertainty of a force
+    by the scan of the study's profile, a fraction, at 95 %. What else the file has is kept.
     """
 
     model_config = ConfigDict(frozen=True, extra="allow", populate_by_name=True)
@@ -112,7 +112,7 @@ class FittedModel(BaseModel):
     def force_model(self) -> ExpressionModel:
         """The model with the formula that the file carries.
 
-        Raises InputError naming the file, for a formula that is refused.
+        Raises InputError naming the file, for an invalid formula.
         """
         if len(self.parameters) != len(self.parameter_units):
             raise InputError(f"{self.place}: give one of 'parameter_units' for each parameter")

@@ -158,7 +158,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
     ``expression`` is its formula and ``parameters`` lists parameters that are not called t0, t1,
     …, or maps parameters to their units; units that are not given are inferred. ``place`` is where
     the entry stands, for messages.
-    Raises InputError naming the place, for an expression that is refused or whose units do not fit.
+    Raises InputError naming the place, for an invalid expression or one whose units do not fit.
     """
     declared = settings.get("parameters", {})
     known = (*FACTORS, *COLUMNS)
@@ -212,7 +212,7 @@ def get_model(
     """A model of the library or of a study by its name; ``two-factor`` is ``two_factor``.
 
     ``own`` is the section ``models`` of a study's configuration, ``place`` the file for messages.
-    Raises InputError for an unknown name, and where one of the study's own is refused.
+    Raises InputError for an unknown name, and where one of the study's own is invalid.
     """
     name = name.replace("-", "_")
     if name in own:
@@ -225,7 +225,7 @@ def get_model(
 def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: object) -> None:
     """Read every model of a configuration: its own, and those that ``named`` has by section.
 
-    Raises InputError naming the place of a formula that is refused, of a name that is the
+    Raises InputError naming the place of an invalid formula, of a name that is the
     library's, or of a candidate that is unknown.
     """
     for name in own:

@@ -65,7 +65,7 @@ class PredictionInterval(BaseModel):
         calibration_points: those that the half widths come from.
         mean_coverage: share of the other half inside the 95 % interval.
         coverage: the same by region (``regions``).
-        profile_uncertainty: share of a force that a measured profile leaves open at 95 %; it is
+        profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %; it is
             part of error_95 and error_99.
     """
 
@@ -241,7 +241,7 @@ def measured_interval(
             none.
         scale: what ``error_scale`` returns.
         ranges: of the declared space.
-        profile_uncertainty: share of a force that a measured profile leaves open, at 95 %.
+        profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %.
     """
     model, force, own = np.array([model_n, force_n, force_error_n], dtype=float)
     constant, share = scale

@@ -98,7 +98,7 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
     """Local minima next to starts, shape (k, d), by Nelder-Mead simplexes side by side.
 
     objective is that of genetic_search. A simplex can collapse before it arrives, so it is started
-    anew at its own optimum until the objective no longer falls.
+    again at its own optimum until the objective no longer falls.
     """
     x, value = np.array(starts, dtype=float), objective(starts)
     evaluations = np.ones(len(x), dtype=int)

@@ -2,7 +2,7 @@
 
 Every effect is taken at first order about the state of the scene's own equation on a coarse grid:
 one adjoint solve gives what any source of mass does to the mean force (adjoint.py), and the effects
-are such sources (first_order.py). An effect is good to about a fiftieth of itself as a first order;
+are such sources (first_order.py). A first order is accurate to about a fiftieth of the effect;
 what that misses stands beside it.
 """
 
@@ -301,9 +301,9 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
     11 %, too far from that at 20 to be interpolated: at small σ the force has resonances in Re.
 
     Returns:
-        The change in per cent of the force, and by how much it may be off: other profiles and
+        The change in per cent of the force, and its error: other profiles and
         amplitudes than the table's. 0 where the scene has neither term; NaN beyond the table's Re,
-        and beyond Re 2 below its σ. Where no sign is known, the change is 0 and may be off by its
+        and beyond Re 2 below its σ. Where no sign is known, the change is 0 and its error up to its
         size: below the table's σ, and for heat without inertia.
     """
     inertia, heat = (getattr(scene.gas, name) == "included" for name in OPEN)

@@ -82,7 +82,7 @@ def with_outputs(
         parts = [one.beside(other) for one, other in zip(parts, more, strict=True)]
     found, none = dict(zip(known, parts, strict=True)), dict.fromkeys(OUTPUTS, "no force")
     return [
-        replace(solution, outputs=found.get(k, Outputs(refused=none)).only(asked))
+        replace(solution, outputs=found.get(k, Outputs(missing=none)).only(asked))
         for k, solution in enumerate(solutions)
     ]
 
@@ -141,7 +141,7 @@ def _from_states(
 
 
 def _refused(reason: str) -> Outputs:
-    return Outputs(refused=dict.fromkeys(FROM_STATE, reason))
+    return Outputs(missing=dict.fromkeys(FROM_STATE, reason))
 
 
 def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[Outputs, bool]:
@@ -168,7 +168,7 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
         for n in alike:
             error = factor * max(change[n], SHARE_OF_OTHERS * most) + left
             found[n] = found[n][0], size[n] * error
-    ambient, refused = scene.gas.ambient_pressure_pa, _without_formula(scene)
+    ambient, missing = scene.gas.ambient_pressure_pa, _without_formula(scene)
     ends = [(film.largest, before.largest), (film.least, before.least)]
     change_of_ends = max([least * largest, *(abs(a - b) for a, b in ends)])
     for name, (peak, _) in zip(OUTPUTS["extremes"], ends, strict=True):
@@ -178,7 +178,7 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
         if abs(force) > 2 * doubt:  # without a force it acts nowhere
             place, error = sign * found[moment][0] / force, found[moment][1]
             found[name] = place, (error + abs(place) * doubt) / (abs(force) - doubt)
-    if "harmonics" not in refused:
+    if "harmonics" not in missing:
         for name, part, per in (
             ("film_stiffness", "force_in_phase", scene.hv_m),
             ("film_damping", "force_quadrature", scene.hv_m * speed),
@@ -200,14 +200,14 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
         for (drawn, off), share in zip(parts, turned, strict=True):
             found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
-    names = {name for output in OUTPUTS if output not in refused for name in OUTPUTS[output]}
+    names = {name for output in OUTPUTS if output not in missing for name in OUTPUTS[output]}
     known = {
         n: each for n, each in found.items() if n in names | {"force_in_phase", "force_quadrature"}
     }
     return Outputs(
         value={name: value for name, (value, _) in known.items()},
         error={name: off for name, (_, off) in known.items()},
-        refused=refused,
+        missing=missing,
     ), holds
 
 
@@ -490,5 +490,5 @@ def static_stiffness(
             value, error = rows[2:, 0].tolist()
         reason = {name: f"no force at a gap within {2 * STEP:.0%}: {bad}"}
         known_of = Outputs(value={name: value}, error={name: error})
-        found.append(Outputs(refused=reason) if bad else known_of)
+        found.append(Outputs(missing=reason) if bad else known_of)
     return found

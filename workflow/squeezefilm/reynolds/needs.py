@@ -350,7 +350,7 @@ def _sampled(
 ) -> tuple[Samples, np.ndarray, np.ndarray]:
     """Samples of a profile, its parts on a grid's nodes, ends included, and between them.
 
-    A profile in two phases has two parts, and needs what the worse of them needs.
+    A complex profile has two parts, and needs what the worse of them needs.
 
     Args:
         landmarks: points in [0, 1] across the pad that are looked at too.

@@ -47,7 +47,7 @@ def solve(
         method: one of METHODS. ``auto`` takes the composite expansion where that holds the
             tolerance and should cost less, else the periodic state. ``composite`` always gives
             its force; the status then says where its estimate is above the tolerance.
-        device: an OpenCL device; the default one if left out.
+        device: an OpenCL device; the default one if not given.
         keep_states: whether solutions by the periodic method have their states on the last two
             grids: a quantity is a function of them, and its change between the two its error.
         report: called with the number of scenes that were finished, as they are; with a negative

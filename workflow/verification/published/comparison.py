@@ -213,7 +213,7 @@ def _quantities(
     )
     found = []
     for solution in solutions:
-        if solution.status != "ok" or solution.outputs is None or solution.outputs.refused:
+        if solution.status != "ok" or solution.outputs is None or solution.outputs.missing:
             raise RunError(f"published: {solution.status}; {solution.outputs}")
         found.append({"force": solution.force_n, **solution.outputs.value})
     return found

@@ -134,7 +134,7 @@ def high_squeeze_limit(films: Films) -> AsymptoticForces:
 def edge_layer_expansion(films: Films) -> AsymptoticForces:
     """The high-squeeze limit with the edge's boundary layer, correct to 1/√σ (see edge_layer.py).
 
-    In two phases the next order is ε²/σ: the film then drives gas along itself.
+    With two quadrature components the next order is ε²/σ: the film then drives gas along itself.
 
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
     inertia the next order is ε²/σ (edge_layer.py), without it ε²/σ^(3/2).

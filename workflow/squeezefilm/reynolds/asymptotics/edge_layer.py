@@ -9,9 +9,9 @@ where a = ε s is the excursion ratio at that point of the rim. What the force s
 
     d(a) = ∫₀^∞ ⟨P − ψ/H⟩ dξ, even in a,     g(a) = 3 ∫₀^∞ ⟨sin T M²⟩ dξ, odd in a.
 
-Where the surface moves in two phases the layer at a point is that of a = ε √(s₁² + s₂²), at another
-instant; the gap's slope then has a part a quarter of a period from the motion itself, of which the
-force sees q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
+Where the surface moves with two quadrature components the layer at a point is that of
+a = ε √(s₁² + s₂²), at another instant; the gap's slope then has a part a quarter of a
+period from the motion itself, whose effect on the force is q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
 
 They were computed once, at commit cde05ac (reynolds/limits/boundary_layer.py),
 and are stored as d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series

@@ -135,7 +135,7 @@ class Batch:
         grids: each no coarser than the one before.
         tolerances: relative error of the force that the iteration may leave, on each grid.
         guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
-            film at rest if left out.
+            film at rest by default.
         every: whether the states on all grids are asked for, and not that on the last alone.
     """
 

@@ -1,6 +1,6 @@
 """Grids of a scene: a first guess from its numbers, and the next finer grid.
 
-The guess only decides the cost. Whether it was right is judged afterwards, by the error estimate.
+The guess only decides the cost. The error estimate shows afterwards if it was right.
 """
 
 from __future__ import annotations
@@ -365,7 +365,7 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
 
 
 def least_fall(scenes: Scenes, nodes_x: int) -> np.ndarray:
-    """Factors by which changes from grid to grid are believed to fall at most, (n,).
+    """Lower bounds on the convergence ratios from grid to grid, (n,).
 
     Args:
         nodes_x: across the pad along x, of the coarser grid.

@@ -14,7 +14,7 @@ has inertia, by its lighter mass and by its swelling across the gap,
     w = −ū {(6/5) τₐ − (9/14) τ_b + κ ((3/5) τₐ − (3/7) τ_b)}
         + (Re P H²/10) {(9/7) τ ∂ū/∂T + (1/7) ū ∂τ/∂T}.
 
-First order in τ. That heat is carried along the film, and how fast w settles, is left out: on a
+First order in τ. That heat is carried along the film, and how fast w settles, is neglected: on a
 strip with resolved temperature both moved the force by less than the parabola's own error.
 
 With first-order slip the temperature jumps at the walls (Smoluchowski; full accommodation) by

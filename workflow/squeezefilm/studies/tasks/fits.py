@@ -40,7 +40,7 @@ TABLE_SHARE = 0.1
 
 
 def profile_uncertainty(config: Config, *, summary: Path | str | None = None) -> float:
-    """The largest share of a force that the scan of a study's profile leaves open, 0 without one.
+    """Largest uncertainty of a force by the scan of a study's profile, a fraction; 0 without one.
 
     Args:
         summary: what is known of the scan, as its fit wrote it; simulated where it is not given.

@@ -92,13 +92,13 @@ def refine(
 ) -> tuple[dict[str, pd.DataFrame], dict[str, Any], dict[str, Any]]:
     """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
 
-    A model that needs the physics limits where they do not hold is refused before anything is
+    A model that needs the physics limits where they do not hold is not supported: nothing is
     simulated: the fit and the verdict have the reason, and the tables are empty.
 
     Args:
         space: ``two_factor`` or ``four_factor``.
         sample: forces of a validation sample.
-        uncertainty: share of a force that the scan of a measured profile leaves open.
+        uncertainty: fraction of a force, uncertainty by the scan of a measured profile.
 
     Returns: tables by their names (TABLES), the last fit, and the verdict.
 

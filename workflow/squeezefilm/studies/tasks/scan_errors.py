@@ -86,7 +86,7 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
 
 
 def errors_in_study(config: Config, smoothed: SmoothedScan) -> pd.DataFrame:
-    """Forces of some of a study's scenes, and what the scan leaves open in them."""
+    """Forces of some of a study's scenes, and their errors by the scan."""
     points, device = _points(config), device_of(config)
     return points.join(scan_errors(scenes_in(points, config), smoothed, device=device))
 
