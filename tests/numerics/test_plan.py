@@ -95,7 +95,7 @@ def test_a_dry_run_writes_a_row_per_scene(dry_run, capsys):
 
 def test_a_dry_run_names_the_scenes_that_will_have_no_force(dry_run, capsys):
     statuses = dry_run("--method", "composite")["status"]
-    assert all("the composite expansion is good to" in each for each in statuses)
+    assert all("the composite expansion is accurate to" in each for each in statuses)
     assert "status of 1 scenes, such as point 1" in capsys.readouterr().out
 
 

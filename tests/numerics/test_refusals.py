@@ -26,7 +26,7 @@ COMPOSITE = "the composite expansion is "
         (INERTIA | SLIDING, {}, "auto", "not derived for a sliding pad"),
         (INERTIA, ELLIPSE, "auto", "inertia is not known under this pad"),
         (INERTIA, ELLIPSE, "composite", "derived for rectangular pads"),
-        (INERTIA | TWO_PHASES, {}, "composite", COMPOSITE + "derived for a vibration in one phase"),
+        (INERTIA | TWO_PHASES, {}, "composite", COMPOSITE + "derived for one quadrature component"),
         (HEAT | {"polytropic_exponent": 1.4}, {}, "auto", "polytropic_exponent 1"),
         (HEAT | FACTOR, {}, "auto", "not for fukui-kaneko"),
         (HEAT | SLIDING, {}, "auto", "heat is not derived for a sliding pad"),
@@ -34,7 +34,7 @@ COMPOSITE = "the composite expansion is "
         (HEAT, {}, "composite", COMPOSITE + "not derived with heat"),
         (SLIDING, ELLIPSE, "auto", "not supported: a sliding pad that is not a rectangle"),
         (SLIDING, {}, "composite", COMPOSITE + "not derived with bearing"),
-        (SLIP, TILTED, "composite", COMPOSITE + "derived for a gap that is even at rest with slip"),
+        (SLIP, TILTED, "composite", COMPOSITE + "derived for a gap that is uniform at rest"),
     ],
 )
 def test_what_was_not_derived_is_refused_and_planned_so(numbers, pad, method, reason):

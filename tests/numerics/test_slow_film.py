@@ -243,7 +243,7 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
 @pytest.mark.parametrize(
     ("numbers", "reason"),
     [
-        ({"sigma": 30.0}, "not supported: the film is not slow"),
+        ({"sigma": 30.0}, "not supported: the period-averaged equation"),
         ({"sigma": 1000.0, "inertia": "included"}, "not derived"),
         ({"sigma": 1000.0, "bearing": 1.0}, "not derived"),
     ],

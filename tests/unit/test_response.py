@@ -24,7 +24,7 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     assert main([*words, "--steps", str(steps)]) == 0
     summary = pd.read_csv(output, index_col="point_id").loc["a"]
     rows = pd.read_csv(steps, index_col="point_id")
-    assert rows.loc["thick", "status"].startswith("not supported: the film is not slow")
+    assert rows.loc["thick", "status"].startswith("not supported: the period-averaged equation")
     thick = pd.read_csv(output, index_col="point_id").loc["thick"]
     assert thick["status"] == rows.loc["thick", "status"]
     assert pd.isna(thick["static_gain"])

@@ -317,7 +317,7 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
         return _unknown(reason)
     film, error = averaged_film_of(settled)
     if error > MOST_AVERAGING_ERROR:
-        return _unknown(f"the averaged film's settled force is {error:.0%} off")
+        return _unknown(f"the averaged film's settled force is in error by {error:.0%}")
     unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
     roots = film.free_motion(
         slow=found.stiffness_n_per_m / unit, scale=scene.force_scale_n / scene.h0_m / unit

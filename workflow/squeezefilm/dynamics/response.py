@@ -141,8 +141,8 @@ def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
     film, error = averaged_film_of(scene)
     if error > SLOW_ERROR:
         raise RunError(
-            "not supported: the film is not slow against its vibration (error of the averaged "
-            f"film's settled force: {100 * error:.2g} %, at most {100 * SLOW_ERROR:g} % is allowed)"
+            "not supported: the period-averaged equation is not accurate enough (error of its "
+            f"settled force: {100 * error:.2g} %, at most {100 * SLOW_ERROR:g} % is allowed)"
         )
     return film, error
 

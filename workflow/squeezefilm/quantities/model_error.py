@@ -153,7 +153,7 @@ class ErrorBudget:
         return self.sums(neglected_only=True)
 
 
-NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
+NOT_FOUND = "not converged: GMRES for the adjoint problem of the error budget"
 BASIS = "the inscribed rectangle with a uniform gap"
 
 

@@ -103,7 +103,7 @@ def _without_formula(scene: Scene) -> dict[str, str]:
     if scene.epsilon == 0:
         found["harmonics"] = "stiffness and damping are not known of a surface at rest"
     elif np.abs(gap_motion(scene, *scene.inside())[2]).max() > NEGLIGIBLE * scene.epsilon:
-        found["harmonics"] = "stiffness and damping are of a surface that moves in one phase"
+        found["harmonics"] = "stiffness and damping are of a surface with one quadrature component"
     if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
         found["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
     return found

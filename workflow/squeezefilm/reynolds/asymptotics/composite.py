@@ -202,7 +202,7 @@ def _expand(films: Films) -> Expansion:
 
 def _second_order(films: Films) -> SecondOrder:
     if films.rest is not None:
-        raise ValueError("the second order in ε is derived for gaps that are even at rest")
+        raise ValueError("the second order in ε is derived for gaps that are uniform at rest")
     inertia = films.reynolds.any()
     return core.second_order_with_inertia(films) if inertia else core.second_order(films)
 
@@ -251,9 +251,9 @@ class Expanded:
     def status(self, tolerance: float) -> str:
         """``ok``, or what is wrong with the estimate."""
         if not isfinite(self.error):
-            return "the error of the composite expansion is not known here"
+            return "the error of the composite expansion cannot be estimated here"
         if not self.holds(tolerance):
-            return f"the composite expansion is good to {self.relative_error:.1e} only"
+            return f"the composite expansion is accurate to {self.relative_error:.1e} only"
         return "ok"
 
 
@@ -278,9 +278,9 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
         return f"the composite expansion is not derived with {' and '.join(unknown)}"
     others = [term.label for term in terms if not isinstance(term, AnyGap)]
     if not scene.pad.gap.flat and others:
-        return f"{what} a gap that is even at rest with {' and '.join(others)}"
+        return f"{what} a gap that is uniform at rest with {' and '.join(others)}"
     if scene.actuator.profile.is_complex and scene.gas.inertia == "included":
-        return f"{what} a vibration in one phase with inertia"
+        return f"{what} one quadrature component with inertia"
     return ""
 
 

@@ -152,8 +152,8 @@ def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
     return (
         f"the profile has a feature about {1e6 * sampled.feature_m(position):.2g} µm wide under "
         f"the pad: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
-        f"{1e6 * apart_m:.2g} µm apart, does not show it to {share:.1g} of the profile's largest "
-        "value, as this tolerance asks"
+        f"{1e6 * apart_m:.2g} µm apart, does not resolve it to {share:.1g} of the largest "
+        "amplitude, as this tolerance needs"
     )
 
 
