@@ -45,7 +45,8 @@ def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     assert main([*ONE, "--frequencies", "100Hz"]) == 0
     told = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     slip = [
-        float(told[f"slip_{what}"].split()[0]) for what in ("gain", "corner", "rise", "release")
+        float(told[f"slip_{what}"].split()[0])
+        for what in ("gain", "corner", "settling_start", "settling_stop")
     ]
     assert slip == pytest.approx([0.12, 7.6, -7.8, -8.0], rel=0.03)
     assert told["inertia_gain"].startswith("-0.11 ± 0.0")
