@@ -71,9 +71,9 @@ def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
     one means.
     """
     gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
-    terms = [name for name in ("heat", "inertia") if gas[name] != "none"]
     # ``auto`` has inertia and heat where they matter.
-    kind = f"{terms[0]} included" if "inertia" in terms else "inertia neglected"
+    kind = "heat included" if gas["heat"] != "none" else "inertia included"
+    kind = kind if gas["inertia"] != "none" else "inertia neglected"
     limit = reynolds_limit(kind)
     beyond = f"{kind}, error unknown above Re {limit.unknown_above:g}"
     if limit.not_above < math.inf:

@@ -90,7 +90,5 @@ class Heat(Term):
 
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.polytropic_exponent != 1:
-            return (
-                "heat is solved for with gas.polytropic_exponent 1, which stands for it otherwise"
-            )
+            return "not supported: gas.heat with another gas.polytropic_exponent than 1"
         return not_derived(self.label, scene)

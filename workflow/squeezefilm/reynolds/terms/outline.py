@@ -56,5 +56,5 @@ class SmoothOutline(Term):
     def refused_on_grid(self, scene: Scene) -> str:
         for name in ("inertia", "heat"):
             if getattr(scene.gas, name) == "included":
-                return f"{name} is not known under this pad"
+                return f"not supported: gas.{name} under a pad that is not a rectangle"
         return ""
