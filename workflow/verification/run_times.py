@@ -24,6 +24,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import box_of
+from verification.work_precision import FILMS, work_precision
 
 PAPER = "config/paper.yaml"
 USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
@@ -41,13 +42,14 @@ ROUNDS = 9
     option("--output", "FOLDER", "for the tables", required=True, type=Path),
 )
 def run_times(options: argparse.Namespace) -> None:
-    """Measure run times on this machine: three tables.
+    """Measure run times on this machine: four tables.
 
       make paper && python -m verification run-times --output docs/data
 
     `paper_times.csv`: processor time by rule, of every job that has left a log in logs/paper;
     `force_times.csv`: of one force from the shell by part; `batch_times.csv`: of random scenes of
-    the four-factor space, on host and device. Nothing else should run meanwhile.
+    the four-factor space, on host and device; `equal_error.csv`: of other methods, and how often
+    the solver's is in it where its error is no larger. Nothing else should run meanwhile.
     """
     device = choose_device()
     now = datetime.now(UTC)
@@ -58,9 +60,10 @@ def run_times(options: argparse.Namespace) -> None:
         "date": f"{now.day} {now:%B %Y}",
     }
     head = "".join(f"# {key}: {value}\n" for key, value in origin.items())
-    for name, measured in (("paper", paper_times), ("force", force_times), ("batch", batch_times)):
-        say(f"{name}: measuring")
-        write_text(head + measured().to_csv(index=False), options.output / f"{name}_times.csv")
+    for measured in paper_times, force_times, batch_times, equal_error:
+        say(f"{measured.__name__}: measuring")
+        table = measured().to_csv(index=False)
+        write_text(head + table, options.output / f"{measured.__name__}.csv")
 
 
 def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
@@ -89,8 +92,8 @@ def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
 
 def force_times() -> pd.DataFrame:
     """Processor time of one force from the shell by what the process does, kernels in the cache."""
-    processes = ("-c", "pass"), ("-c", "import numpy"), ("-c", DEVICE), (*ONE_FORCE, "--help")
-    processes += ONE_FORCE, NOTHING
+    python_alone, with_numpy, with_device = ("-c", "pass"), ("-c", "import numpy"), ("-c", DEVICE)
+    processes = python_alone, with_numpy, with_device, (*ONE_FORCE, "--help"), ONE_FORCE, NOTHING
     rounds = [[child_seconds(*words) for words in processes] for _ in range(ROUNDS)]
     python, numpy, device, options, force, nothing = np.median(rounds[1:], axis=0)
     parts = {
@@ -128,6 +131,28 @@ def batch_times() -> pd.DataFrame:
     table = pd.DataFrame(rows, columns=columns)
     times = {name: table[name].map("{:.3g}".format) for name in columns[2:]}
     return table.assign(**times).rename(columns={name: f"{name} (ms a scene)" for name in times})
+
+
+def equal_error() -> pd.DataFrame:
+    """First and last run of each other method on the centred pad, and the solver's at equal error.
+
+    Of those runs that a run of the solver is no worse than.
+    """
+    runs = work_precision(
+        (FILMS[1],), repeats=9, batch=100, longest_seconds=2.0, rungs=10, device=choose_device()
+    )
+    ends = runs.dropna(subset="speedup").groupby("method", sort=False).nth([0, -1])
+    columns = {
+        "its error": "relative_error",
+        "its seconds": "cpu_s",
+        "times less, scene alone": "speedup",
+        "in a batch of 100": "speedup_in_batch",
+    }
+    shown = {
+        name: [f"{float(f'{number:.2g}'):g}" for number in ends[column]]
+        for name, column in columns.items()
+    }
+    return pd.DataFrame({"other method": ends["method"], **shown})
 
 
 def child_seconds(*words: str) -> float:

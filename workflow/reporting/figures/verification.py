@@ -103,8 +103,7 @@ def published(results: Results) -> Figure:
     """Left exact profiles beside finite elements, right depth averaging beside exact profiles."""
     data = results.table("numerics/published.csv", "source", "exact_deviation")
 
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.4)
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.4, sharey=True)
     profiles = data.dropna(subset=["viscous_deviation"])
     holes = profiles.dropna(subset=["exact_deviation"]).groupby("quantity")
     for fill, (quantity, films) in zip(("white", None), holes, strict=True):

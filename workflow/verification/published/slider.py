@@ -40,7 +40,7 @@ def exact(scene: Scene) -> Slider:
     """
 
     def slopes(x: np.ndarray, y: np.ndarray, flow: np.ndarray) -> np.ndarray:
-        gap, pressure = scene.rest_gap(x, 0.5 * np.ones_like(x)), y[0]
+        gap, pressure = 1 + scene.pad.gap.rise_m(x, np.full_like(x, 0.5)) / scene.h0_m, y[0]
         slope = (scene.bearing_number * gap * pressure - flow) / (gap**3 * pressure)
         return np.stack([slope, pressure - 1, x * (pressure - 1)])
 
