@@ -35,8 +35,6 @@ COLUMNS = (
     *("part", "item", "quantity", "expected", "got", "tolerance", "verdict", "worst"),
     "of_tolerance",
 )
-"""``worst`` names the cell that is farthest off, ``expected`` and ``got`` are its two values,
-``of_tolerance`` is how much of the tolerance it takes."""
 REFERENCE_COLUMNS = ("item", "quantity", "cell", "value")
 WIDEST = 40
 """Characters of a cell on the screen; all of it is in the table."""

@@ -49,8 +49,8 @@ def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.Data
             "group": group,
             "epsilon": round(scene.epsilon, 6),
             "sigma": round(scene.sigma, 6),
-            "bearing": round(scene.bearing_number, 6),
-            "reynolds": round(scene.modified_reynolds, 6) if inert else 0.0,
+            "bearing_number": round(scene.bearing_number, 6),
+            "modified_reynolds": round(scene.modified_reynolds, 6) if inert else 0.0,
             **_judged(scene, device=device),
         }
         say(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())

@@ -34,12 +34,15 @@ def stability(results: Results) -> Figure:
     data = results.table("numerics/stability.csv", "verdict", "worst_ratio")
     figure = style.new_figure(wide=True, height_in=4.4)
     left, right = figure.subplots(1, 2, width_ratios=(3, 2), sharey=True)
-    moving = data["reynolds"] > 0
+    moving = data["modified_reynolds"] > 0
     shown = _films(left, data[~moving].assign(x=data["epsilon"].clip(upper=LARGEST_EPSILON)))
     left.set(xscale="logit", xlabel="excursion ratio ε (–); contact at the right edge")
     left.set_xticks(EPSILON_TICKS, [f"{tick:g}" for tick in EPSILON_TICKS])
     left.set(xlim=(4e-4, 0.9988), ylabel="squeeze number σ (–)", title="(a) without inertia")
-    _films(right, data[moving].sort_values("epsilon", kind="stable").assign(x=data["reynolds"]))
+    _films(
+        right,
+        data[moving].sort_values("epsilon", kind="stable").assign(x=data["modified_reynolds"]),
+    )
     right.set(xscale="log", xlim=(0.2, 120), xlabel="modified Reynolds number Re (–)")
     right.set_title("(b) with inertia, ε rising upwards")
     label = "worst deviation over what is allowed (–)"
@@ -113,7 +116,7 @@ def published(results: Results) -> Figure:
         ):
             label = f"{name}, {str(quantity).partition(', ')[2]}"
             look: dict[str, Any] = {"color": colour, "mfc": fill, "ms": 4, "label": label}
-            left.plot(films["reynolds"], films[column], marker, **look)
+            left.plot(films["modified_reynolds"], films[column], marker, **look)
     left.set(ylabel="relative deviation (–)", title="(a) p(r) from finite elements")
     averaged = profiles.dropna(subset=["solver_deviation"])
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
@@ -124,7 +127,7 @@ def published(results: Results) -> Figure:
         ):
             look = {"color": colour, "ms": 3, "label": label}
             some = films[films["case"] == case]
-            right.plot(some["reynolds"], some["solver_deviation"], line, **look)
+            right.plot(some["modified_reynolds"], some["solver_deviation"], line, **look)
     right.set_title("(b) first harmonic of the solver from exact profiles")
     for panel in (left, right):
         panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")

@@ -61,7 +61,7 @@ class Row:
     source: str
     case: str
     quantity: str
-    reynolds: float = nan
+    modified_reynolds: float = nan
     sigma: float = nan
     published: float = nan
     exact: float = nan
@@ -140,7 +140,7 @@ def radial_films() -> Iterator[Row]:
                 source="Honzík et al.",
                 case=f"{kind}, {1e6 * gap_m:.0f} µm, {1e-3 * frequency_hz:.0f} kHz",
                 quantity=RADIAL.format(distance),
-                reynolds=reynolds,
+                modified_reynolds=reynolds,
                 exact_deviation=deviation[0],
                 viscous_deviation=deviation[1],
             )
@@ -168,7 +168,7 @@ def depth_averaging(
             source="depth averaging",
             case="inertia and heat" if heat == "included" else "inertia",
             quantity="first harmonic",
-            reynolds=re,
+            modified_reynolds=re,
             sigma=s,
             exact=abs(resolved),
             solver=abs(ours),
