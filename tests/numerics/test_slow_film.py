@@ -219,7 +219,7 @@ def test_the_change_by_slip_is_that_of_a_film_with_slip():
     for what, name in CHANGED.items():
         change = 100 * (getattr(slipping, name) / getattr(without, name) - 1)
         assert found[f"slip_{what}_percent"] == pytest.approx(change, rel=0.02)
-    assert found["slip_rise_percent"] < -25
+    assert found["slip_settling_start_percent"] < -25
 
 
 def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
