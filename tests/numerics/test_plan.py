@@ -1,6 +1,5 @@
 """What ``simulate --dry-run`` shows is what ``solve`` does."""
 
-import re
 from dataclasses import replace
 from typing import Any
 
@@ -104,5 +103,5 @@ def test_a_dry_run_of_one_point_shows_what_is_not_needed_and_why(capsys):
     words = ["--h0", "5um", "--hv", "2um", "--config", "config/paper.yaml", "--dry-run"]
     assert main(["simulate", *words]) == 0
     shown = capsys.readouterr().out
-    assert re.search("^method +periodic$", shown, re.MULTILINE)
+    assert "method periodic" in " ".join(shown.split())
     assert "inertia: gas.inertia is none" in shown

@@ -4,6 +4,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
+from squeezefilm.dynamics.response import CHANGED
 
 ONE = ["response", "--h0", "5um", "--hv", "2.2um"]
 
@@ -44,10 +45,7 @@ def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     """Forces at amplitudes 1 % apart: a gain of 2.16455 with inertia and 2.16695 without."""
     assert main([*ONE, "--frequencies", "100Hz"]) == 0
     told = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
-    slip = [
-        float(told[f"slip_{what}"].split()[0])
-        for what in ("gain", "corner", "settling_start", "settling_stop")
-    ]
+    slip = [float(told[f"slip_{what}"].split()[0]) for what in CHANGED]
     assert slip == pytest.approx([0.12, 7.6, -7.8, -8.0], rel=0.03)
     assert told["inertia_gain"].startswith("-0.11 ± 0.0")
     assert told["heat_gain"].startswith("0.0")

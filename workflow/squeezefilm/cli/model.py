@@ -24,11 +24,13 @@ def predict(options: argparse.Namespace) -> None:
     pad off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
     was fitted in, any direction may be asked. `error_95_n` is the error that 95 % of new points
     drawn uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %,
-    measured on a validation sample of simulations that no fit used. Outside the declared space, and
-    for a fit without such a sample, both are empty and `note` says so. Where the profile was
-    measured, both contain the uncertainty of its scan, `profile_uncertainty_percent` of the force.
-    `validity` is `ok`, or the limits of validity of the film equation that a point exceeds; one
-    point by options outside them is shown with exit status 1.
+    measured on a validation sample of simulations that no fit used.
+
+    Outside the declared space, and for a fit without such a sample, both are empty and `note` says
+    so. Where the profile was measured, both contain the uncertainty of its scan,
+    `profile_uncertainty_percent` of the force. `validity` is `ok`, or the limits of validity of the
+    film equation that a point exceeds; one point by options outside them is shown with exit status
+    1.
     """
     fit = Fit.read(options.fit)
     if options.points:

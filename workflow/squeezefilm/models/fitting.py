@@ -16,10 +16,12 @@ stays below
 the profile-likelihood interval of nonlinear regression (Bates and Watts, Nonlinear Regression
 Analysis and Its Applications, 1988, section 6.1). There, residuals are noise, and the interval
 holds the true value so many times in a hundred. Simulations have no noise: residuals are the
-model's lack of fit, the same each time, and no value is true. What the interval says here is how
-far a parameter can go while the model describes these points about as well as the best fit does:
-a measure of what the points fix, not of a scatter. It is conditional on the plan and the formula;
-another plan may give an interval that does not overlap with it.
+model's lack of fit, the same each time, and no value is true.
+
+What the interval says here is how far a parameter can go while the model describes these points
+about as well as the best fit does: a measure of what the points fix, not of a scatter. It is
+conditional on the plan and the formula; another plan may give an interval that does not overlap
+with it.
 """
 
 from __future__ import annotations

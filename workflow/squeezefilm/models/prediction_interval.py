@@ -9,11 +9,13 @@ The prediction interval is measured on a validation sample.
 The sample is simulated at points that are independent and uniform over the declared space and that
 no fit uses. Half of it ranks models; the other half calibrates the interval by split conformal
 prediction (J. Lei et al., Distribution-free predictive inference for regression, J. Am. Stat.
-Assoc. 113 (2018) 1094-1111): the score of a point is the model's error there plus the simulation's
-own, divided by a scale; the k-th smallest of n scores, k = ⌈(n + 1) p⌉, times the scale is the half
+Assoc.
+
+113 (2018) 1094-1111): the score of a point is the model's error there plus the simulation's own,
+divided by a scale; the k-th smallest of n scores, k = ⌈(n + 1) p⌉, times the scale is the half
 width that holds a share p of new points of the same distribution. The scale a + b·|force| makes the
-width local. It comes from the residuals of the cross-validation, so that the sample does not
-decide it. A point without a force, simulated or modelled, has an infinite score.
+width local. It comes from the residuals of the cross-validation, so that the sample does not decide
+it. A point without a force, simulated or modelled, has an infinite score.
 """
 
 from __future__ import annotations

@@ -405,11 +405,13 @@ class FluxPoints:
 
         Of a function on the nodes that vanishes at the ends: its values here, ``values``, and its
         ``slope``. Of the velocity along the axis: ``along``, its derivative here; ``nodes`` and
-        ``divergence``, its values and derivative on the nodes. Of a velocity along the other axis:
-        ``across``, its derivative along this one on the nodes, as if it vanished at the ends as it
-        does where the gas comes in; ``rim``, what that lacks per velocity at each end, of a folded
-        axis, whose ends are alike, their sum first; ``to_end``, factors of its values on the four
-        nodes beside an end for that there: a polynomial through all would grow beyond bounds.
+        ``divergence``, its values and derivative on the nodes.
+
+        Of a velocity along the other axis: ``across``, its derivative along this one on the nodes,
+        as if it vanished at the ends as it does where the gas comes in; ``rim``, what that lacks
+        per velocity at each end, of a folded axis, whose ends are alike, their sum first;
+        ``to_end``, factors of its values on the four nodes beside an end for that there: a
+        polynomial through all would grow beyond bounds.
         """
         axis, parts = self.axis, self.axis.parts_of
         to_points, to_nodes = axis.to_points(self.all_points), self.at(axis.all_nodes[1:-1])

@@ -3,10 +3,12 @@
 The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
 which degree they describe the points best; two degrees more are taken, so that what the profile
 neglects is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
-Statistics, 2006, 5.7). Points far from the rest are excluded and the rest is fitted again. The film
-equation needs the profile's curvature, so that a smooth global basis serves it better than splines
-with their knots. Least squares also say how sure the profile is at every place: the standard error
-that noise leaves, from the residuals.
+Statistics, 2006, 5.7).
+
+Points far from the rest are excluded and the rest is fitted again. The film equation needs the
+profile's curvature, so that a smooth global basis serves it better than splines with their knots.
+Least squares also say how sure the profile is at every place: the standard error that noise leaves,
+from the residuals.
 
 Where the scan has phases, what moves a quarter of a period from the rest is fitted likewise. If
 forces depend on it the profile is complex: both are fitted together, by the same modes.

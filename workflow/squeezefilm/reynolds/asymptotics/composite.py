@@ -8,13 +8,15 @@ estimate of its absolute error:
     small_amplitude_expansion  second order in ε, any σ: one complex Helmholtz solve
     composite_expansion        the last two together: exact in σ to ε², exact in ε to 1/√σ
 
-An error has two parts: that of the expansion, estimated from the profile's slopes, its
-values on the rim and at the corners, ε and σ; and that of the grid, the change against
-every other of its nodes. Where an expansion does not apply the error is infinite. The constants of
-the first part were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ 0.1–1e6, pistons and
-sincs with up to three nodes under the pad, aspects 0.2–5; each is about twice what the worst
-film needed. Those of inertia were fitted to its second order in ε on such films and to strips at
-any ε. Layers with inertia are known up to Re = 10 and excursions that depend on it (edge_layer.py).
+An error has two parts: that of the expansion, estimated from the profile's slopes, its values on
+the rim and at the corners, ε and σ; and that of the grid, the change against every other of its
+nodes. Where an expansion does not apply the error is infinite.
+
+The constants of the first part were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ
+0.1–1e6, pistons and sincs with up to three nodes under the pad, aspects 0.2–5; each is about twice
+what the worst film needed. Those of inertia were fitted to its second order in ε on such films and
+to strips at any ε. Layers with inertia are known up to Re = 10 and excursions that depend on it
+(edge_layer.py).
 """
 
 from __future__ import annotations

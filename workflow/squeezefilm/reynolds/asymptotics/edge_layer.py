@@ -18,11 +18,12 @@ and are stored as d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), fro
 give them.
 
 With the gas' inertia the core sees ψ² on the rim, the layer's own overpressure d, and the changes g
-and h of the rim's ψ² with the slopes of the profile and of the core. They were computed once, at
-commit cde05ac (reynolds/limits/inertial_layer.py, half an hour of one core), and
-are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev points: in Re up to MOST_REYNOLDS and,
-for each Re, in −ln(1 − a²) up to a = ``largest(Re)``. Somewhere beyond, waves steepen to a shock in
-the layer, and no periodic state was found that a finer grid would not change.
+and h of the rim's ψ² with the slopes of the profile and of the core.
+
+They were computed once, at commit cde05ac (reynolds/limits/inertial_layer.py, half an hour of one
+core), and are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev points: in Re up to
+MOST_REYNOLDS and, for each Re, in −ln(1 − a²) up to a = ``largest(Re)``. Somewhere beyond, waves
+steepen to a shock in the layer, and no periodic state was found that a finer grid would not change.
 
 Within √(1/σ) of the pad's rim, with ξ = n√σ, n the distance from the rim, and ū = v/√σ the mean
 velocity over the gap, mass w = HP and flux q = wv obey
