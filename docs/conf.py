@@ -15,6 +15,7 @@ from squeezefilm.cli.main import commands_of
 from squeezefilm.config.film import GASES
 from squeezefilm.config.keys import key_table, schema
 from squeezefilm.film.validity import LIMITS
+from squeezefilm.tables import COLUMNS
 
 project, version, release = "squeezefilm", __version__, __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
@@ -70,7 +71,7 @@ def measured(path: Path) -> str:
 
 
 def write_generated() -> None:
-    """Write keys, gases, help of all commands, limits of validity, claims and measured tables."""
+    """Write keys, columns, help of all commands, limits of validity, claims, measured tables."""
     GENERATED.mkdir(exist_ok=True)
     rows = [
         f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
@@ -78,6 +79,9 @@ def write_generated() -> None:
         for limit in LIMITS
     ]
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
+    names = (f"| `{name}` | {' | '.join(about)} |" for name, *about in COLUMNS)
+    head = "| column | unit | meaning | tables |", "| --- | --- | --- | --- |"
+    (GENERATED / "columns.md").write_text("\n".join([*head, *names]), encoding="utf-8")
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
     table, sources = stored(GASES)
     (GENERATED / "gases.md").write_text("\n".join([*table, "", *sources]), encoding="utf-8")

@@ -18,7 +18,7 @@ NAMES = {
     "verification": re.compile(r"python -m verification ([a-z][a-z-]*)"),
     "snakemake": re.compile(r"snakemake ([a-z][a-z0-9_ ]*)"),
 }
-"""Commands that a text may only name, such as `squeezefilm budget`, `snakemake refine optimal`."""
+"""Commands that a text may only name, such as `squeezefilm error-budget`, `snakemake refine`."""
 
 MADE = "results/quick/simulations/screen"
 PLACEHOLDERS = {

@@ -52,7 +52,7 @@ def film(
             ambient_pressure_pa=PRESSURE_PA,
             density_kg_per_m3=1.2,
             mean_free_path_m=knudsen * H0_M,
-            **{"inertia": "none", "heat": "none"} | gas,
+            **{"inertia": "none", "thermal": "none"} | gas,
         ),
         actuator=Actuator(angular_frequency / (2 * pi), Disc(1.0), profile),
         pad=Pad(LENGTH_M, aspect * LENGTH_M, speed),

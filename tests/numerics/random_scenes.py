@@ -20,7 +20,7 @@ EPSILON = (0.01, 0.8)
 
 
 def random_scenes(
-    like: Scene, *, count: int, seed: int, most_reynolds: float, inertia: str, heat: str = "none"
+    like: Scene, *, count: int, seed: int, most_reynolds: float, inertia: str, thermal: str = "none"
 ) -> list[Scene]:
     """Gap, excursion and position are uniform, the frequency is so in its logarithm.
 
@@ -39,7 +39,7 @@ def random_scenes(
             h0_m=h0_m,
             hv_m=epsilon * h0_m,
             **place,
-            gas=replace(like.gas, inertia=inertia, heat=heat),
+            gas=replace(like.gas, inertia=inertia, thermal=thermal),
             actuator=replace(like.actuator, frequency_hz=frequency_hz),
         )
         if scene.modified_reynolds < most_reynolds:
@@ -52,7 +52,7 @@ def moved_by_leaving_out(
 ) -> np.ndarray:
     """How far including a term moves the forces of the scenes that ``auto`` leaves it out of.
 
-    term: ``inertia`` or ``heat``; the other is as ``auto`` has it. Forces are solved to 1e-4.
+    term: ``inertia`` or ``thermal``; the other is as ``auto`` has it. Forces are solved to 1e-4.
     """
     choices = resolve_auto_terms(scenes, model_tolerance=model_tolerance, device=choose_device())
     without = [scene for scene in choices if getattr(scene.gas, term) == "none"]

@@ -12,9 +12,9 @@ def test_what_is_put_back_changes_no_force_and_is_solved_on_that_device(
     device = choose_device()
     monkeypatch.setenv(DEVICE_VARIABLE, "no such device")
     scenes = [film(epsilon=0.2, sigma=583.0)]
-    table = ablation(scenes, tolerances=[1e-4], repeats=1, device=device).set_index("put_back")
-    assert {"nothing", "mirror halves", "bearing term", "everything"} < set(table.index)
+    table = ablation(scenes, tolerances=[1e-4], repeats=1, device=device).set_index("re_enabled")
+    assert {"nothing", "symmetry", "Couette term", "everything"} < set(table.index)
     assert table["worst_error"].between(0, 1e-4, inclusive="neither").all()
-    assert (table.drop("everything, in NumPy")["covered"] == 1).all()
+    assert (table.drop("everything, in NumPy")["coverage"] == 1).all()
     assert table.at["nothing", "cpu_ratio"] == 1
     assert table.at["everything", "cpu_ratio"] > 5

@@ -64,7 +64,7 @@ TERMS = [
     {"rarefaction": "fukui-kaneko"},
     {"polytropic_exponent": 1.4},
     {"bearing": 8.0},
-    {"inertia": "included", "heat": "included"},
+    {"inertia": "included", "thermal": "included"},
 ]
 
 

@@ -170,5 +170,5 @@ def test_what_is_not_known_has_no_number(scene: Scene) -> None:
     still, heated = error_budgets([at_rest, adiabatic])
     assert still.status != "ok"
     assert all(isnan(each.percent) for each in still.effects.values())
-    assert isnan(heated.effects["heat"].percent)
+    assert isnan(heated.effects["thermal"].percent)
     assert np.isnan(heated.sums(neglected_only=True)).all()

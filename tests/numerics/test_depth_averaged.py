@@ -32,13 +32,13 @@ def film(scene: Scene, reynolds: float, sigma: float, epsilon: float = 0.1, **ga
     return replace(scene, gas=its, actuator=actuator, hv_m=epsilon * scene.h0_m)
 
 
-HEATED = {"heat": "included"}
+HEATED = {"thermal": "included"}
 
 
 def test_the_tables_nodes_come_back(scene):
     for row in pd.read_csv(TABLE).itertuples():
         change, off = depth_averaging_percent(
-            film(scene, row.reynolds, row.sigma, **(HEATED if row.heat else {}))
+            film(scene, row.reynolds, row.sigma, **(HEATED if row.thermal else {}))
         )
         assert change == pytest.approx(100 * (row.resolved / row.averaged - 1), rel=1e-9, abs=1e-12)
         assert off >= 0.7 * abs(change)
@@ -73,13 +73,13 @@ def test_the_solver_has_the_tables_depth_averaged_forces(scene, sigma, gas):
     """So that the table is of these terms, and no others."""
     its = film(scene, 10.0, sigma, epsilon=0.005, **gas)
     (found,) = solve([its], tolerance=2e-5, method="periodic")
-    table = pd.read_csv(TABLE).set_index(["heat", "reynolds", "sigma"])
+    table = pd.read_csv(TABLE).set_index(["thermal", "reynolds", "sigma"])
     mean = found.force_n / its.force_scale_n / its.epsilon**2
     assert mean == pytest.approx(table["averaged"][int(bool(gas)), 10.0, sigma], rel=3e-5)
 
 
 @pytest.mark.parametrize(
-    ("epsilon", "sigma", "reynolds", "heat"),
+    ("epsilon", "sigma", "reynolds", "thermal"),
     [
         (0.05, 2.0, 2.0, False),
         (0.4, 30.0, 8.0, False),
@@ -88,12 +88,12 @@ def test_the_solver_has_the_tables_depth_averaged_forces(scene, sigma, gas):
     ],
 )
 def test_strips_that_resolve_the_profiles_lie_within_the_estimate(
-    scene, epsilon, sigma, reynolds, heat
+    scene, epsilon, sigma, reynolds, thermal
 ):
     """Another geometry, profile and amplitude than the table's."""
     numbers = {"epsilon": epsilon, "sigma": sigma, "reynolds": reynolds}
-    equations = ("one_mode_of_heat", "resolved_heat") if heat else ("one_mode", "resolved")
+    equations = ("one_mode_of_heat", "resolved_heat") if thermal else ("one_mode", "resolved")
     averaged, resolved = (strip_force(equation, **numbers) for equation in equations)
-    gas = HEATED if heat else {}
+    gas = HEATED if thermal else {}
     change, off = depth_averaging_percent(film(scene, reynolds, sigma, epsilon, **gas))
     assert abs(100 * (resolved / averaged - 1) - change) < off

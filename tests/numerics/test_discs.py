@@ -25,7 +25,7 @@ from squeezefilm.reynolds.solver import solve
 from verification.disc import Disc, resolved_second_order
 from verification.published.linear_film import depth_averaged
 
-BOTH = {"inertia": "included", "heat": "included"}
+BOTH = {"inertia": "included", "thermal": "included"}
 
 
 def ellipse(reynolds: float, **numbers: object) -> Scene:
@@ -49,7 +49,7 @@ def mean(scene: Scene, *, tolerance: float = 1e-5) -> float:
 def alone(scene: Scene, **numbers: float) -> float:
     """The same in the radius alone."""
     gas, reynolds = scene.gas, scene.modified_reynolds
-    if gas.heat == "included":
+    if gas.thermal == "included":
         conduction = gas.prandtl * reynolds
         numbers["heating"] = (1 - 1 / gas.heat_capacity_ratio) * conduction
         numbers |= {"conduction": conduction, "exponent": gas.viscosity_exponent}
@@ -66,7 +66,7 @@ def alone(scene: Scene, **numbers: float) -> float:
         (2.0, 40.0, {}),
         (2.0, 300.0, {}),
         (2.0, 40.0, BOTH),
-        (1.0, 300.0, {"inertia": "none", "heat": "included"}),
+        (1.0, 300.0, {"inertia": "none", "thermal": "included"}),
     ],
 )
 def test_a_disc_has_the_force_of_its_radius_alone(reynolds, sigma, gas):
@@ -101,7 +101,7 @@ def test_a_small_motion_has_the_linear_theory_s_force(reynolds, sigma):
     flow, _ = depth_averaged(reynolds, prandtl=0.0, heat_capacity_ratio=1.4)
     z = np.sqrt(1j * scene.sigma / flow) / 2
     response = 1 - 2 * iv(1, z) / (z * iv(0, z))
-    force = complex(found.outputs.value["force_sin"], found.outputs.value["force_cos"])
+    force = complex(found.outputs.value["force_in_phase"], found.outputs.value["force_quadrature"])
     ours = -force / (scene.force_scale_n * scene.epsilon)
     assert ours == pytest.approx(response, rel=2e-5)
 
@@ -139,7 +139,7 @@ def test_estimates_hold_with_inertia_heat_and_sliding():
     waves = ellipse(4.0, epsilon=0.3, sigma=500.0, aspect=0.8, **off)
     scenes = [
         ellipse(2.0, epsilon=0.5, sigma=2000.0, aspect=0.5, profile=WAVE, **off),
-        ellipse(1.0, epsilon=0.6, sigma=30.0, aspect=1.4, x=0.1, heat="included"),
+        ellipse(1.0, epsilon=0.6, sigma=30.0, aspect=1.4, x=0.1, thermal="included"),
         replace(waves, pad=replace(waves.pad, gap=tilted)),
         ellipse(1.0, epsilon=0.6, sigma=100.0, inertia="none", bearing=100.0, aspect=0.7, **off),
     ]
@@ -178,7 +178,7 @@ def test_the_budget_of_an_ellipse_is_its_own():
     disc = ellipse(0.05, epsilon=0.4, sigma=300.0, inertia="none")
     slides = ellipse(0.02, epsilon=0.4, sigma=300.0, inertia="none", **at)
     own, of_disc, sliding = error_budgets([plain, disc, slides])
-    for name in ("inertia", "heat"):
+    for name in ("inertia", "thermal"):
         with_it = plain.with_gas(**{name: "included"})
         percent = 100 * (mean(with_it, tolerance=1e-8) / mean(plain, tolerance=1e-8) - 1)
         assert own.effects[name].percent == pytest.approx(percent, rel=0.02)

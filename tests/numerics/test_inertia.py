@@ -17,8 +17,8 @@ from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import error_budgets, resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.spectral import axis
-from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
+from squeezefilm.reynolds.terms.thermal import Thermal
 from verification.numpy_periodic import chebyshev_grid
 
 
@@ -37,9 +37,9 @@ def still(scene: Scene) -> Scene:
     return with_gas(scene, inertia="none")
 
 
-def heat_percent(scene: Scene, *, tolerance: float) -> float:
+def thermal_percent(scene: Scene, *, tolerance: float) -> float:
     """Change of the force by heat."""
-    with_it, without = forces([scene, with_gas(scene, heat="none")], tolerance=tolerance)
+    with_it, without = forces([scene, with_gas(scene, thermal="none")], tolerance=tolerance)
     return 100 * float(with_it / without - 1)
 
 
@@ -112,26 +112,26 @@ def test_small_motion_has_the_second_order_force(
     assert (4 * at_small - at_twice) / 3 == pytest.approx(expected, rel=4e-5)
 
 
-@pytest.mark.parametrize("heat", ["none", "included"])
+@pytest.mark.parametrize("thermal", ["none", "included"])
 @pytest.mark.parametrize(
     ("epsilon", "sigma", "reynolds"),
     [(0.2, 583.0, 0.45), (0.2, 583.0, 1.81), (0.4, 2331.0, 0.45), (0.2, 146.0, 7.23)],
 )
 def test_the_middle_of_a_long_pad_is_the_strip(
-    heat: str, epsilon: float, sigma: float, reynolds: float
+    thermal: str, epsilon: float, sigma: float, reynolds: float
 ) -> None:
     """By the program that made the stored table of strips."""
     profile = Formula("sinc(109.8*x)", surface=Disc(1.0))
     numbers = {"epsilon": epsilon, "sigma": sigma}
     ends = [
-        moving(reynolds, profile=profile, heat=heat, aspect=aspect, **numbers)
+        moving(reynolds, profile=profile, thermal=thermal, aspect=aspect, **numbers)
         for aspect in (4.0, 8.0)
     ]
     short, long = forces(ends, tolerance=1e-5)
-    equation = "one_mode" if heat == "none" else "one_mode_of_heat"
+    equation = "one_mode" if thermal == "none" else "one_mode_of_heat"
     expected = strip_force(equation, **numbers, reynolds=reynolds)
     assert (8 * long - 4 * short) / 4 == pytest.approx(
-        expected, rel=3e-5 if heat == "none" else 5e-5
+        expected, rel=3e-5 if thermal == "none" else 5e-5
     )
 
 
@@ -240,10 +240,10 @@ def test_whole_axes_bear_as_much_as_folded_ones() -> None:
 )
 def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, object]) -> None:
     """Beside slip too: its jump of temperature makes 30 % of the effect here."""
-    scene = moving(0.01, heat="included", epsilon=0.4, **numbers)
-    (budget,) = error_budgets([with_gas(scene, heat="none", inertia="none")])
-    found = heat_percent(scene, tolerance=1e-8)
-    assert found == pytest.approx(budget.effects["heat"].percent, rel=0.015)
+    scene = moving(0.01, thermal="included", epsilon=0.4, **numbers)
+    (budget,) = error_budgets([with_gas(scene, thermal="none", inertia="none")])
+    found = thermal_percent(scene, tolerance=1e-8)
+    assert found == pytest.approx(budget.effects["thermal"].percent, rel=0.015)
 
 
 def mean_warmth(rate: complex, jump: float) -> complex:
@@ -263,9 +263,9 @@ def test_the_jump_of_temperature_is_that_of_a_gas_that_conducts_across_the_gap(
     knudsen: float,
 ) -> None:
     """Warming to round-off, its lag to first order in the jump, what is missed no more than 6j²."""
-    scene = film(epsilon=0.2, sigma=200.0, heat="included", knudsen=knudsen or 1e-12)
+    scene = film(epsilon=0.2, sigma=200.0, thermal="included", knudsen=knudsen or 1e-12)
     scene = with_gas(scene, rarefaction="slip")
-    numbers = {name: float(value) for name, value in Heat().numbers(scene).items()}  # type: ignore[arg-type]
+    numbers = {name: float(value) for name, value in Thermal().numbers(scene).items()}  # type: ignore[arg-type]
     jump = 2 * 1.4 / (2.4 * 0.71) * knudsen
     at_rest, slow = (mean_warmth(rate, jump) for rate in (0.0, 1e-4j))
     assert at_rest.real == pytest.approx((1 + numbers["jump_warms"]) / 12, rel=1e-9)
@@ -275,7 +275,7 @@ def test_the_jump_of_temperature_is_that_of_a_gas_that_conducts_across_the_gap(
 
 
 def test_grids_converge_to_the_force_with_heat() -> None:
-    scene = moving(1.8, heat="included", epsilon=0.4, sigma=583.0, inertia="included", x=0.1)
+    scene = moving(1.8, thermal="included", epsilon=0.4, sigma=583.0, inertia="included", x=0.1)
     coarse, fine, finest = (
         mean_overpressure(scene, points=points, instants=instants)
         for points, instants in ((20, 12), (28, 16), (36, 20))
@@ -287,25 +287,27 @@ def test_grids_converge_to_the_force_with_heat() -> None:
 @pytest.mark.parametrize("gas", [{"prandtl": 1e-3}, {"heat_capacity_ratio": 1.0}])
 def test_without_heat_s_numbers_the_force_is_the_isothermal_one(gas: dict[str, float]) -> None:
     scene = with_gas(
-        moving(1.0, heat="included", epsilon=0.4, sigma=583.0, inertia="included"), **gas
+        moving(1.0, thermal="included", epsilon=0.4, sigma=583.0, inertia="included"), **gas
     )
     # Friction and compression warm in proportion to Pr (γ − 1)/γ.
-    assert abs(heat_percent(scene, tolerance=1e-7)) < 1e-3
+    assert abs(thermal_percent(scene, tolerance=1e-7)) < 1e-3
 
 
 @pytest.mark.parametrize(
-    ("term", "others", "most"), [("inertia", "none", 1e-2), ("heat", "auto", 5e-3)]
+    ("term", "others", "most"), [("inertia", "none", 1e-2), ("thermal", "auto", 5e-3)]
 )
 def test_what_auto_leaves_out_moves_no_force_by_more_than_allowed(
     term: str, others: str, most: float, scene: Scene
 ) -> None:
-    scenes = random_scenes(scene, count=30, seed=7, most_reynolds=2.0, inertia="auto", heat=others)
+    scenes = random_scenes(
+        scene, count=30, seed=7, most_reynolds=2.0, inertia="auto", thermal=others
+    )
     moved = moved_by_leaving_out(scenes, term=term, model_tolerance=most)
     assert 3 < len(moved) < 27
     assert 1e-3 < moved.max() < most
 
 
 def test_auto_includes_heat_where_a_first_order_says_nothing(scene: Scene) -> None:
-    thick = replace(with_gas(scene, heat="auto"), h0_m=15e-6, hv_m=1e-6)
+    thick = replace(with_gas(scene, thermal="auto"), h0_m=15e-6, hv_m=1e-6)
     assert thick.modified_reynolds > 2
-    assert resolve_auto_terms([thick], model_tolerance=0.5)[0].gas.heat == "included"
+    assert resolve_auto_terms([thick], model_tolerance=0.5)[0].gas.thermal == "included"

@@ -63,7 +63,7 @@ def study(tmp_path, **sections) -> str:
     """Nothing but what is used: no screen, and a pad as large as the surface, which cannot move."""
     values = {
         "study": "part",
-        "gas": {"inertia": "none", "heat": "none"},
+        "gas": {"inertia": "none", "thermal": "none"},
         "actuator": {
             "frequency": 43e3,
             "surface": {"shape": "rectangle", "length_x": 0.01, "length_y": 0.01},
@@ -98,8 +98,8 @@ def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_
     without, with_both = (
         levitated(tmp_path, *words, gas=gas).iloc[0]
         for gas in (
-            {"inertia": "none", "heat": "none"},
-            {"inertia": "included", "heat": "included"},
+            {"inertia": "none", "thermal": "none"},
+            {"inertia": "included", "thermal": "included"},
         )
     )
     moved_m = with_both["h0_m"] - without["h0_m"]

@@ -73,8 +73,8 @@ def test_first_harmonics_of_a_small_piston_are_those_of_the_linear_series(sigma:
     found = outputs(scene, "harmonics")
     spring, damping = piston_response(sigma)
     speed = scene.actuator.angular_frequency_rad_per_s
-    assert found.value["force_sin"] == pytest.approx(-1e-3 * spring * FORCE_N, rel=1e-5)
-    assert found.value["force_cos"] == pytest.approx(-1e-3 * damping * FORCE_N, rel=1e-5)
+    assert found.value["force_in_phase"] == pytest.approx(-1e-3 * spring * FORCE_N, rel=1e-5)
+    assert found.value["force_quadrature"] == pytest.approx(-1e-3 * damping * FORCE_N, rel=1e-5)
     assert found.value["film_stiffness"] == pytest.approx(spring * FORCE_N / H0_M, rel=1e-5)
     assert found.value["film_damping"] == pytest.approx(damping * FORCE_N / H0_M / speed, rel=1e-5)
 
@@ -272,12 +272,12 @@ def test_errors_hold_over_kinks_of_the_profile(shape: str, epsilon: float, sigma
 def test_what_is_not_known_says_why(numbers: dict[str, object], output: str, reason: str) -> None:
     scene = film(**{"epsilon": 0.3, "sigma": 300.0} | numbers)
     found = outputs(scene, tolerance=1e-3)
-    assert reason in found.refused[output]
+    assert reason in found.missing[output]
     missing = [name for name in OUTPUTS[output] if name not in found.value]
     assert missing
     assert f"{output}: " in found.status
     if reason != "no force":
-        assert refusals(scene, tolerance=1e-3)[output] == found.refused[output]
+        assert refusals(scene, tolerance=1e-3)[output] == found.missing[output]
 
 
 def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(

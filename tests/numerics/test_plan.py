@@ -19,7 +19,7 @@ from squeezefilm.tables import write_table
 
 PROFILES: tuple[Profile, ...] = (SINC, PISTON, PISTON, StandingWave(0.02, 30.0, 0.001))
 # What only solving shows.
-FOUND_OUT = ("tolerance not reached on the finest grid", "gas too rarefied")
+FOUND_OUT = ("not converged: tolerance not reached on the finest grid", "gas too rarefied")
 
 
 TERMS: tuple[dict[str, Any], ...] = (

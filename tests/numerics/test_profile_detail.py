@@ -82,7 +82,7 @@ def test_a_refusal_gives_its_error_in_the_tolerance_s_terms():
     (solution,) = solve(
         [film(epsilon=0.4, sigma=2331.0, profile=wave(1 / 30))], tolerance=1e-6, method="periodic"
     )
-    assert "tolerance not reached on the finest grid" in solution.status
+    assert "not converged: tolerance not reached on the finest grid" in solution.status
     assert "of the force, 1e-06 allowed" in solution.status
     assert "inf" not in solution.status
 

@@ -46,8 +46,8 @@ def test_the_factors_are_means_of_profiles_solved_for_across_the_gap(reynolds):
 
     flow, density = exact(reynolds, **AIR)
     assert flow == pytest.approx(12 * mean(reynolds), rel=1e-10)
-    heat = AIR["prandtl"] * reynolds
-    assert density == pytest.approx(1 - 0.4 / 1.4 * 1j * heat * mean(heat), rel=1e-10)
+    thermal = AIR["prandtl"] * reynolds
+    assert density == pytest.approx(1 - 0.4 / 1.4 * 1j * thermal * mean(thermal), rel=1e-10)
     assert exact(reynolds, **AIR | {"prandtl": 0.0}).density == 1
     parabolic = depth_averaged(1e-3 * reynolds, **AIR)
     assert exact(1e-3 * reynolds, **AIR) == pytest.approx(parabolic, abs=1e-6 * reynolds**2)

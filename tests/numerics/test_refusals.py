@@ -11,7 +11,7 @@ from squeezefilm.film.profiles import Quadrature, StandingWave
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.solver import previews
 
-INERTIA, HEAT, SLIDING = {"inertia": "included"}, {"heat": "included"}, {"bearing": 0.1}
+INERTIA, THERMAL, SLIDING = {"inertia": "included"}, {"thermal": "included"}, {"bearing": 0.1}
 FACTOR, SLIP = {"rarefaction": "fukui-kaneko"}, {"rarefaction": "slip"}
 ELLIPSE, TILTED = {"shape": "ellipse"}, {"gap": GapShape(tilt_x_m=1e-6)}
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
@@ -22,16 +22,16 @@ COMPOSITE = "the composite expansion is "
 @pytest.mark.parametrize(
     ("numbers", "pad", "method", "reason"),
     [
-        (INERTIA | FACTOR, {}, "auto", "not for fukui-kaneko"),
-        (INERTIA | SLIDING, {}, "auto", "not derived for a sliding pad"),
+        (INERTIA | FACTOR, {}, "auto", "with fukui-kaneko"),
+        (INERTIA | SLIDING, {}, "auto", "not supported: inertia with a sliding pad"),
         (INERTIA, ELLIPSE, "composite", "derived for rectangular pads"),
-        (INERTIA | TWO_PHASES, {}, "composite", COMPOSITE + "derived for a vibration in one phase"),
-        (HEAT | {"polytropic_exponent": 1.4}, {}, "auto", "polytropic_exponent 1"),
-        (HEAT | FACTOR, {}, "auto", "not for fukui-kaneko"),
-        (HEAT | SLIDING, {}, "auto", "heat is not derived for a sliding pad"),
-        (HEAT, {}, "composite", COMPOSITE + "not derived with heat"),
+        (INERTIA | TWO_PHASES, {}, "composite", COMPOSITE + "derived for one quadrature component"),
+        (THERMAL | {"polytropic_exponent": 1.4}, {}, "auto", "another gas.polytropic_exponent"),
+        (THERMAL | FACTOR, {}, "auto", "with fukui-kaneko"),
+        (THERMAL | SLIDING, {}, "auto", "not supported: thermal effects with a sliding pad"),
+        (THERMAL, {}, "composite", COMPOSITE + "not derived with thermal effects"),
         (SLIDING, {}, "composite", COMPOSITE + "not derived with bearing"),
-        (SLIP, TILTED, "composite", COMPOSITE + "derived for a gap that is even at rest with slip"),
+        (SLIP, TILTED, "composite", COMPOSITE + "derived for a gap that is uniform at rest"),
     ],
 )
 def test_what_was_not_derived_is_refused_and_planned_so(numbers, pad, method, reason):

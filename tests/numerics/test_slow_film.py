@@ -219,7 +219,7 @@ def test_the_change_by_slip_is_that_of_a_film_with_slip():
     for what, name in CHANGED.items():
         change = 100 * (getattr(slipping, name) / getattr(without, name) - 1)
         assert found[f"slip_{what}_percent"] == pytest.approx(change, rel=0.02)
-    assert found["slip_rise_percent"] < -25
+    assert found["slip_settling_start_percent"] < -25
 
 
 def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
@@ -243,7 +243,7 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
 @pytest.mark.parametrize(
     ("numbers", "reason"),
     [
-        ({"sigma": 30.0}, "not supported: the film is not slow"),
+        ({"sigma": 30.0}, "not supported: the period-averaged equation"),
         ({"sigma": 1000.0, "inertia": "included"}, "not derived"),
         ({"sigma": 1000.0, "bearing": 1.0}, "not derived"),
     ],
@@ -263,10 +263,10 @@ def test_a_modulation_as_fast_as_the_vibration_is_refused():
 
 
 def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them():
-    scene = film(epsilon=0.22, sigma=583.0, inertia="auto", heat="auto")
+    scene = film(epsilon=0.22, sigma=583.0, inertia="auto", thermal="auto")
     (found,) = neglected([scene], tolerance=1e-6, device=DEVICE)
     gain = {}
-    for term in ("none", "inertia", "heat"):
+    for term in ("none", "inertia", "thermal"):
         choices = {name: "included" if name == term else "none" for name in NEGLECTED}
         with_term = replace(scene, gas=replace(scene.gas, **choices))
         low, high = solve(

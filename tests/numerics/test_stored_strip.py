@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stored_strip import TABLE
 
-from squeezefilm.quantities.model_error import HEAT_REMAINDER, INERTIA_REMAINDER, OFF_ON_GRIDS
+from squeezefilm.quantities.model_error import INERTIA_REMAINDER, OFF_ON_GRIDS, THERMAL_REMAINDER
 
 
 def missed(first: str, without: str, effect: "np.ndarray") -> "np.ndarray":
@@ -17,9 +17,9 @@ def missed(first: str, without: str, effect: "np.ndarray") -> "np.ndarray":
     ("stated", "first", "without", "effect"),
     [
         (INERTIA_REMAINDER, "first_order", "reynolds_equation", ("resolved", "reynolds_equation")),
-        (HEAT_REMAINDER, "one_mode_first_order_heat", "one_mode", ("resolved_heat", "resolved")),
+        (THERMAL_REMAINDER, "one_mode_first_order_heat", "one_mode", ("resolved_heat", "resolved")),
     ],
-    ids=["inertia", "heat"],
+    ids=["inertia", "thermal"],
 )
 def test_what_a_first_order_misses_is_within_what_is_stated(stated, first, without, effect):
     """At every ε from 0.05 to 0.8 and Re up to 3, and not by much more."""

@@ -171,10 +171,10 @@ def test_a_model_is_fitted_to_positions_on_a_rectangle(repository):
 
 
 def test_a_working_point_gives_the_force_that_was_wanted(study, fit):
-    row = fit.working_point("0.5 N", "5 um").iloc[0]
+    row = fit.amplitude_for("0.5 N", "5 um").iloc[0]
     force = float(study.force("5 um", float(row["hv_m"])))
     assert abs(force / 0.5 - 1) <= row["error_95_percent"] / 100 < 0.01
-    assert len(fit.working_point(0.2)) == 6
+    assert len(fit.amplitude_for(0.2)) == 6
 
 
 def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsys):

@@ -67,7 +67,7 @@ def test_a_film_with_an_outline_off_its_plate_is_refused(tmp_path):
         actuator={"frequency": 2e4, "surface_radius": 6e-3, "profile": {"kind": "piston"}},
         pad={"shape": "curve", "length_x": "10 mm", "length_y": "8 mm"}
         | {"outline": {"file": str(path)}},
-        gas={"inertia": "none", "heat": "none"},
+        gas={"inertia": "none", "thermal": "none"},
     )
     force = film.force("20 um", "5 um")
     assert float(force) > 0

@@ -26,7 +26,7 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     assert main([*words, "--steps", str(steps)]) == 0
     summary = pd.read_csv(output, index_col="point_id").loc["a"]
     rows = pd.read_csv(steps, index_col="point_id")
-    assert rows.loc["thick", "status"].startswith("not supported: the film is not slow")
+    assert rows.loc["thick", "status"].startswith("not supported: the period-averaged equation")
     thick = pd.read_csv(output, index_col="point_id").loc["thick"]
     assert thick["status"] == rows.loc["thick", "status"]
     assert pd.isna(thick["static_gain"])
@@ -38,7 +38,7 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     assert film["falling_n"].iloc[0] / settled == pytest.approx(
         summary["lasting_fraction"], rel=1e-3
     )
-    late = film["time_s"] > summary["rise_s"]
+    late = film["time_s"] > summary["settling_start_s"]
     assert (abs(film["rising_n"][late] / settled - 1) < 0.05).all()
 
 
@@ -48,7 +48,7 @@ def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     told = json.loads(capsys.readouterr().out)
     slip = [told[f"slip_{what}_percent"] for what in ("gain", "corner", "rise", "release")]
     assert slip == pytest.approx([0.12, 7.6, -7.8, -8.0], rel=0.03)
-    changes = [told[f"{effect}_gain_percent"] for effect in ("inertia", "heat")]
+    changes = [told[f"{effect}_gain_percent"] for effect in ("inertia", "thermal")]
     assert changes == pytest.approx([-0.11, 0.01], abs=0.01)
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from squeezefilm.errors import InputError
 from squeezefilm.tables import (
+    COLUMNS,
     FORCE_COLUMNS,
     SCENE_COLUMNS,
     read_forces,
@@ -17,6 +18,7 @@ from squeezefilm.tables import (
     table_writer,
     write_table,
 )
+from squeezefilm.units import unit_of_column
 
 HEADER = ",".join(SCENE_COLUMNS)
 
@@ -136,3 +138,13 @@ def test_a_wrong_parquet_table_is_refused(tmp_path):
     table.assign(hv_m=[1e-6, np.nan]).to_parquet(tmp_path / "scenes.parquet")
     with pytest.raises(InputError, match="row 2: hv_m is nan"):
         read_scenes(tmp_path / "scenes.parquet")
+
+
+def test_a_column_has_one_meaning_and_the_unit_of_its_name(tmp_path):
+    assert len({each.name for each in COLUMNS if each.meaning}) == len(COLUMNS) > 300
+    for each in COLUMNS:
+        assert unit_of_column(each.name)[1] in ("", each.unit) or each.unit == "text", each
+    table = pd.DataFrame({"h0_m": [5e-6], "guess_n": [1.0]})
+    with pytest.raises(ValueError, match="no guess_n"):
+        write_table(table, tmp_path / "table.csv")
+    write_table(table, tmp_path / "table.csv", given=["guess_n"])

@@ -41,8 +41,8 @@ def test_only_a_plausible_value_explains(extrapolated):
     assert (verdicts.drop("amplitude") == "cannot explain").all()
     # A pressure would, but not one that is plausible.
     assert np.isfinite(extrapolated["needed"]["ambient pressure"])
-    assert extrapolated["force_high_n"]["ambient pressure"] < 0.985
+    assert extrapolated["force_upper_n"]["ambient pressure"] < 0.985
     # What only lowers the force has no value that would.
     slip = extrapolated.loc["mean free path, by slip"]
     assert math.isnan(slip["needed"])
-    assert slip["force_low_n"] < slip["force_high_n"] == pytest.approx(CENTRED_N)
+    assert slip["force_lower_n"] < slip["force_upper_n"] == pytest.approx(CENTRED_N)

@@ -1,4 +1,4 @@
-"""A fitted model used from its file alone: forces, working points, and generated code."""
+"""A fitted model used from its file alone: forces, amplitudes, and generated code."""
 
 import json
 import math
@@ -140,7 +140,7 @@ def test_extrapolation_is_noted(options, note, write_fit, tmp_path):
 @pytest.mark.parametrize("name", ["two_factor", "four_factor", "limit_2"])
 def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     path = write_fit(get_model(name), THETA[name])
-    arguments = ["working-point", str(path), "--force=0.5N", "--h0=5um:6um:3", "--phi-r=1mm"]
+    arguments = ["amplitude-for", str(path), "--force=0.5N", "--h0=5um:6um:3", "--phi-r=1mm"]
     found = table_of([*arguments, "--phi=20deg"], tmp_path)
     assert len(found) == 3
     factors = Factors.of(**{c: found[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")})

@@ -22,7 +22,7 @@ def test_summary():
     assert summary["points"] == 4
     assert summary["sum_of_squares"] == pytest.approx(squares)
     assert summary["global_error"] == pytest.approx(np.sqrt(squares / 21.01))
-    assert summary["share_within_band"] == 0.75
+    assert summary["fraction_within_band"] == 0.75
     assert summary["worst_point_id"] == "c"
     assert summary["worst_relative_error"] == pytest.approx(-0.25)
     assert summary["band"] == 0.2

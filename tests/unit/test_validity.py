@@ -47,8 +47,8 @@ IN, SLIP, KINETIC = (
             f"Re = 40.6 is above 10 (inertia neglected): {NOT_APPLICABLE}",
         ),
         (
-            {"h0_um": 24, **IN, "heat": "included"},
-            f"Re = 10.4 is above 10 (heat included): {UNKNOWN}",
+            {"h0_um": 24, **IN, "thermal": "included"},
+            f"Re = 10.4 is above 10 (thermal effects included): {UNKNOWN}",
         ),
         ({"h0_um": 5, "hz": 8e6}, f"h0/λ = 0.117 is above 0.1: {NOT_APPLICABLE}"),
         ({"h0_um": 1, "hv_um": 0.92}, f"Ra/h = 1.25 is above 1: {UNKNOWN}"),

@@ -24,7 +24,7 @@ def test_one_force_outside_is_printed_with_exit_status_1(edited, capsys):
 
 def test_a_budget_and_a_curve_are_had_by_options(edited, tmp_path, capsys, refused):
     where = ["--h0", "5um", "--config", str(edited("paper"))]
-    assert main(["budget", "--hv", "2.2um", *where]) == 0
+    assert main(["error-budget", "--hv", "2.2um", *where]) == 0
     told = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert float(told["inertia"].split()[0]) == pytest.approx(2.1, abs=0.1)
     curve, picture = str(tmp_path / "curve.csv"), str(tmp_path / "curve.svg")
@@ -48,7 +48,7 @@ def fit(tmp_path, paper):
         "points": 60,
         "global_error": 0.005,
         "sum_of_squares": 1e-5,
-        "film": film_of(paper, simplifications=["inertia; heat"]),
+        "film": film_of(paper, simplifications=["inertia; thermal"]),
     }
     write_json(values, path)
     return path, values

@@ -74,7 +74,7 @@ def test_a_force_needs_no_checkout_and_no_workflow(installed):
         "film = sf.Film.of(actuator={'frequency': 43270, 'surface_radius': 0.01,\n"
         "    'profile': {'kind': 'sinc', 'wave_number': 109.8}},\n"
         "    pad={'length_x': 0.01, 'length_y': 0.01},\n"
-        "    gas={'inertia': 'none', 'heat': 'none'})\n"
+        "    gas={'inertia': 'none', 'thermal': 'none'})\n"
         "print(float(film.force('5 um', '2.2 um', tolerance=1e-4)))"
     )
     done = alone(installed, code)

@@ -138,7 +138,7 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
 ):
     shutil.copytree(study.root, tmp_path, dirs_exist_ok=True)
     (tmp_path / "models/recommended.csv").write_text(RECOMMENDED)
-    (tmp_path / "simulations/screen/budget.csv").write_text(
+    (tmp_path / "simulations/screen/error_budget.csv").write_text(
         "h0_m,hv_m,modelling_error_lower_percent,modelling_error_upper_percent,first_order_invalid,"
         "included_effects\n5e-6,1e-6,-1.2,0.5,,\n6e-6,1e-6,-2,11,inertia,\n"
     )

@@ -58,7 +58,7 @@ def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     if needed and values[size] < needed:
         words = size.replace("_", " ")
         claim["verdict"] = f"undecided with {values[size]} of the paper's {needed} {words}"
-    elif claim["least"] <= ours <= claim["largest"]:
+    elif claim["lower"] <= ours <= claim["upper"]:
         claim["verdict"] = f"agrees {claim['within']}"
     else:
         claim["verdict"] = f"differs because {claim['because']}"
@@ -81,7 +81,7 @@ def _two_factor_values(results: Results) -> Values:
     same = "the same" if spread < 1e-6 else f"sum of squares up to {spread:.1g} apart"
     smallest = screen.sort_values("force_n", kind="stable").iloc[0]
     ppm = 1e6 * float(smallest["force_n"])
-    seconds = read_timings(results.folder / "simulations/screen/timings.csv")["solve_seconds"].max()
+    seconds = read_timings(results.folder / "simulations/screen/timings.csv")["solve_s"].max()
     bound = next((f"below {name}" for limit, name in TIME_BOUNDS if seconds < limit), None)
     return {
         **limits,
@@ -154,7 +154,7 @@ def _extrapolated_values(results: Results) -> Values:
     expected_n = _expected_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
     effects = ("point_id", "edge_loss_percent", "edge_loss_upper_percent")
     budgets = results.budget("extrapolation", *effects).set_index("point_id")
-    budget = results.row(budgets, "operating_point", "simulations/extrapolation/budget.csv")
+    budget = results.row(budgets, "operating_point", "simulations/extrapolation/error_budget.csv")
     present = [name for name in budget["included_effects"].split("; ") if name]
     included = f"With {' and '.join(present)} in it, which eq. (1) neglects; still neglected are"
     return {
@@ -168,7 +168,7 @@ def _extrapolated_values(results: Results) -> Values:
         "equation": included if present else "Eq. (1) neglects",
         "effects": ", ".join(
             f"{name} {budget[f'{name}_percent']:+.1f} %"
-            for name in ("inertia", "slip", "heat")
+            for name in ("inertia", "slip", "thermal")
             if name not in present
         ),
         "low": point["force_n"] * (1 + budget["modelling_error_lower_percent"] / 100),

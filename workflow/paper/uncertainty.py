@@ -1,6 +1,6 @@
 """Changes of an assumption that would explain a difference from the paper.
 
-One assumption is changed at a time and the force simulated anew. An assumption explains a
+One assumption is changed at a time and the force simulated again. An assumption explains a
 difference if a plausible value of it brings the force to the paper's, as far as the paper's digits
 tell it. What is plausible was set from what the paper states, with how many digits, and from air.
 """
@@ -123,7 +123,7 @@ def _rows(
     Args:
         study: with the point as a section.
         begin: how the row begins, the paper's and our force in it.
-        half_n: how far the paper's may be off by its digits.
+        half_n: rounding error of the paper's force, by its digits.
     """
     sections: Any = study.sections
     paper_n, assumed = begin["paper_n"], assumption.rest
@@ -173,14 +173,14 @@ def _rows(
         "assumption": assumption.name,
         "unit": assumption.unit,
         "assumed": assumed / assumption.scale,
-        "plausible_low": low / assumption.scale,
-        "plausible_high": high / assumption.scale,
-        "force_low_n": low_n,
-        "force_high_n": high_n,
+        "plausible_lower": low / assumption.scale,
+        "plausible_upper": high / assumption.scale,
+        "force_lower_n": low_n,
+        "force_upper_n": high_n,
         "needed": nearest / assumption.scale,
         "needed_change_percent": 100 * (nearest / assumed - 1) if assumed else np.nan,
-        "reached_low_n": np.nanmin([*reached, *plausible]),
-        "reached_high_n": np.nanmax([*reached, *plausible]),
+        "reached_lower_n": np.nanmin([*reached, *plausible]),
+        "reached_upper_n": np.nanmax([*reached, *plausible]),
         "verdict": "explains" if explains else "cannot explain",
         "because": assumption.because,
     }

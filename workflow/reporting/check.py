@@ -1,4 +1,4 @@
-"""Is a finished study the one that was made before? Results beside small stored references.
+"""Comparison of a finished study with a small stored reference.
 
 A study's quantities are listed in one place, each with its numbers as texts and its tolerance; a
 reference holds the same, thinned out. Figures' data stand before what they are made from, for they
@@ -35,8 +35,6 @@ COLUMNS = (
     *("part", "item", "quantity", "expected", "got", "tolerance", "verdict", "worst"),
     "of_tolerance",
 )
-"""``worst`` names the cell that is farthest off, ``expected`` and ``got`` are its two values,
-``of_tolerance`` is how much of the tolerance it takes."""
 REFERENCE_COLUMNS = ("item", "quantity", "cell", "value")
 WIDEST = 40
 """Characters of a cell on the screen; all of it is in the table."""
@@ -57,16 +55,16 @@ FIT_OF_DESIGN = {
     "four_factor": "four_factor",
     "four_factor_distinct": "four_factor",
 }
-BUDGET = "(inertia|slip|heat|edge_loss|modelling_error.*)_percent"
+BUDGET = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
 RESULTS = {
-    "simulations/screen/budget": f"h0_m|hv_m|{BUDGET}",
-    "simulations/four_factor/budget": BUDGET,
+    "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET}",
+    "simulations/four_factor/error_budget": BUDGET,
     "simulations/screen/response": "h0_m|hv_m|corner_hz|instantaneous_fraction|error",
     "simulations/screen/gains": "h0_m|hv_m|frequency_hz|gain|phase_deg",
     "simulations/screen/levitation": "load_n|hv_m|h0_m|stiffness_n_per_m|modified_reynolds",
     "simulations/extrapolation/film": "phase_deg|x_mm|surface_um|pad_um|gauge_pressure_kpa",
     "validation/two_factor_design_on_error_map": "h0_m|hv_m|relative_error",
-    "tables/uncertainty": "assumption|force_(low|high)_n|ours_n|verdict",
+    "tables/uncertainty": "assumption|force_(lower|upper)_n|ours_n|verdict",
 }
 """Tables that the study's figures are drawn from, and their columns that are compared."""
 GIVEN_PLAN = "(screen|error_map|four_factor_control)"
@@ -296,7 +294,7 @@ def tolerances(solver: float) -> dict[str, Close]:
 
 
 def study_quantities(results: Results, reference: Path) -> list[Quantity]:
-    """All quantities of a finished study, in the order in which they are judged.
+    """All quantities of a finished study, in the order in which they are checked.
 
     A file that is missing has none; those that a reference has of it then fail.
 
@@ -404,8 +402,8 @@ def _fit(results: Results, close: Kinds, part: str, item: str) -> Made:
 
 
 def _design(results: Results, close: Kinds, part: str, item: str) -> Made:
-    """How much a design teaches of the model that it was made for: its D-efficiency times that
-    of the best one."""
+    """D-efficiency of a design for the model that it was made for, times that of the best
+    design."""
     fit, design = results.fit(FIT_OF_DESIGN[item]), results.design(item)
     slopes = fit.force_model.gradient(fit.theta, factors_of(design))
     sign, logarithm = np.linalg.slogdet(slopes.T @ slopes / len(slopes))

@@ -1,4 +1,4 @@
-"""What people do with a finished study: figures, the recommended model, the check."""
+"""Commands for a finished study: figures, the recommended model, the check."""
 
 import argparse
 from collections.abc import Sequence
@@ -90,7 +90,7 @@ def recommend(options: argparse.Namespace) -> None:
     ranks. `worst_error` is the largest relative error at any simulation of the validation samples
     and the plan `four_factor`, fitted or not; that plan has the positions. The amplitude gives the
     study's wanted force at its gap (section `extrapolation`), its errors are those of `squeezefilm
-    working-point`. The study's candidates must be compared (`snakemake models`).
+    amplitude-for`. The study's candidates must be compared (`snakemake models`).
     """
     from reporting.models import recommend
 
@@ -107,7 +107,7 @@ def recommend(options: argparse.Namespace) -> None:
     option("--output", "CHECK.csv", "the table, a row each quantity"),
 )
 def check(options: argparse.Namespace) -> int:
-    """Is a finished study the one that was made before? Compare its results with a small reference.
+    """Compare the results of a finished study with a small reference.
 
       squeezefilm check results/paper --reference tests/reference/paper
 

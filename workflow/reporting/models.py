@@ -18,7 +18,7 @@ from reporting.results import Results
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, read_fit, working_point
+from squeezefilm.models.fit_file import FittedModel, amplitude_for, read_fit
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import SPACES, check_columns
 from squeezefilm.models.prediction_interval import (
@@ -33,7 +33,7 @@ from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_fo
 COLUMNS = (
     *("model", "parameters", "fit_points", "fit_error", "cv_error", "validation_points"),
     *("validation_failed", "validation_error", "validation_worst_relative", "validation_worst_n"),
-    *("error_95_percent", "coverage", "coverage_least", "coverage_least_in", "expression"),
+    *("error_95_percent", "coverage", "coverage_min", "coverage_min_region", "expression"),
     *("about", "note"),
 )
 COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
@@ -78,7 +78,7 @@ def _parameters(results: Results, space: str, fits: Sequence[FittedModel]) -> pd
 def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The candidates of a space, columns COLUMNS, and their errors at each ranking point.
 
-    A model that cannot be judged keeps its row, with the reason in ``note``.
+    A model that cannot be validated keeps its row, with the reason in ``note``.
 
     Raises InputError for a file that is missing or lacks what it must have.
     """
@@ -101,7 +101,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
 def _judged(
     path: Path, factors: Factors, forces: pd.DataFrame
 ) -> tuple[dict[str, Any], np.ndarray | None]:
-    """A model's row, and its relative error at each point, unless it cannot be judged."""
+    """A model's row, and its relative error at each point, unless it cannot be validated."""
     values = read_json(path)
     try:
         fit = read_fit(path)
@@ -115,7 +115,7 @@ def _judged(
             raise InputError(f"undefined at {undefined} points of the validation sample")
         errors = error_sizes(model_n=predicted, simulation_n=forces["force_n"])
     except InputError as error:
-        reason = str(values.get("refused", error))
+        reason = str(values.get("not_supported", error))
         return {"model": values.get("model", path.stem), "note": reason}, None
     least = min(fit.interval.coverage, key=lambda region: region["coverage"])
     cross = fit.cross_validation
@@ -131,8 +131,8 @@ def _judged(
         "validation_worst_n": errors["largest_n"],
         "error_95_percent": 100 * np.median(fit.interval.error_n(predicted) / np.abs(predicted)),
         "coverage": fit.interval.mean_coverage,
-        "coverage_least": least["coverage"],
-        "coverage_least_in": f"{least['third']} third of the {QUANTITIES[least['quantity']]}",
+        "coverage_min": least["coverage"],
+        "coverage_min_region": f"{least['third']} third of the {QUANTITIES[least['quantity']]}",
         "expression": model.expression,
         "about": model.about or values.get("about", ""),
         "note": "",
@@ -147,7 +147,7 @@ def recommend(results: Results) -> pd.DataFrame:
     ranks, that with fewer parameters where two are the same. ``worst_error`` is the largest
     relative error at any simulation of RECOMMENDED_BY, fitted or not. The amplitude gives the
     study's wanted force at its gap (section ``extrapolation``). One empty row where no model can be
-    judged.
+    validated.
     """
     forces = {
         plan: read_forces(results.folder / f"simulations/{plan}/forces.csv").query("status == 'ok'")
@@ -160,7 +160,7 @@ def recommend(results: Results) -> pd.DataFrame:
 def _recommended(
     results: Results, space: str, forces: dict[str, pd.DataFrame]
 ) -> Iterator[dict[str, Any]]:
-    """A space's model at its positions; nothing where none can be judged."""
+    """A space's model at its positions; nothing where none can be validated."""
     names = ("model", "parameters", "validation_points", "validation_error")
     table = results.table(f"models/{space}.csv", *names)
     judged = table[table["validation_error"].notna()]
@@ -185,14 +185,14 @@ def _recommended(
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
         place = {str(name): float(value) for name, value in row.items()}
         at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
-        found = working_point(fit, at, force_n=wanted["force_n"])
+        found = amplitude_for(fit, at, force_n=wanted["force_n"])
         yield {**about, "h0_m": wanted["h0_m"], **place, **found}
 
 
 def refine_page(results: Results, *, space: str) -> Page:
     """A row for each model that was refined, and what its refinement ended with.
 
-    The unseen points are the space's validation sample.
+    The held-out points are the space's validation sample.
 
     Raises InputError for a file that is missing or lacks what it must have.
     """
@@ -203,10 +203,10 @@ def refine_page(results: Results, *, space: str) -> Page:
     for name in results.config["refine"][space]:
         folder = f"refine/{space}/{name}"
         verdict = results.summary(f"{folder}/verdict.json")
-        if "refused" in verdict:
+        if "not_supported" in verdict:
             unknown = {"parameters": None, "verdict": "not supported", "simulations": None}
             rows.append({"model": verdict["model"], **unknown})
-            reasons[verdict["model"]] = ("not supported", f"{verdict['refused']}.")
+            reasons[verdict["model"]] = ("not supported", f"{verdict['not_supported']}.")
             continue
         fit = read_fit(results.folder / folder / "fit.json")
         profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
@@ -252,22 +252,22 @@ def _refined(
         "simulations": verdict["simulations"],
         "estimated_global_error": estimated["global_error"],
         "estimated_global_upper": estimated["global_upper"],
-        "unseen_global_error": float(np.linalg.norm(error) / size_n),
-        "unseen_global_error_of_all_points": float(np.linalg.norm(best) / size_n),
+        "held_out_global_error": float(np.linalg.norm(error) / size_n),
+        "held_out_global_error_all_points": float(np.linalg.norm(best) / size_n),
         "estimated_worst_error": estimated["worst_error"],
-        "unseen_worst_error": float(np.abs(error).max() / np.sqrt(np.mean(force_n**2))),
-        "unseen_points": len(force_n),
-        "share_in_interval": share,
+        "held_out_worst_error": float(np.abs(error).max() / np.sqrt(np.mean(force_n**2))),
+        "held_out_points": len(force_n),
+        "fraction_in_interval": share,
     }
 
 
-def _spread(folder: Path, fit: FittedModel, unseen: Factors) -> Any:
-    """Variance of a refined model's force at unseen points over that of its lack of fit."""
+def _spread(folder: Path, fit: FittedModel, held_out: Factors) -> Any:
+    """Variance of a refined model's force at held-out points over that of its lack of fit."""
     if not fit.theta:
         return 0.0
     own = read_ok_forces(folder / "forces.csv")
     at = factors_of(own, limits=folder / "limits.csv")
     design = at.take(own["point_id"].str.startswith("design").to_numpy())
-    slopes = (fit.force_model.gradient(fit.theta, points) for points in (design, unseen))
+    slopes = (fit.force_model.gradient(fit.theta, points) for points in (design, held_out))
     # The sensitivity is f' (F'F/n)^-1 f / p.
     return sensitivity(*slopes) * len(fit.theta) / len(design)

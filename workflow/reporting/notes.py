@@ -84,9 +84,9 @@ def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
     one means.
     """
     gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
-    terms = [name for name in ("heat", "inertia") if gas[name] != "none"]
     # ``auto`` has inertia and heat where they matter.
-    kind = f"{terms[0]} included" if "inertia" in terms else "inertia neglected"
+    kind = "thermal effects included" if gas["thermal"] != "none" else "inertia included"
+    kind = kind if gas["inertia"] != "none" else "inertia neglected"
     limit = reynolds_limit(kind)
     beyond = f"{kind}, error unknown above Re {limit.unknown_above:g}"
     if limit.not_above < math.inf:
@@ -99,7 +99,7 @@ def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def beyond_note(config: Mapping[str, Any]) -> str:
-    """A line for a study whose gaps go beyond the equation's validity; empty where none does."""
+    """A line for a study whose gaps exceed the equation's validity; empty where none does."""
     per_square, most, beyond = inertia(config).values()
     h0_m = config["screen"]["h0_m"]["stop"]
     if (reynolds := per_square * h0_m**2) <= most:

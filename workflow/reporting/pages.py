@@ -23,8 +23,8 @@ VERDICTS = {
 }
 """How a cell begins that is coloured as good or bad."""
 
-SHARE = re.compile(r"(\w+_)?(error|relative|upper|coverage|share)(_least|_of_\w+|_in_\w+)?")
-"""Columns of shares by their names."""
+FRACTION = re.compile(r"(\w+_)?(error|relative|upper|coverage|fraction)(_min|_all_points|_in_\w+)?")
+"""Columns of fractions by their names."""
 
 
 class Page(NamedTuple):
@@ -35,10 +35,10 @@ class Page(NamedTuple):
 
 
 def readable(table: pd.DataFrame) -> pd.DataFrame:
-    """A table for people: shares in percent, other numbers with five digits, names in words."""
+    """A table for people: fractions in percent, other numbers with five digits, names in words."""
     shown = table.astype(object)
     for name in map(str, table.select_dtypes("float")):
-        form = percent if SHARE.fullmatch(name) else five_digits
+        form = percent if FRACTION.fullmatch(name) else five_digits
         shown[name] = table[name].map(form, na_action="ignore")
     units = {"_n$": " (N)", "_percent$": " (%)", "_": " "}
     return shown.set_axis(table.columns.to_series().replace(units, regex=True), axis="columns")

@@ -59,7 +59,7 @@ class Results:
         return read_fit(self.folder / f"fits/{name}.json")
 
     def candidate(self, space: str, model: str) -> Path:
-        """The fit of a model that is compared in a space; of its own that to all its points."""
+        """The fit of a model that is compared in a space; the study's own on all points."""
         own = "screen" if space == "two_factor" else space
         file = f"fits/{own}" if model == space else f"models/{space}/{model}"
         return self.folder / f"{file}.json"
@@ -80,7 +80,9 @@ class Results:
     def budget(self, plan: str, *effects: str) -> pd.DataFrame:
         """Return the neglected effects on the forces of a plan, which has at least these."""
         columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects")
-        table = self.table(f"simulations/{plan}/budget.csv", "h0_m", "hv_m", *columns, *effects)
+        table = self.table(
+            f"simulations/{plan}/error_budget.csv", "h0_m", "hv_m", *columns, *effects
+        )
         texts = ("first_order_invalid", "included_effects")
         return table.assign(**{name: table[name].astype(object).fillna("") for name in texts})
 

@@ -19,7 +19,7 @@ from squeezefilm.units import to_its_error
 EFFECTS = {
     "inertia": "inertia",
     "slip": "slip",
-    "heat": "heat",
+    "thermal": "thermal effects",
     "edge_loss": "inlet loss at the film edge, C = 1",
     "modelling_error_lower": "modelling error, lower end",
     "modelling_error_upper": "modelling error, upper end",
@@ -86,7 +86,7 @@ def headline_values(results: Results) -> dict[str, Any]:
     forces = results.forces("extrapolation").set_index("point_id")
     point = results.row(forces, "operating_point", file)
     if results.exists("profile/summary.json"):
-        noise = results.summary("profile/summary.json").get("largest_force_noise_share", 0.0)
+        noise = results.summary("profile/summary.json").get("largest_force_noise_fraction", 0.0)
     if not config["paper"]:
         columns = ("space", "model", "validation_error", "force_n")
         recommended = results.table("models/recommended.csv", *columns).dropna(subset="model")
@@ -161,11 +161,11 @@ def _effects(results: Results) -> pd.DataFrame:
 
 
 def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
-    """What the study's equation has beyond the paper's: as the simulations had it, if any did."""
+    """Terms of the study's equation beyond the paper's, as in the simulations if there are any."""
     without = [
         row.split("; ") for each in tables.values() for row in each["simplifications"].dropna()
     ]
-    for name in ("inertia", "heat"):
+    for name in ("inertia", "thermal"):
         if gas[name] != "none" and not all(name in simplifications for simplifications in without):
             yield name if gas[name] == "included" else f"{name} where it matters"
 
@@ -184,7 +184,7 @@ def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
 def _errors(results: Results, pair: str) -> dict[str, str]:
     fit, _, plan = pair.partition("_on_")
     errors = results.validation(fit, plan)
-    inside, band = 100 * errors["share_within_band"], 100 * errors["band"]
+    inside, band = 100 * errors["fraction_within_band"], 100 * errors["band"]
     return {
         "model fitted on": f"{fit} ({results.fit(fit).points} points)",
         "validated on": f"{plan} ({errors['points']:g} points)",
@@ -195,7 +195,7 @@ def _errors(results: Results, pair: str) -> dict[str, str]:
 
 
 def _range(column: pd.Series) -> str:
-    """From the least to the largest; what is nothing beside the largest is 0."""
+    """Range from the least to the largest; values that are negligible beside the largest are 0."""
     low, high = float(column.min()), float(column.max())
     low = 0.0 if abs(low) < NOTHING * abs(high) else low
     return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} – {high:.3g}"

@@ -17,14 +17,14 @@ ON_SCREEN = expand("validation/two_factor_design_on_screen.{kind}", kind=["csv",
 # The figures of each page, and the files that they are drawn from.
 PAGES = {
     "study": (
-        ["overview", "forces", "error_map", "budget", "response", "levitation"],
+        ["overview", "forces", "error_map", "error_budget", "response", "levitation"],
         [
             *TWO_FACTOR_DESIGN,
             *ON_ERROR_MAP,
             "simulations/error_map/forces.csv",
             *expand("simulations/extrapolation/{name}.csv", name=["film", "forces"]),
             *expand("simulations/screen/{name}.csv", name=["scenes", *FILM_TABLES["screen"]]),
-            "simulations/four_factor/budget.csv",
+            "simulations/four_factor/error_budget.csv",
         ],
     ),
 }
@@ -74,7 +74,7 @@ OF_THE_PAPER = [
     *expand("simulations/{plan}/forces.csv", plan=["screen", "four_factor", "extrapolation"]),
     *expand("simulations/{plan}/scenes.csv", plan=["screen", "four_factor"]),
     "simulations/screen/timings.csv",
-    "simulations/extrapolation/budget.csv",
+    "simulations/extrapolation/error_budget.csv",
     *expand("fits/{fit}.json", fit=MODEL_OF_FIT),
     "fits/screen_runs.csv",
     *expand("designs/{name}", name=["two_factor.csv", "two_factor.json", "four_factor.csv"]),

@@ -22,7 +22,7 @@ rule summary:
         expand("<results>/fits/{fit}.json", fit=MODEL_OF_FIT),
         "<results>/claims.csv" if PAPER else "<results>/models/recommended.csv",
         "<results>/simulations/device.json",
-        "<results>/simulations/screen/budget.csv",
+        "<results>/simulations/screen/error_budget.csv",
         SCAN_SUMMARY,
         "<results>/measurements/summary.json" if MEASURED else [],
         expand("<results>/figures/{name}.png", name=PICTURES.values()),

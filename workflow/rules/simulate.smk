@@ -2,9 +2,9 @@
 
 # What films of some plans do besides giving a force.
 FILM_TABLES = {
-    "screen": ["budget", "gains", "levitation", "response"],
-    "four_factor": ["budget"],
-    "extrapolation": ["budget", "film"],
+    "screen": ["error_budget", "gains", "levitation", "response"],
+    "four_factor": ["error_budget"],
+    "extrapolation": ["error_budget", "film"],
 }
 # Plans that are simulated by several jobs; all others by one that makes the plan too.
 DIVIDED = [plan for plan in PLANS if CHUNKS.get(plan, 1) > 1]

@@ -20,8 +20,8 @@ table = ablation(scenes, tolerances=TOLERANCES, repeats=repeats, device=device)
 write_table(table.assign(repeats=repeats, device=device.name), snakemake.output[0])
 print(table.to_string(index=False))
 # The promise to a user: no error above the tolerance, and estimates honest in 99 %.
-judged = table[table["covered"].notna()]
-wrong = judged[(judged["worst_error"] > judged["tolerance"]) | (judged["covered"] < 0.99)]
+judged = table[table["coverage"].notna()]
+wrong = judged[(judged["worst_error"] > judged["tolerance"]) | (judged["coverage"] < 0.99)]
 if len(wrong):
-    names = ", ".join(f"{row.put_back} at {row.tolerance:g}" for row in wrong.itertuples())
+    names = ", ".join(f"{row.re_enabled} at {row.tolerance:g}" for row in wrong.itertuples())
     raise RunError(f"error above the tolerance, or estimates that do not cover it: {names}")

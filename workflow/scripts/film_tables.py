@@ -42,7 +42,7 @@ settings, device = solver_settings(config, outputs=()), device_of(config)
 points = read_scenes(snakemake.input.scenes)
 scenes = scenes_in(points, config)
 tables = {
-    "budget": lambda: budget_table(points, config),
+    "error_budget": lambda: budget_table(points, config),
     "film": film,
     "gains": lambda: all_gains(points, scenes, FREQUENCY_HZ),
     "levitation": levitation,

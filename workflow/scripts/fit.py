@@ -42,7 +42,7 @@ for name, path in zip(params.models, output.fits, strict=True):
     except InputError as error:
         if not candidates:
             raise InputError(f"{files.forces}: {error}") from None
-        write_json({"model": name, "refused": str(error)}, path)
+        write_json({"model": name, "not_supported": str(error)}, path)
         print(f"{name}: {error}")
     else:
         write_json(fit.to_dict(), path)

@@ -1,4 +1,4 @@
-"""Write what a smooth profile leaves open of its scan, and of forces simulated with it."""
+"""Write the residuals of a smooth profile of a scan, and the errors of its forces."""
 
 from scripts.job import begin_with_study, write
 from squeezefilm.studies.tasks.scan_errors import scan_report

@@ -1,4 +1,4 @@
-"""Simulate, fit, judge, design, simulate …, until a model is good enough or cannot be."""
+"""Simulate, fit, validate, design, simulate …, until a model meets its targets or cannot."""
 
 from scripts.job import begin_with_study, write
 from squeezefilm.models.force_model import get_model

@@ -7,7 +7,7 @@ from squeezefilm.film.measured.smooth import write_smoothed
 from squeezefilm.studies.study import smoothed_scan_of, smoothing_settings
 
 snakemake, config = begin_with_study()
-smoothed = smoothed_scan_of(config, anew=True)
+smoothed = smoothed_scan_of(config, again=True)
 assert smoothed is not None
 write_smoothed(smoothed, Path(snakemake.output[0]), **smoothing_settings(config))
 print(*smoothed.warnings, sep="\n")

@@ -1,4 +1,4 @@
-"""Write a verdict for each stiff or extreme film: solved, refused with a reason, or failed."""
+"""Write a verdict for each stiff or extreme film: solved, not supported or failed."""
 
 from scripts.job import begin_with_study
 from squeezefilm.errors import RunError

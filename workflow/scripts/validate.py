@@ -1,4 +1,4 @@
-"""Write the errors of fits on sets of simulated forces, point by point and in all."""
+"""Write the errors of fits on sets of simulated forces, point by point and in a summary."""
 
 from itertools import product
 

@@ -8,7 +8,7 @@ Result = TypeVar("Result")
 
 
 class InputError(Exception):
-    """What was given is wrong; the message names the file and the place, and what is allowed.
+    """Invalid input; the message names the file, the place and what is allowed.
 
     The command line prints the message without a traceback and exits with status 2.
     """

@@ -1,6 +1,6 @@
 """Files that are whole or not there at all, and texts in UTF-8.
 
-A file is written beside its place under a name of its own, brought to the disk, and renamed: who
+A file is written beside its place under a temporary name, brought to the disk, and renamed: who
 reads its place finds the old file or the new one, and two jobs that write the same file at the
 same time do not meet. What a killed job leaves is ``.NAME.RANDOM.part``.
 """

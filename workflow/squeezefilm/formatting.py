@@ -16,12 +16,13 @@ LABELS = {
     "h0": "gap h0",
     "hv": "amplitude hv",
     "corner": "corner frequency",
-    "rise": "rise time",
-    "release": "release time",
+    "settling_start": "settling after start",
+    "settling_stop": "settling after stop",
     "error_95": "prediction error of the force (95 %)",
     "error_99": "prediction error (99 %)",
     "profile_uncertainty": "measurement noise (95 %)",
     "inertia": "gas inertia",
+    "thermal": "thermal effects",
     "bearing": "Couette term",
     "gap that is shaped at rest": "non-uniform gap",
     "vibration in two phases": "two quadrature components",
@@ -31,7 +32,7 @@ LABELS = {
     "sigma": "squeeze number",
     "knudsen": "Knudsen number",
     "modified_reynolds": "modified Reynolds number",
-    "why": "not needed",
+    "simplification_reasons": "not needed",
     "notes": "note",
     "expected_mflop": "expected cost (Mflop)",
 }
@@ -39,7 +40,7 @@ LABELS = {
 NUMBERS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
 FACTORS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
 RESULTS = ("force_n", "h0_m", "hv_m")
-LAST = ("device", "model", "validation", "why", "notes", "note")
+LAST = ("device", "model", "validation", "simplification_reasons", "notes", "note")
 FRACTIONS = ("error", "expected_error", "global_error", "worst_relative_error", "worst_error")
 NOT_SHOWN = {"point_id", "terms", "domain", "inertia", "newton_steps", "residual"} | {
     *("sum_lower_percent", "sum_upper_percent", "bearing_percent"),
@@ -55,7 +56,7 @@ Lines = list[tuple[str, str]]
 def label_of(name: str) -> str:
     """Return the label of a column without its unit."""
     effect, _, what = name.partition("_")
-    if effect in ("slip", "inertia", "heat") and what:
+    if effect in ("slip", "inertia", "thermal") and what:
         return f"modelling error of {label_of(what)} ({effect})"
     spaced = name.replace("dforce_d", "dF/d ").replace("_", " ") if name.islower() else name
     return LABELS.get(name, spaced)
@@ -143,7 +144,7 @@ def _result(row: Row) -> Lines:
         text = f"± {value_text(error, unit, digits=1)}{share}{source}"
         return text if isfinite(error) else NOT_AVAILABLE
 
-    noise, bias = row.pop("noise_n", row.pop("h0_noise_m", 0.0)), row.pop("out_of_phase_n", 0.0)
+    noise, bias = row.pop("noise_n", row.pop("h0_noise_m", 0.0)), row.pop("quadrature_n", 0.0)
     error -= noise * (name == "h0_m")  # a gap's has both
     row.pop("error_95_percent" if name == "force_n" else "", None)
     tolerance = f" (tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
@@ -215,7 +216,7 @@ def _solver(row: Row) -> Lines:
     axes = ("x", "y", "time") if flat else ("radius", "angle", "time")
     solver = [row.pop("method", ""), f"grid {' × '.join(sizes)} ({', '.join(axes[: len(sizes)])})"]
     steps = row.pop("krylov_iterations", 0)
-    halves = [axis for axis in "xy" if f"mirror half in {axis}" in folds]
+    halves = [axis for axis in "xy" if f"symmetry in {axis}" in folds]
     domain = ("whole", "half", "quarter")[len(halves)]
     symmetry = f"{' and '.join(halves) or 'none'} ({domain} domain)"
     solver = solver[: 1 + bool(sizes)] + [f"{steps} GMRES iterations"] * bool(steps)

@@ -13,7 +13,7 @@ or a vertical tangent the value is NaN. A formula that is undefined for real num
 complex value; its real value has to be looked at first.
 
 The units of a formula's parameters follow from those of the quantities in it. A parameter whose
-unit is not known yet is a base of its own; dimensions are linear in these.
+unit is not known yet is an additional base; dimensions are linear in these.
 """
 
 from __future__ import annotations
@@ -63,14 +63,14 @@ def fold(
     leaf: Callable[[Any], Result],
     operation: Callable[[Operation, list[Result]], Result],
 ) -> Result:
-    """What a formula comes to, from what its numbers and names are and what operations do."""
+    """Evaluate a formula from the values of its numbers and names and from its operations."""
     if not isinstance(part, Operation):
         return leaf(part)
     return operation(part, [fold(each, leaf, operation) for each in part.arguments])
 
 
 def _at_zero(z: Any) -> Any:
-    """Where a value is zero and changes with the quantity that has the complex step."""
+    """Mask of values that are zero and change with the quantity that has the complex step."""
     return (np.imag(z) != 0) & (np.abs(np.real(z)) <= np.abs(np.imag(z)))
 
 
@@ -294,7 +294,7 @@ def parameter_units(
     dimensions = {name: {name: Fraction(1)} for name in parameters} | dimensions
 
     def reduced(dimension: Dimension) -> Dimension:
-        """With the parameters that are solved for put in."""
+        """Insert the parameters that are solved for."""
         while name := next((each for each in dimension if each in solved), None):
             power = dimension[name]
             dimension = times(times(dimension, {name: power}, -1), solved[name], power)

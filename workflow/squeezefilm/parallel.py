@@ -65,7 +65,7 @@ def parallel_map(
 
 
 def _end_with_parent() -> None:
-    """Have the system kill this process when the one that forked it dies, however that comes."""
+    """Let the system kill this process when the one that forked it dies."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 

@@ -1,4 +1,4 @@
-"""What made a study's results: the code, the packages, the device, the configuration."""
+"""Provenance of a study's results: code, packages, device, configuration."""
 
 import hashlib
 import importlib.metadata

@@ -103,7 +103,7 @@ class Solutions(Sequence[Solution]):
         return found
 
     def put(self, rows: np.ndarray, solutions: Solutions) -> None:
-        """Those of some scenes in their places."""
+        """Put the solutions of some scenes in their places."""
         for name, column in self.columns.items():
             column[rows] = solutions.columns[name]
 
@@ -187,8 +187,8 @@ class Derivatives:
 # docs/outputs.md has their signs and formulas.
 OUTPUTS: dict[str, dict[str, str]] = {
     "harmonics": {
-        "force_sin": "n",
-        "force_cos": "n",
+        "force_in_phase": "n",
+        "force_quadrature": "n",
         "film_stiffness": "n_per_m",
         "film_damping": "n_s_per_m",
     },
@@ -220,27 +220,27 @@ class Outputs:
         asked: the outputs that were asked for, of OUTPUTS.
         value: by the names in OUTPUTS, in the units there; one that is not there is not known.
         error: estimate of its absolute error, for each value.
-        refused: why an output is not there, or a part of it; by output.
+        missing: why an output is not there, or a part of it; by output.
     """
 
     asked: tuple[str, ...] = ()
     value: Mapping[str, float] = field(default_factory=dict)
     error: Mapping[str, float] = field(default_factory=dict)
-    refused: Mapping[str, str] = field(default_factory=dict)
+    missing: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def status(self) -> str:
         """``ok``, or what is missing and why."""
-        return "; ".join(f"{name}: {reason}" for name, reason in self.refused.items()) or "ok"
+        return "; ".join(f"{name}: {reason}" for name, reason in self.missing.items()) or "ok"
 
     def only(self, asked: tuple[str, ...]) -> Outputs:
-        """What was asked for of it."""
+        """Return the outputs that were asked for."""
         names = {name for output in asked for name in OUTPUTS[output]}
         return Outputs(
             asked=asked,
             value={name: each for name, each in self.value.items() if name in names},
             error={name: each for name, each in self.error.items() if name in names},
-            refused={name: why for name, why in self.refused.items() if name in asked},
+            missing={name: why for name, why in self.missing.items() if name in asked},
         )
 
     def beside(self, other: Outputs) -> Outputs:
@@ -248,7 +248,7 @@ class Outputs:
         return Outputs(
             value={**self.value, **other.value},
             error={**self.error, **other.error},
-            refused={**self.refused, **other.refused},
+            missing={**self.missing, **other.missing},
         )
 
     def columns(self) -> dict[str, float | str]:

@@ -10,11 +10,12 @@ import csv
 import io
 import json
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from fnmatch import fnmatchcase
 from math import nan
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -28,7 +29,7 @@ FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
-TIMING_COLUMNS = ("point_id", "solve_seconds")
+TIMING_COLUMNS = ("point_id", "solve_s")
 LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_error_n", "status")
 ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
 """What a reader of a refinement's rounds may count on; the table has more."""
@@ -39,10 +40,6 @@ MEASURED = (
     "h0 [µm], hv [µm], force [mN] and force uncertainty [mN], each with its unit; and, where they "
     "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
 )
-TEXT_COLUMNS = {
-    *("point_id", "origin", "status", "validity", "method", "simplifications"),
-    *("derivatives_status", "outputs_status"),
-}
 # A quantity or its uncertainty with a unit, as people write it: ``h0_um``, ``h0 [µm]``, ``X (mm)``,
 # ``phi/rad``, ``force uncertainty [mN]``.
 NAMED = r"(h0|hv|x|y|phi_r|phi|force)([\s_]+(?:standard[\s_]+)?uncertainty)?"
@@ -53,7 +50,33 @@ OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", "
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
 
-Others = Literal["refused", "ignored", "kept"]
+
+class Column(NamedTuple):
+    """A column that a table may have; ``*`` in its name stands for any text.
+
+    Attributes:
+        unit: as its name ends, 1 for a plain number, ``text`` or ``bool``.
+        tables: the tables that have it.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    tables: str
+
+
+def _columns(path: Path) -> tuple[Column, ...]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return tuple(Column(*row) for row in list(csv.reader(file))[1:])
+
+
+COLUMNS = _columns(Path(__file__).with_name("columns.csv"))
+"""Every column that the commands and the workflow write."""
+NAMES = {each.name for each in COLUMNS}
+PATTERNS = [name for name in NAMES if "*" in name]
+TEXT_COLUMNS = {each.name for each in COLUMNS if each.unit == "text"}
+
+Others = Literal["invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read."""
 
 
@@ -101,7 +124,7 @@ def read_timings(path: Path | str) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    return _read(path, columns=TIMING_COLUMNS, numbers=("solve_seconds",))
+    return _read(path, columns=TIMING_COLUMNS, numbers=("solve_s",))
 
 
 def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
@@ -142,7 +165,7 @@ def _read(
     *,
     columns: Sequence[str],
     numbers: Sequence[str],
-    others: Others = "refused",
+    others: Others = "invalid",
     measured: bool = False,
     chunk: tuple[int, int] = (1, 1),
 ) -> pd.DataFrame:
@@ -158,10 +181,10 @@ def _read(
     def wanted(header: Sequence[str]) -> list[str]:
         """The columns of a table with this header that are read."""
         named = as_in(columns, header)
-        if others == "refused" and not {*POLAR, *CARTESIAN} & {*header}:
+        if others == "invalid" and not {*POLAR, *CARTESIAN} & {*header}:
             named = [name for name in named if name not in POLAR]
         named = [name for name in named if name not in optional or name in header]
-        _check_header(header, columns=named, refused=others == "refused", path=path)
+        _check_header(header, columns=named, strict=others == "invalid", path=path)
         return [*named, *(name for name in header if others == "kept" and name not in named)]
 
     table, lines = (
@@ -281,9 +304,9 @@ def _number(cell: str | float) -> float:
 
 
 def _check_header(
-    header: Sequence[str], *, columns: Sequence[str], refused: bool, path: Path
+    header: Sequence[str], *, columns: Sequence[str], strict: bool, path: Path
 ) -> None:
-    """Refuse a header that lacks a column or has it twice, others where they are ``refused``."""
+    """Reject a header that lacks a column or has it twice, with ``strict`` others too."""
     if len(header) == 1 and ";" in header[0]:
         raise InputError(f"{path}: cells are separated by semicolons; a table has commas")
     needs = f"; the table needs {MEASURED}" * (UNCERTAINTY_COLUMNS[0] in columns)
@@ -294,7 +317,7 @@ def _check_header(
             other = f" ({either})" if name in (*POLAR, *CARTESIAN) else ""
             raise InputError(f"{path}: column {name!r} {how}{other}{needs}")
     for name in header:
-        if name not in columns and (refused or name in CARTESIAN):
+        if name not in columns and (strict or name in CARTESIAN):
             also = either if name in CARTESIAN else f"the columns are {', '.join(columns)}"
             raise InputError(f"{path}: unknown column {name!r}; {also}{needs}")
 
@@ -321,18 +344,31 @@ def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
     return data
 
 
-def write_table(table: pd.DataFrame, path: Path | str) -> None:
-    """Write a table with full double precision, whole or not at all."""
-    with table_writer(path) as write:
+def unregistered(names: Iterable[str]) -> list[str]:
+    """Return the columns that COLUMNS does not list."""
+    others = set(names) - NAMES
+    return [name for name in others if not any(fnmatchcase(name, each) for each in PATTERNS)]
+
+
+def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str] = ()) -> None:
+    """Write a table as ``table_writer`` does."""
+    with table_writer(path, given=given) as write:
         write(table)
 
 
 @contextmanager
-def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
+def table_writer(
+    path: Path | str, *, given: Collection[str] = ()
+) -> Iterator[Callable[[pd.DataFrame], None]]:
     """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
 
     All pieces have the columns of the first one. CSV comes with full double precision.
-    Raises InputError for a name that says that something else is in the file.
+
+    Args:
+        given: columns of the user's own.
+
+    Raises InputError for a name that says that something else is in the file, ValueError for a
+    column without a meaning in COLUMNS.
     """
     path = Path(path)
     if path.suffix.lower() in OTHER_FORMATS:
@@ -340,15 +376,23 @@ def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
             f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "
             f"not as {path.suffix}"
         )
-    with whole_file(path) as name:
-        if path.suffix == PARQUET:
-            with _parquet_pieces(name) as write:
-                yield write
-        else:
-            with name.open("w", encoding="utf-8", newline="") as file:
-                yield lambda piece: piece.to_csv(
-                    file, index=False, header=file.tell() == 0, lineterminator="\n"
-                )
+    pieces = _parquet_pieces if path.suffix == PARQUET else _csv_pieces
+
+    def write(piece: pd.DataFrame) -> None:
+        if unknown := unregistered({*piece} - {*given}):
+            raise ValueError(f"{path}: columns.csv has no {', '.join(unknown)}")
+        write_piece(piece)
+
+    with whole_file(path) as name, pieces(name) as write_piece:
+        yield write
+
+
+@contextmanager
+def _csv_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
+    with name.open("w", encoding="utf-8", newline="") as file:
+        yield lambda piece: piece.to_csv(
+            file, index=False, header=file.tell() == 0, lineterminator="\n"
+        )
 
 
 @contextmanager

@@ -36,7 +36,7 @@ WITH_UNIT = re.compile(rf"(.+?)_({_SEVERAL}(?:_per_{_SEVERAL})?)")
 
 
 class Unit(NamedTuple):
-    """Its size in BASES, and what it measures."""
+    """Size of a unit in BASES, and its dimension."""
 
     size: float
     dimension: Dimension
@@ -168,7 +168,7 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
 
 
 def unit_of_column(name: str) -> tuple[str, str]:
-    """What a column is of, and the unit that its name ends in: ``power_w`` in ``W``."""
+    """Quantity of a column, and the unit that its name ends in: ``power_w`` in ``W``."""
     match = WITH_UNIT.fullmatch(name)
     if match is None:
         return name, ""

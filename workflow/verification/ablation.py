@@ -1,9 +1,9 @@
 """Savings by each simplification, and its effect on accuracy: each is removed in turn.
 
-Scenes of the study's space are solved as they need, and again with one thing put back: the mirror
-halves, a term that is zero, more modes than wanted, time where a limit would do. Of a term so
-little is put back that it changes nothing but has to be computed. Last, the same algorithm in
-NumPy.
+Scenes of the study's space are solved as they need, and again with one simplification disabled:
+the mirror halves, a term that is zero, more modes than wanted, time where a limit would do. Of a
+term so little is re-enabled that it changes nothing but has to be computed. Last, the same
+algorithm in NumPy.
 """
 
 from collections import ChainMap
@@ -43,7 +43,7 @@ PUT_BACK: dict[str, dict[str, Any]] = {
     "rarefaction": {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE * 1e-6},
     "polytropic": {"polytropic_exponent": 1 + NEGLIGIBLE},
     "inertia": {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE},
-    "heat": {"heat": "included", "prandtl": NEGLIGIBLE},
+    "thermal": {"thermal": "included", "prandtl": NEGLIGIBLE},
 }
 REFERENCE_TOLERANCE = 1e-9
 
@@ -51,9 +51,9 @@ REFERENCE_TOLERANCE = 1e-9
 def ablation(
     scenes: Sequence[Scene], *, tolerances: Sequence[float], repeats: int, device: Device
 ) -> pd.DataFrame:
-    """For each tolerance a row for the scenes as they need, and one for each thing put back.
+    """Table with a row for each tolerance and each simplification that is disabled.
 
-    Columns: what is put back, seconds of all scenes in one call, processor time over that of the
+    Columns: what is re-enabled, seconds of all scenes in one call, processor time over that of the
     scenes as they need, worst relative error, share of scenes within their error estimate; NumPy
     has none, nor the points that tight tolerances ask for.
     """
@@ -63,7 +63,7 @@ def ablation(
     ways: dict[str, tuple[Callable[..., Forces | Solutions], Sequence[Scene]]] = {
         AS_NEEDED: (partial(solve, device=device), scenes),
         "time (always periodic)": (periodic, scenes),
-        "mirror halves": (partial(_on_whole_pads, device=device), scenes),
+        "symmetry": (partial(_on_whole_pads, device=device), scenes),
         **{
             kind.ABSENT.what: (periodic, _with(scenes, PUT_BACK[kind.NAME]))
             for kind in TERMS
@@ -75,21 +75,21 @@ def ablation(
     }
     exact = periodic(scenes, tolerance=REFERENCE_TOLERANCE).force_n
     rows = []
-    for tolerance, (put_back, (way, changed)) in product(tolerances, ways.items()):
+    for tolerance, (re_enabled, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        found, cpu_seconds = measure(call, repeats=repeats, long_seconds=np.inf)
+        found, cpu_s = measure(call, repeats=repeats, long_seconds=np.inf)
         error, stated = np.abs(found.force_n - exact), found.force_error_n
         row = {
-            "put_back": put_back,
+            "re_enabled": re_enabled,
             "tolerance": tolerance,
-            "cpu_seconds": cpu_seconds,
+            "cpu_s": cpu_s,
             "worst_error": np.max(error / np.abs(exact)),
-            "covered": np.mean(error <= stated) if np.isfinite(stated).all() else np.nan,
+            "coverage": np.mean(error <= stated) if np.isfinite(stated).all() else np.nan,
         }
         rows.append(row)
     table = pd.DataFrame(rows)
-    needed = table[table["put_back"] == AS_NEEDED].set_index("tolerance")["cpu_seconds"]
-    ratio = table["cpu_seconds"] / table["tolerance"].map(needed)
+    needed = table[table["re_enabled"] == AS_NEEDED].set_index("tolerance")["cpu_s"]
+    ratio = table["cpu_s"] / table["tolerance"].map(needed)
     return table.assign(cpu_ratio=ratio, scenes=len(scenes))
 
 

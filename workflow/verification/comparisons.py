@@ -146,7 +146,7 @@ def forces_and_errors(
 def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     """The same far within what is stated of them, as far as that can be had."""
     gas = scenes[0].gas
-    plain = gas.inertia == gas.heat == "none" and scenes[0].pad.shape == "rectangle"
+    plain = gas.inertia == gas.thermal == "none" and scenes[0].pad.shape == "rectangle"
     found = forces_and_errors(scenes, study, tolerance=TIGHT if plain else LESS_TIGHT)
     if plain and not np.isfinite(found).all():
         return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
@@ -222,11 +222,11 @@ def _neglected(
 
     The loss of pressure where gas flows in, of no equation here, is not among them.
     """
-    both, flow = {"inertia": "included", "heat": "included"}, {"rarefaction": "fukui-kaneko"}
+    both, flow = {"inertia": "included", "thermal": "included"}, {"rarefaction": "fukui-kaneko"}
     gas = scene.gas
-    slips = gas.rarefaction != "fukui-kaneko" and gas.inertia == gas.heat == "none"
+    slips = gas.rarefaction != "fukui-kaneko" and gas.inertia == gas.thermal == "none"
     for name, effects, choices in (
-        ("inertia, heat", ("inertia", "heat"), both),
+        ("inertia, thermal effects", ("inertia", "thermal"), both),
         ("rarefaction", ("slip", "flow_factor") if slips else (), flow),
     ):
         lacking = {each: budget.effects[each] for each in effects}

@@ -92,8 +92,8 @@ class Disc:
         momentum += lag * (rate(v) + 9 / 7 * carried - v * filling / 7)
         cool = self.heating * self.sigma / 20 * s / 4 * v**2
         hot = warm - cool
-        heat = warm + self.conduction / 10 * pressure * gap**2 * rate(warm)
-        heat -= self.heating / 12 * gap**2 * rate(excess)
+        thermal = warm + self.conduction / 10 * pressure * gap**2 * rate(warm)
+        thermal -= self.heating / 12 * gap**2 * rate(excess)
         beside = -v * (6 / 5 * warm - 9 / 14 * cool)
         beside -= v * self.exponent * (3 / 5 * warm - 3 / 7 * cool)
         beside += lag * (9 / 7 * hot * rate(v) + v * rate(hot) / 7)
@@ -101,7 +101,7 @@ class Disc:
         mass = rate(pressure * gap * (1 - hot)) + 2 * flow + 2 * s * (self.grid.first @ flow)
         inwards = np.where(v[..., -1, :].real < 0, v[..., -1, :] / 2, 0.0)
         mass[..., -1, :] = excess[..., -1, :] + self.loss * inwards**2
-        return np.stack([mass, momentum, heat], axis=-3)
+        return np.stack([mass, momentum, thermal], axis=-3)
 
 
 def resolved_second_order(sigma: float, reynolds: float, *, points: int = 60) -> float:

@@ -1,6 +1,6 @@
 """Films given by their dimensionless numbers, as scenes for the solver and for other methods.
 
-Among them the stiff and extreme ones, in groups, and which of these the solver may refuse.
+Among them the stiff and extreme ones, in groups, and which of these need not be supported.
 """
 
 from dataclasses import replace
@@ -54,7 +54,7 @@ def film(
     speed = bearing * PRESSURE_PA * H0_M**2 / (6 * viscosity * LENGTH_M)
     gas = Gas(
         inertia="included" if reynolds else "none",
-        heat="none",
+        thermal="none",
         viscosity_pa_s=viscosity,
         ambient_pressure_pa=PRESSURE_PA,
         density_kg_per_m3=reynolds * viscosity / (angular_frequency * H0_M**2) or 1.2,

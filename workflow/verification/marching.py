@@ -28,7 +28,7 @@ NEWTON_STEPS, KRYLOV_ITERATIONS = 40, 400
 
 @dataclass(frozen=True)
 class Periodic:
-    """A mean force in p0 l0^2, and after how many periods if a method marched."""
+    """A mean force in p0 l0^2, and after how many periods of a time integration."""
 
     force: float
     periods: int = 0

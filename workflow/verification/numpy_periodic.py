@@ -90,7 +90,7 @@ class Collocation:
         return flow - self._carried(self.gap * p) - self.squeeze
 
     def derivative(self, p: FloatArray, w: FloatArray) -> FloatArray:
-        """That of the residual for a mass perturbation w."""
+        """Derivative of the residual for a mass perturbation w."""
         return self._flow(self.half * (1 + p) * w, w) - self._carried(w)
 
     def preconditioner(self, p: FloatArray) -> Operator:

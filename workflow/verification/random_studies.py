@@ -44,10 +44,12 @@ def random_studies(options: argparse.Namespace) -> None:
     A study is drawn from a seed: pad, gas, vibration, frequency, ranges of gap and amplitude. The
     first simulates points of each, levitates a load on it and takes its response, and compares
     forces and their errors, modelling errors, gaps, stiffness, gains and validity with direct
-    solutions. With `--coverage` the library's models are fitted to each study, and fresh points of
-    its declared space that lie inside their prediction intervals are counted. The table has a row
-    for each comparison and grows study by study. The exit status is 1 where a statement given as
-    valid does not hold: it is sure and wrong.
+    solutions.
+
+    With `--coverage` the library's models are fitted to each study, and fresh points of its
+    declared space that lie inside their prediction intervals are counted. The table has a row for
+    each comparison and grows study by study. The exit status is 1 where a statement given as valid
+    does not hold: it is sure and wrong.
     """
     seeds, output = range(options.seed, options.seed + options.studies), Path(options.output)
     if options.coverage:

@@ -8,7 +8,7 @@ with Gauss-Lobatto nodes, two elements per half side, the outer one narrow for t
 rim; an odd number of instants with trigonometric interpolation in time; Newton's method with
 GMRES on the weak form. Where the solver under test collocates strong derivatives of other
 variables on Chebyshev points, here an integral identity is met in another basis. Only the steps
-of Newton's method are those of ``numpy_periodic``: what they leave is judged by the residual.
+of Newton's method are those of ``numpy_periodic``: the residual shows their error.
 
 Uncertainty: the change from a coarser computation, in space and time at once, and round-off.
 Source: Karniadakis and Sherwin, Spectral/hp Element Methods, 2005, chapters 2 and 4.

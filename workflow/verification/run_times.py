@@ -1,4 +1,4 @@
-"""Where run time goes: the paper by rule, one force by part, many scenes on host and device."""
+"""Run times: the paper by rule, one force by part, many scenes on host and device."""
 
 import argparse
 import os
@@ -42,7 +42,7 @@ ROUNDS = 9
     option("--output", "FOLDER", "for the tables", required=True, type=Path),
 )
 def run_times(options: argparse.Namespace) -> None:
-    """Where run time goes on this machine: four tables.
+    """Measure run times on this machine: four tables.
 
       make paper && python -m verification run-times --output docs/data
 
@@ -141,12 +141,12 @@ def equal_error() -> pd.DataFrame:
     runs = work_precision(
         (FILMS[1],), repeats=9, batch=100, longest_seconds=2.0, rungs=10, device=choose_device()
     )
-    ends = runs.dropna(subset="times_less").groupby("method", sort=False).nth([0, -1])
+    ends = runs.dropna(subset="speedup").groupby("method", sort=False).nth([0, -1])
     columns = {
         "its error": "relative_error",
-        "its seconds": "cpu_seconds",
-        "times less, scene alone": "times_less",
-        "in a batch of 100": "times_less_in_a_batch",
+        "its seconds": "cpu_s",
+        "times less, scene alone": "speedup",
+        "in a batch of 100": "speedup_in_batch",
     }
     shown = {
         name: [f"{float(f'{number:.2g}'):g}" for number in ends[column]]

@@ -1,11 +1,11 @@
-"""Stiff and extreme films, each judged by checks that the solver does not know of.
+"""Stiff and extreme films, each with checks that are independent of the solver.
 
-Verdicts: *solved*, all checks passed; *unchecked*, solved, but no check can be had; *refused*, the
-solver says that it cannot and the film lies where that is documented (`films.beyond`); *failed*,
-anything else, with the checks that did not pass.
+Verdicts: *solved*, all checks passed; *unchecked*, solved, but no check can be had; *not
+supported*, the solver says so and the film lies where that is documented (`films.beyond`);
+*failed*, anything else, with the checks that did not pass.
 
 A pressure is carried to a finer grid, where the equation is evaluated in another form and another
-program (``numpy_periodic``); what is left is a defect of discretisation, iteration and code alike.
+program (``numpy_periodic``); the residual is that of discretisation, iteration and code together.
 """
 
 import math
@@ -29,13 +29,13 @@ from verification.numpy_periodic import Collocation
 TOLERANCE = 1e-4
 # A force is solved for again to this share of the tolerance.
 FINER = 0.1
-# What each check may find. The defect is a first-order estimate of the force's error; a film in
+# What each check may find. The residual is a first-order estimate of the force's error; a film in
 # distress exceeds this by far.
 ALLOWED = {
     "method_difference": 2 * TOLERANCE,
     "finer_difference": TOLERANCE,
-    "defect": 10 * TOLERANCE,
-    "state_defect": 2e-2,
+    "residual": 10 * TOLERANCE,
+    "state_residual": 2e-2,
 }
 
 
@@ -49,8 +49,8 @@ def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.Data
             "group": group,
             "epsilon": round(scene.epsilon, 6),
             "sigma": round(scene.sigma, 6),
-            "bearing": round(scene.bearing_number, 6),
-            "reynolds": round(scene.modified_reynolds, 6) if inert else 0.0,
+            "bearing_number": round(scene.bearing_number, 6),
+            "modified_reynolds": round(scene.modified_reynolds, 6) if inert else 0.0,
             **_judged(scene, device=device),
         }
         say(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
@@ -68,7 +68,7 @@ def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
         refusal = str(error)
     if refusal:
         reason = f"{why}: {refusal}" if why else refusal
-        return {"verdict": "refused" if why else "failed", "reason": reason}
+        return {"verdict": "not supported" if why else "failed", "reason": reason}
     checks = _checks(scene, solution, device=device)
     checks = {name: each for name, each in checks.items() if math.isfinite(each) or not why}
     shares = {name: each / ALLOWED[name] for name, each in checks.items()}
@@ -81,7 +81,7 @@ def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
         "method": solution.method,
         "force": solution.force_n / scene.force_scale_n,
         "estimated_error": solution.force_error_n / solution.force_n,
-        "worst_over_allowed": max(shares.values(), default=math.nan),
+        "worst_ratio": max(shares.values(), default=math.nan),
         **checks,
     }
 
@@ -110,12 +110,12 @@ def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, fl
 
 
 def check_state(scene: Scene, state: State) -> dict[str, float]:
-    """Judge a periodic state.
+    """Check a periodic state.
 
     Returns:
-        ``defect``: change of the force in one correction by the mean-coefficient operator, relative
-        to the force; blind to what changes the pressure and not its mean, as by symmetry.
-        ``state_defect``: root mean square of that correction relative to the mass perturbation H p.
+        ``residual``: change of the force in one correction by the mean-coefficient operator,
+        relative to the force; blind to what changes the pressure and not its mean, as by symmetry.
+        ``state_residual``: root mean square of that correction over the mass perturbation H p.
     """
     grid, in_time = state.grid, period(state.grid.nt)
     known = grid.x.full_points, grid.y.full_points, grid.nt
@@ -126,6 +126,6 @@ def check_state(scene: Scene, state: State) -> dict[str, float]:
     correction = finer.preconditioner(p)(finer.residual(p))
     size = finer.mean((finer.gap * p) ** 2)
     return {
-        "defect": abs(finer.mean(correction / finer.gap) / finer.mean(p)),
-        "state_defect": math.sqrt(finer.mean(correction**2) / size),
+        "residual": abs(finer.mean(correction / finer.gap) / finer.mean(p)),
+        "state_residual": math.sqrt(finer.mean(correction**2) / size),
     }

@@ -90,7 +90,7 @@ def _gas(random: np.random.Generator) -> dict[str, Any]:
     gas: dict[str, Any] = {
         "ambient_pressure": _between(random, (3e4, 5e5)),
         "rarefaction": str(random.choice(["none", "none", "slip", "fukui-kaneko"])),
-        **{term: str(random.choice(["auto", "auto", "none"])) for term in ("inertia", "heat")},
+        **{term: str(random.choice(["auto", "auto", "none"])) for term in ("inertia", "thermal")},
     }
     if random.uniform() < 0.5:
         return gas

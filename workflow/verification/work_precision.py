@@ -93,9 +93,9 @@ def work_precision(
         for method, (answer, path) in paths.items():
             for settings in path:
                 call = partial(answer, **settings)
-                (force, claimed, status), cpu_seconds = measure(call, repeats=repeats)
+                (force, claimed, status), cpu_s = measure(call, repeats=repeats)
                 row = {
-                    "film": scene.point_id,
+                    "case": scene.point_id,
                     "method": method,
                     "settings": " ".join(f"{key}={each:g}" for key, each in settings.items()),
                     "status": status,
@@ -104,16 +104,16 @@ def work_precision(
                     "reference_uncertainty": reference.uncertainty / reference.force,
                     "relative_error": abs(force / reference.force - 1),
                     "estimated_error": claimed / reference.force,
-                    "cpu_seconds": cpu_seconds / (batch if method == BATCH else 1),
+                    "cpu_s": cpu_s / (batch if method == BATCH else 1),
                 }
                 rows.append(row)
-                if cpu_seconds > longest_seconds:
+                if cpu_s > longest_seconds:
                     break
-    return with_times_less(pd.DataFrame(rows))
+    return with_speedup(pd.DataFrame(rows))
 
 
-def with_times_less(table: pd.DataFrame) -> pd.DataFrame:
-    """With how many times less processor time the solver takes than another method's each row.
+def with_speedup(table: pd.DataFrame) -> pd.DataFrame:
+    """Table with the speedup of the solver over each row of another method.
 
     The solver is asked for a tolerance and chooses its method, its error estimate included in the
     time; of the tolerances whose true error is no larger, the cheapest counts. Errors within the
@@ -123,13 +123,13 @@ def with_times_less(table: pd.DataFrame) -> pd.DataFrame:
     seen = table["relative_error"].clip(lower=table["reference_uncertainty"])
     others = table[~table["method"].isin((SOLVER, BATCH))]
     times = {}
-    for column, method in (("times_less", SOLVER), ("times_less_in_a_batch", BATCH)):
+    for column, method in (("speedup", SOLVER), ("speedup_in_batch", BATCH)):
         ours = table[(table["method"] == method) & (table["status"] == "ok")]
         cheapest = [
-            ours.loc[(ours["film"] == film) & (seen[ours.index] <= error), "cpu_seconds"].min()
-            for film, error in zip(others["film"], seen[others.index], strict=True)
+            ours.loc[(ours["case"] == case) & (seen[ours.index] <= error), "cpu_s"].min()
+            for case, error in zip(others["case"], seen[others.index], strict=True)
         ]
-        times[column] = others["cpu_seconds"] / cheapest
+        times[column] = others["cpu_s"] / cheapest
     return table.assign(**times)
 
 
@@ -167,7 +167,7 @@ def _elements(scene: Scene, level: int) -> Settings:
 
 
 def _from_rest(scene: Scene, level: int) -> Settings:
-    """From rest until the transient has decayed as far as the other errors."""
+    """Settings of a start from rest until the transient has decayed as far as the other errors."""
     periods = periods_to_settle(sigma=scene.sigma, tolerance=0.1 / 4**level)
     return _elements(scene, level) | {"periods": periods}
 

@@ -3,7 +3,7 @@
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
 server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
 model.js what ``squeezefilm.models.fit_file`` does with it, modulation.js reads what
-``squeezefilm response`` found, and words.js has numbers in words.
+``squeezefilm response`` found, and formatting.js has numbers in words.
 """
 
 import json
@@ -51,8 +51,8 @@ def explorer_page(
     for name in candidates:
         path = results.folder / f"models/four_factor/{name}.json"
         values = read_json(path)
-        if "refused" in values:
-            not_available[name] = str(values["refused"])
+        if "not_supported" in values:
+            not_available[name] = str(values["not_supported"])
         else:
             models[f"{name} on four_factor"] = fit_of(values, place=path), "four_factor"
     start = config["extrapolation"]

@@ -36,7 +36,7 @@ function outsideOf(fit, point) {
 }
 
 // Smallest amplitude in metres that gives the wanted force at a point's gap and position, below
-// contact; NaN where there is none: as squeezefilm.models.working_point looks for it.
+// contact; NaN where there is none: as squeezefilm.models.amplitude_for looks for it.
 function amplitudeForForce(fit, point, wanted_n) {
   const at = (share) => share * point.h0_m * (1 - 1e-12);
   return at(firstRoot((share) => force(fit, { ...point, hv_m: at(share) }) - wanted_n, wanted_n));

@@ -237,7 +237,7 @@
       : "of this very film";
     about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz: `
       + `${source}.${moved} By the period-averaged equation, accurate to ${share(error)} of its gains, `
-      + "which neglects inertia and heat of the gas."
+      + "which neglects inertia and thermal effects of the gas."
       + (byId("validity").hidden ? "" : " At this gap the neglected effects rule the film.");
     return films;
   }

@@ -1,6 +1,6 @@
 """The figures: each a function of a study's results, from which it draws, by its place there.
 
-A function returns the figure and, where that is a product of its own, the table that is drawn;
+A function returns the figure and, where that is a product too, the table that is drawn;
 column names carry the unit that the axis shows. A page of figures is drawn by one job.
 """
 
@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reporting.figures import style
-from reporting.figures.film import budget, levitation, response
+from reporting.figures.film import error_budget, levitation, response
 from reporting.figures.maps import amplitudes, error_map, forces, profile, vibration
 from reporting.figures.measurements import measurements
 from reporting.figures.models import design, fitted_model, model_errors, refined, sensitivity
@@ -28,7 +28,7 @@ FIGURES: dict[str, Draw] = {
     f"figures/{function.__name__}": function
     for function in (
         *(overview, vibration, profile, forces, fitted_model, design, error_map, amplitudes),
-        *(budget, response, levitation, measurements),
+        *(error_budget, response, levitation, measurements),
     )
 }
 FIGURES |= {

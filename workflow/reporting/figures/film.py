@@ -1,4 +1,4 @@
-"""What films do besides giving a force: effects that the equation neglects, loads, modulation."""
+"""Figures of a film: effects that the equation neglects, loads, modulation."""
 
 from functools import partial
 from typing import Any
@@ -17,7 +17,7 @@ from squeezefilm.solution import form_of
 EFFECTS = {
     "inertia": (style.BLUE, "inertia"),
     "slip": (style.VERMILLION, "slip"),
-    "heat": (style.ORANGE, "heat"),
+    "thermal": (style.ORANGE, "thermal effects"),
     "edge_loss": (style.GREEN, "edge loss, C = 1"),
     "modelling_error": (style.GREY, "total"),
 }
@@ -31,7 +31,7 @@ MOST_ERROR = 0.03
 MOST_REYNOLDS = reynolds_limit("inertia neglected").not_above
 
 
-def budget(results: Results) -> Figure:
+def error_budget(results: Results) -> Figure:
     """A map for each effect and for their sum, and lines over the position."""
     screen = _budgets(results, "screen")
     positions = _budgets(results, "four_factor")

@@ -143,7 +143,7 @@ def profile(results: Results) -> Figure:
         _draw_profile(figure, amplitude, residual, data)
     else:
         _draw_over_radius(amplitude, residual, data)
-    noise = results.summary("profile/summary.json").get("largest_force_noise_share")
+    noise = results.summary("profile/summary.json").get("largest_force_noise_fraction")
     note = (
         f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
     )
@@ -191,7 +191,7 @@ def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> No
         axes.axhline(0, color="black", linewidth=0.6)
         axes.set_xlabel("distance from the centre $r$ (mm)")
         axes.set_xlim(0, 1.02 * float(profile["r_mm"].max()))
-    r_mm, lowest, highest = (profile[name] for name in ("r_mm", "lowest_um", "highest_um"))
+    r_mm, lowest, highest = (profile[name] for name in ("r_mm", "profile_min_um", "profile_max_um"))
     names = ("range ± 2 standard errors", "profile, least and largest")
     if lowest.equals(highest):
         names = ("± 2 standard errors", "profile")

@@ -167,7 +167,7 @@ def refined(results: Results, space: str) -> Figure:
         folder = f"refine/{space}/{model['model']}"
         verdict = results.summary(f"{folder}/verdict.json")
         rounds = results.table(f"{folder}/rounds.csv", *ROUND_COLUMNS)
-        _draw_rounds(row[0], rounds, wanted=verdict["wanted"], truth=model)
+        _draw_rounds(row[0], rounds, required=verdict["required"], truth=model)
         row[0].set_title(f"{model['model']}: {VERDICTS[model['verdict']]}")
         sample = style.rows(results.table(f"{folder}/where.csv", *WHERE_COLUMNS), "sample")
         error_percent = 100 * sample["error_n"].astype(float) / verdict["mean_force_n"]
@@ -190,8 +190,8 @@ def _places(table: pd.DataFrame) -> pd.DataFrame:
     return parts.in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
 
 
-def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Series) -> None:
-    """Estimates with their limits, the wanted errors dashed, the truth as stars."""
+def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, required: Any, truth: pd.Series) -> None:
+    """Estimates with their limits, the required errors dashed, the truth as stars."""
     rounds = rounds.assign(**{name: 100 * rounds[name] for name in ROUND_COLUMNS if "_" in name})
     for name, colour, label in (
         ("worst_error", style.VERMILLION, "worst"),
@@ -199,8 +199,8 @@ def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Seri
     ):
         known = rounds[np.isfinite(rounds[name])]
         axes.plot(known["simulations"], known[name], "o-", color=colour, markersize=3, label=label)
-        axes.axhline(100 * wanted[name], color=colour, linestyle="--", linewidth=0.6)
-        star = 100 * truth[f"unseen_{name}"]
+        axes.axhline(100 * required[name], color=colour, linestyle="--", linewidth=0.6)
+        star = 100 * truth[f"held_out_{name}"]
         axes.plot(truth["simulations"], star, "*", color=colour, markersize=8, mec="black")
     limits = rounds[["global_lower", "global_upper"]].sub(rounds["global_error"], axis=0).abs()
     bars = {"fmt": "none", "color": style.BLUE, "linewidth": 0.8, "capsize": 2}

@@ -1,4 +1,4 @@
-"""What several figures consist of: planes of gap and amplitude, forces in space, their tables."""
+"""Parts of several figures: planes of gap and amplitude, forces in space, tables."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any

@@ -22,7 +22,7 @@ STYLES = {
     "finite elements from rest": (style.VERMILLION, "p", "-"),
 }
 """Colour, marker and line of each method."""
-MARKERS = {"solved": "o", "unchecked": "D", "refused": "s", "failed": "X"}
+MARKERS = {"solved": "o", "unchecked": "D", "not supported": "s", "failed": "X"}
 EPSILON_TICKS = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99)
 LARGEST_EPSILON = 0.998
 APART = 0.25
@@ -31,15 +31,18 @@ APART = 0.25
 
 def stability(results: Results) -> Figure:
     """Left the films without inertia over (ε, σ), right those with it over (Re, σ)."""
-    data = results.table("numerics/stability.csv", "verdict", "worst_over_allowed")
+    data = results.table("numerics/stability.csv", "verdict", "worst_ratio")
     figure = style.new_figure(wide=True, height_in=4.4)
     left, right = figure.subplots(1, 2, width_ratios=(3, 2), sharey=True)
-    moving = data["reynolds"] > 0
+    moving = data["modified_reynolds"] > 0
     shown = _films(left, data[~moving].assign(x=data["epsilon"].clip(upper=LARGEST_EPSILON)))
     left.set(xscale="logit", xlabel="excursion ratio ε (–); contact at the right edge")
     left.set_xticks(EPSILON_TICKS, [f"{tick:g}" for tick in EPSILON_TICKS])
     left.set(xlim=(4e-4, 0.9988), ylabel="squeeze number σ (–)", title="(a) without inertia")
-    _films(right, data[moving].sort_values("epsilon", kind="stable").assign(x=data["reynolds"]))
+    _films(
+        right,
+        data[moving].sort_values("epsilon", kind="stable").assign(x=data["modified_reynolds"]),
+    )
     right.set(xscale="log", xlim=(0.2, 120), xlabel="modified Reynolds number Re (–)")
     right.set_title("(b) with inertia, ε rising upwards")
     label = "largest deviation over the allowed one (–)"
@@ -63,7 +66,7 @@ def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
     look |= {"edgecolors": "0.3", "linewidths": 0.6, "plotnonfinite": True, "x": "x", "y": "y"}
     for verdict, marker in MARKERS.items():
         some = films[films["verdict"] == verdict]
-        dots = parts.coloured_dots(axes, some, "worst_over_allowed", marker=marker, **look)
+        dots = parts.coloured_dots(axes, some, "worst_ratio", marker=marker, **look)
     axes.set_yscale("log")
     axes.grid(True)
     return dots
@@ -71,16 +74,16 @@ def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
 
 def work_precision(results: Results) -> Figure:
     """A panel for each film, a line for each method."""
-    data = results.table("numerics/work_precision.csv", "film", "method", "relative_error")
+    data = results.table("numerics/work_precision.csv", "case", "method", "relative_error")
 
-    films = data["film"].unique()
+    films = data["case"].unique()
     columns = min(2, len(films))
     rows = -(-len(films) // columns)
     figure = style.new_figure(wide=True, height_in=1.0 + 2.3 * rows)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     lowest = 0.2 * float(data["reference_uncertainty"].min())
     for panel, film in zip(panels, films, strict=False):
-        here = data[data["film"] == film]
+        here = data[data["case"] == film]
         floor = float(here["reference_uncertainty"].iloc[0])
         panel.axhline(float(here["model_error"].iloc[0]), color=style.ORANGE, linewidth=1.5)
         panel.axhspan(lowest, floor, color="0.85", linewidth=0, zorder=0)
@@ -89,7 +92,7 @@ def work_precision(results: Results) -> Figure:
             look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line, "ms": 4}
             look["mfc"] = "white" if line == ":" else colour
             error = np.maximum(path["relative_error"], floor)
-            panel.plot(path["cpu_seconds"], error, label=method, **look)
+            panel.plot(path["cpu_s"], error, label=method, **look)
         panel.set(title=film, xscale="log", yscale="log", ylim=(lowest, 1))
         panel.set(xlabel="processor time per film (s)", ylabel="relative error of the force (–)")
         panel.grid(True)
@@ -114,23 +117,23 @@ def published(results: Results) -> Figure:
         ):
             label = f"{name}, {str(quantity).partition(', ')[2]}"
             look: dict[str, Any] = {"color": colour, "mfc": fill, "ms": 4, "label": label}
-            left.plot(films["reynolds"], films[column], marker, **look)
+            left.plot(films["modified_reynolds"], films[column], marker, **look)
     left.set(ylabel="relative deviation (–)", title="(a) p(r) from finite elements")
     averaged = profiles.dropna(subset=["solver_deviation"])
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
     for colour, (sigma, films) in zip(colours, averaged.groupby("sigma"), strict=True):
         for case, line, label in (
             ("inertia", "o-", f"σ = {sigma:g}"),
-            ("inertia and heat", "D:", ""),
+            ("inertia and thermal effects", "D:", ""),
         ):
             look = {"color": colour, "ms": 3, "label": label}
             some = films[films["case"] == case]
-            right.plot(some["reynolds"], some["solver_deviation"], line, **look)
+            right.plot(some["modified_reynolds"], some["solver_deviation"], line, **look)
     right.set_title("(b) first harmonic of the solver from exact profiles")
     for panel in (left, right):
         panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")
         panel.legend(loc="lower right")
         panel.grid(True)
-    note = "(a) given: where the pressure is prescribed; (b) solid: inertia, dotted: with heat."
+    note = "(a) given: where the pressure is prescribed; (b) dotted: with thermal effects too."
     style.add_note(figure, note)
     return figure

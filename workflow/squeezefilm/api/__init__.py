@@ -1,1 +1,1 @@
-"""What ``import squeezefilm`` gives, and what the command line is a thin face of."""
+"""The public names of ``import squeezefilm``, which the command line calls."""

@@ -56,8 +56,8 @@ class Force:
         solution: the force and how it was obtained; its error is the solver's alone.
         budget: the effects that the film equation neglects, one by one; its
             status says where it was not asked for.
-        scan: what the scan of a measured profile leaves open: ``noise_n``, half of the interval
-            that holds the noise's part in 95 % of all scans; ``out_of_phase_n``, by what the force
+        scan: uncertainty by the noise of a measured profile: ``noise_n``, half of the interval
+            that holds the noise's part in 95 % of all scans; ``quadrature_n``, by what the force
             is low without the motion out of phase; ``scan_error_n``, both. None without a scan.
         device: the name of the OpenCL device.
         tolerance: the required relative error.
@@ -81,7 +81,7 @@ class Force:
 
     @property
     def error_n(self) -> float:
-        """The solver's error estimate and what a scan leaves open, in newtons.
+        """The solver's error estimate plus the uncertainty by the scan, in newtons.
 
         The modelling error is not in it: see ``modelling_error_percent``.
         """
@@ -116,7 +116,7 @@ class Force:
         return {
             **scene_row(self.scene),
             **{name: getattr(self.solution, name) for name in SOLUTION_COLUMNS},
-            **{name: scan[name] for name in ("noise_n", "out_of_phase_n") if name in scan},
+            **{name: scan[name] for name in ("noise_n", "quadrature_n") if name in scan},
             **(budget | {"budget_status": budget["status"], "status": self.status}),
             **self.solution.asked_columns,
             "tolerance": self.tolerance,
@@ -155,7 +155,7 @@ def forces_of(
 
     Args:
         smoothed: the scan that their profile was measured in.
-        budget: whether to estimate the modelling error too, from states of its own.
+        budget: whether to estimate the modelling error too, from separate states.
     """
     notes = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
     scenes = settings.resolved(scenes, device)
@@ -212,7 +212,7 @@ def solved_with(
 
 
 def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[[Scene], float]:
-    """What a scan leaves open in a scene's force, in newtons: nothing where there is none."""
+    """Return the function that gives the error of a scene's force by the scan, in newtons."""
     if smoothed is None:
         return lambda scene: 0.0
     from squeezefilm.studies.tasks.scan_errors import scan_errors
@@ -272,7 +272,9 @@ def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.Da
             "terms": "; ".join(preview.terms),
             **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
             "simplifications": "; ".join(part.what for part in preview.simplifications),
-            "why": "; ".join(f"{part.what}: {part.why}" for part in preview.simplifications),
+            "simplification_reasons": "; ".join(
+                f"{part.what}: {part.why}" for part in preview.simplifications
+            ),
             "expected_error": preview.expected_error,
             "expected_mflop": preview.expected_mflop,
             "notes": "; ".join(notes_of(scene)),
@@ -282,7 +284,7 @@ def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.Da
 
             refused = refusals(scene, tolerance=settings.tolerance)
             lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
-            row["outputs_refused"] = "; ".join(lacking)
+            row["outputs_not_supported"] = "; ".join(lacking)
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -298,8 +300,8 @@ def preview_rows(
         )
         row = count | scene_row(scenes[first]) | {"tolerance": tolerance}
         row |= table.iloc[first].to_dict() | {"expected_mflop": mflop}
-        why = [each for each in row["why"].split("; ") if "mirror half" not in each]
-        yield row | {"why": why}
+        reasons = row["simplification_reasons"].split("; ")
+        yield row | {"simplification_reasons": [x for x in reasons if "symmetry" not in x]}
 
 
 PIECE = 4096
@@ -380,7 +382,7 @@ def simulate_table(
             # By floating-point operations, of which closed forms need none worth counting.
             work = np.array([solution.work for solution in solutions])
             shares = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
-            write_times(rows[["point_id"]].assign(solve_seconds=wall * shares))
+            write_times(rows[["point_id"]].assign(solve_s=wall * shares))
             seconds += wall
             for point_id, solution in zip(rows["point_id"], solutions, strict=True):
                 if reason := missing_of(solution):
@@ -394,7 +396,7 @@ def simulate_table(
 
 
 def missing_of(solution: Solution) -> str:
-    """Why there is no force, or not what was asked for beside it; empty if all is there."""
+    """Return the reason for a missing force or a missing quantity beside it, or an empty text."""
     asked = (solution, solution.derivatives, solution.outputs)
     return next((each.status for each in asked if each and each.status != "ok"), "")
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from squeezefilm.models.fit_file import FittedModel
 
 GAPS = 6
-"""Evenly spaced over the range of the fit, where a working point's gap is not said."""
+"""Evenly spaced over the range of the fit, where no gap is given."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Fit:
 
     @property
     def statement(self) -> str:
-        """What is known of the model's error, in a sentence."""
+        """A sentence about the model's error."""
         return self.model.statement
 
     @property
@@ -103,7 +103,7 @@ class Fit:
             note=notes,
         )
 
-    def working_point(
+    def amplitude_for(
         self,
         force: str | float,
         h0: Values | None = None,
@@ -120,20 +120,20 @@ class Fit:
         Raises InputError as ``predict`` does.
         """
         points = points_of(h0=self.gaps() if h0 is None else h0, **position)
-        return self.working_points_at(points, force)
+        return self.amplitudes_for(points, force)
 
-    def working_points_at(self, points: pd.DataFrame, force: str | float) -> pd.DataFrame:
+    def amplitudes_for(self, points: pd.DataFrame, force: str | float) -> pd.DataFrame:
         """The same for a table of points: h0_m and a position, if any."""
         from squeezefilm.models.data import factors_of
-        from squeezefilm.models.fit_file import working_point
+        from squeezefilm.models.fit_file import amplitude_for
 
         forces_n = levels(force, called="force", unit="N")
         if len(forces_n) != 1:
             raise InputError(f"force: {force!r} are several; one is asked for")
-        with naming("working-point"):
+        with naming("amplitude-for"):
             factors = factors_of(points.assign(hv_m=0.0))
         rows = [
-            working_point(self.model, factors.take([index]), force_n=forces_n[0])
+            amplitude_for(self.model, factors.take([index]), force_n=forces_n[0])
             for index in range(len(factors))
         ]
         return pd.concat([points, pd.DataFrame(rows)], axis=1)

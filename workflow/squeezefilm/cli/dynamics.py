@@ -53,19 +53,21 @@ def levitate(options: argparse.Namespace) -> None:
 
     Each gap is sought with simulations, at the pad's place. Its modelling error is that of the
     force, by what the film equation neglects, over the stiffness; the numerical error and a
-    measured profile's noise are in `h0_error_m` alone. No gap is given where the modelling error is
-    more than a tenth of the gap, or outside the film equation's limits of validity: a row of a
-    table keeps the reason as its `status`, as a load that no gap carries does; one load alone ends
-    with exit status 1 and the range of loads that have a gap. `stiffness_n_per_m` is that of slow
-    motion, −∂F/∂h0 with the amplitude kept and without the scan's noise, and `stable` is said of
-    vertical motion alone. `others_m` are smaller gaps, roughly, that carry the same load. With a
-    mass, which is its own load where none is given, `resonance_hz` and `damping_ratio` (1 is
-    critical) are those of its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is
-    the root of its equation of motion with the film's stiffness at s.
-    `modelling_error_lower_percent` and `…_upper_percent` bound what neglected effects change the
-    force by, and `first_order_invalid` names effects outside the range of a first-order estimate.
-    `note` says which terms `auto` does not include and why, what stretches an included term, and
-    why there is no resonance.
+    measured profile's noise are in `h0_error_m` alone.
+
+    No gap is given where the modelling error is more than a tenth of the gap, or outside the film
+    equation's limits of validity: a row of a table keeps the reason as its `status`, as a load that
+    no gap carries does; one load alone ends with exit status 1 and the range of loads that have a
+    gap. `stiffness_n_per_m` is that of slow motion, −∂F/∂h0 with the amplitude kept and without the
+    scan's noise, and `stable` is said of vertical motion alone.
+
+    `other_gaps_m` are smaller gaps, roughly, that carry the same load. With a mass, which is its
+    own load where none is given, `resonance_hz` and `damping_ratio` (1 is critical) are those of
+    its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is the root of its equation
+    of motion with the film's stiffness at s. `modelling_error_lower_percent` and `…_upper_percent`
+    bound what neglected effects change the force by, and `first_order_invalid` names effects
+    outside the range of a first-order estimate. `note` says which terms `auto` does not include and
+    why, what stretches an included term, and why there is no resonance.
     """
     film = film_at(options.config)
     settings = solver_settings(film.config, tolerance=options.tolerance, method=options.method)
@@ -127,19 +129,20 @@ def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]
     points(many=False),
 )
 def response(options: argparse.Namespace) -> None:
-    """How the mean force follows a changing amplitude: gain and phase, rise and release.
+    """Response of the mean force to a changing amplitude: gain, phase and settling times.
 
       squeezefilm response --h0 5um --hv 2.2um [--frequencies 10Hz,100Hz,300Hz]
       squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]
       squeezefilm response SCENES.csv --config CONFIG.yaml --steps STEPS.csv
 
     The gain is the relative change of the force per relative change of the amplitude: twice a
-    little for slow modulation (`static_gain`, whose relative error is `error`). Part of the force
-    follows at once (`instantaneous_fraction`; `lasting_fraction` remains when the surface stops),
-    the rest with the gas that passes the film edge: `instantaneous_gain` is what remains of the
-    gain above the corner, `corner_hz`; the film passes modulation at any frequency, with another
-    size. `rise_s` is until the force stays within 5 % after the surface starts, `release_s` until 5
-    % is left after it stops, each to about two periods.
+    little for slow modulation (`static_gain`, whose relative error is `error`).
+
+    Part of the force follows at once (`instantaneous_fraction`; `lasting_fraction` remains when the
+    surface stops), the rest with the gas that passes the film edge: `instantaneous_gain` is what
+    remains of the gain above the corner, `corner_hz`; the film passes modulation at any frequency,
+    with another size. `settling_start_s` is the time until the force stays within 5 % after the
+    surface starts, `settling_stop_s` until 5 % is left after it stops, each to about two periods.
 
     By the film equation averaged over a period of the vibration, without inertia and heat of the
     gas; films whose averaged settled force is more than 3 % off are not supported. What the

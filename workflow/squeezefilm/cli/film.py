@@ -71,16 +71,17 @@ def simulate(options: argparse.Namespace) -> None:
     with 0.
 
     Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
-    largest gauge pressure times the pad's area. The exit status is 1 when a scene has no force;
-    all rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is
-    the solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
-    `--derivatives` adds those of the force to h0, hv, the pad's place (x, y) and each number of
-    the gas, the others kept, with their errors, by one adjoint problem per scene;
-    `derivatives_status` says why there are none. `--outputs thrust,power` adds answers beside the
-    force instead of the study's `outputs`: each with its error, by the periodic state;
-    `outputs_status` says what is not known and why. `--dry-run` solves nothing: it shows each
-    scene's numbers, method, domain, terms, what it does not need and why, first grid and expected
-    cost, or with --output writes them, a row for each scene.
+    largest gauge pressure times the pad's area. The exit status is 1 when a scene has no force; all
+    rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is the
+    solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
+
+    `--derivatives` adds those of the force to h0, hv, the pad's place (x, y) and each number of the
+    gas, the others kept, with their errors, by one adjoint problem per scene; `derivatives_status`
+    says why there are none. `--outputs thrust,power` adds answers beside the force instead of the
+    study's `outputs`: each with its error, by the periodic state; `outputs_status` says what is not
+    known and why. `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms,
+    what it does not need and why, first grid and expected cost, or with --output writes them, a row
+    for each scene.
     """
     film = film_at(options.config)
     outputs = None if options.outputs is None else [*filter(None, options.outputs.split(","))]
@@ -139,7 +140,9 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
     if options.output is None or options.json:
         raise InputError("a table of scenes needs --output, and has no --json")
     if options.budget:
-        raise InputError("--budget is of points; `squeezefilm budget` is of a table of scenes")
+        raise InputError(
+            "--budget is of points; `squeezefilm error-budget` is of a table of scenes"
+        )
     failures, incomplete = simulate_table(
         options.scenes,
         film.config,
@@ -161,22 +164,23 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
 
 
 @command(SCENES, OUTPUT, CONFIG, DEVICE, JSON, points())
-def budget(options: argparse.Namespace) -> None:
+def error_budget(options: argparse.Namespace) -> None:
     """Estimate the modelling error of each force: inertia, heat, slip, edge loss, sliding, in %.
 
-      squeezefilm budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
-      squeezefilm budget --h0 5um --hv 2.2um --x -2mm
+      squeezefilm error-budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
+      squeezefilm error-budget --h0 5um --hv 2.2um --x -2mm
 
-    A row for each scene. `inertia_percent`, `heat_percent`, `slip_percent`, `edge_loss_percent`
+    A row for each scene. `inertia_percent`, `thermal_percent`, `slip_percent`, `edge_loss_percent`
     (for the entrance coefficient C = 1; `edge_loss_upper_percent` for 1.54), `bearing_percent` and
     `convected_percent` (the profile that moves past a sliding pad) are changes of the mean force at
-    first order, `…_remainder_percent` the size of what higher orders add. `sum_…` adds all of them,
-    `modelling_error_…` those that the force neglects (`included_effects` names the others): from
-    `…_lower` to `…_upper`, with C from 1 to 1.54 and the errors of higher orders and coarse grids.
-    `first_order_invalid` names effects outside the range of a first-order estimate, `status` says
-    why there are none. `depth_averaged_percent` is the estimated error of inertia and heat that a
-    force has, as averages over the gap; `validity` is `ok`, or the limits of validity that a scene
-    exceeds.
+    first order, `…_remainder_percent` the size of what higher orders add.
+
+    `sum_…` adds all of them, `modelling_error_…` those that the force neglects (`included_effects`
+    names the others): from `…_lower` to `…_upper`, with C from 1 to 1.54 and the errors of higher
+    orders and coarse grids. `first_order_invalid` names effects outside the range of a first-order
+    estimate, `status` says why there are none.
+    `depth_averaged_percent` is the estimated error of inertia and heat that a force has, as
+    averages over the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
     """
     points, film = points_or_scenes(options), film_at(options.config)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)

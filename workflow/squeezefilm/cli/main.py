@@ -22,9 +22,9 @@ Groups = Mapping[str, Mapping[str, str]]
 
 GROUPS: Groups = {
     "Use: one force, one field, one model": {
-        "squeezefilm.cli.film": "simulate budget pressure",
+        "squeezefilm.cli.film": "simulate error-budget pressure",
         "squeezefilm.cli.dynamics": "levitate response",
-        "squeezefilm.cli.model": "predict working-point export",
+        "squeezefilm.cli.model": "predict amplitude-for export",
         "squeezefilm.cli.setup": "config doctor",
     },
     "A study of your own": {
@@ -114,7 +114,7 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
 
 
 def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
-    """What stands instead of a command: --help, --version, or a mistake."""
+    """Answer --help, --version or an unknown command."""
     parser = argparse.ArgumentParser(
         prog="squeezefilm",
         usage="squeezefilm COMMAND …",

@@ -24,11 +24,13 @@ def predict(options: argparse.Namespace) -> None:
     pad off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
     was fitted in, any direction may be asked. `error_95_n` is the error that 95 % of new points
     drawn uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %,
-    measured on a validation sample of simulations that no fit used. Outside the declared space, and
-    for a fit without such a sample, both are empty and `note` says so. Where the profile was
-    measured, both contain the uncertainty of its scan, `profile_uncertainty_percent` of the force.
-    `validity` is `ok`, or the limits of validity of the film equation that a point exceeds; one
-    point by options outside them is shown with exit status 1.
+    measured on a validation sample of simulations that no fit used.
+
+    Outside the declared space, and for a fit without such a sample, both are empty and `note` says
+    so. Where the profile was measured, both contain the uncertainty of its scan,
+    `profile_uncertainty_percent` of the force. `validity` is `ok`, or the limits of validity of the
+    film equation that a point exceeds; one point by options outside them is shown with exit status
+    1.
     """
     fit = Fit.read(options.fit)
     if options.points:
@@ -38,7 +40,7 @@ def predict(options: argparse.Namespace) -> None:
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=place)
-    write_rows(predicted, options, **fit.about)
+    write_rows(predicted, options, given=table.columns, **fit.about)
     valid = predicted["validity"].iloc[0]
     alone = len(predicted) == 1 and not (options.points or options.output)
     if alone and valid not in (OK, FILM_UNKNOWN):
@@ -51,10 +53,10 @@ def predict(options: argparse.Namespace) -> None:
     *SHOWN,
     points("hv"),
 )
-def working_point(options: argparse.Namespace) -> None:
+def amplitude_for(options: argparse.Namespace) -> None:
     """The amplitude that gives a wanted force, by a fitted model, from its file alone.
 
-      squeezefilm working-point FIT.json --force 1.0N --h0 5um:10um:6 --x 0mm,1mm
+      squeezefilm amplitude-for FIT.json --force 1.0N --h0 5um:10um:6 --x 0mm,1mm
 
     One row for each gap and position; without --h0, six gaps over the range that the model was
     fitted on. `hv_error_95_m` is the 95 % error of the force (see `squeezefilm predict --help`)
@@ -65,7 +67,7 @@ def working_point(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
-    write_rows(fit.working_points_at(points_in(options), options.force), options, **fit.about)
+    write_rows(fit.amplitudes_for(points_in(options), options.force), options, **fit.about)
 
 
 @command(

@@ -1,4 +1,4 @@
-"""What commands have in common: how they are declared, their options, and tables as they are shown.
+"""Declaration of commands, their common options, and tables on the screen.
 
 The docstring of a command is its help.
 """
@@ -6,7 +6,7 @@ The docstring of a command is its help.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -126,17 +126,24 @@ def shown(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
     return json_text(row) if getattr(options, "json", False) else in_lines(row)
 
 
-def write_rows(table: pd.DataFrame, options: argparse.Namespace, **about: str) -> None:
+def write_rows(
+    table: pd.DataFrame,
+    options: argparse.Namespace,
+    *,
+    given: Collection[str] = (),
+    **about: str,
+) -> None:
     """Write a table to ``--output``, or print it: one row in lines, or as a JSON object.
 
     What is printed has no more digits than its error leaves.
 
     Args:
+        given: names of the user's own columns.
         about: what is known of all rows.
     """
     check_json(options, len(table))
     if options.output:
-        write_table(table, options.output)
+        write_table(table, options.output, given=given)
     elif len(table) == 1:
         print(shown(table.to_dict("records")[0] | about, options))
         return

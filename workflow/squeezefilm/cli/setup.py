@@ -72,8 +72,8 @@ def config(options: argparse.Namespace) -> None:
 
       squeezefilm config config/my-actuator.yaml
 
-    All that a run would refuse is refused here; a note names models that no run would fit. What is
-    not marked was written; `default` is the library's, `derived` follows from what was written. The
+    All that is invalid for a run is reported, and models that no run would fit. What is not marked
+    was written; `default` is the library's, `derived` follows from what was written. The
     text is a study itself. A run writes it beside its results: results/STUDY/study.yaml. `--schema`
     prints a study's JSON schema, for editors.
     """
@@ -120,7 +120,7 @@ def doctor(options: argparse.Namespace) -> None:
 
 
 def caches() -> dict[str, str]:
-    """Where compiled kernels are kept, and whether that can be written."""
+    """Report the folders of compiled kernels, and if they can be written."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     pocl = Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
     folders = {"PoCL (POCL_CACHE_DIR)": pocl}

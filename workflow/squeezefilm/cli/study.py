@@ -26,10 +26,10 @@ def profile(options: argparse.Namespace) -> None:
 
       squeezefilm profile --config config/mine.yaml [--forces FORCES.csv] [--table PROFILE.csv]
 
-    The profile is the one that every simulation of the study uses. Its noise is drawn anew, from
+    The profile is the one that every simulation of the study uses. Its noise is drawn again, from
     the residuals, and some of the study's scenes are simulated with each profile that comes out.
     FORCES.csv has their forces with the half of the interval that holds the noise's part in 95 % of
-    all scans (`noise_n`), by what they are low without motion out of phase (`out_of_phase_n`), and
+    all scans (`noise_n`), by what they are low without motion out of phase (`quadrature_n`), and
     the sum of both (`scan_error_n`), which the solver's own error adds to. PROFILE.csv has the
     scan's points with their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
     """
@@ -59,19 +59,20 @@ def fit(options: argparse.Namespace) -> None:
 
     The model is one of the library's or of the study's own (its section `models`). What a model
     uses of the physics limits is computed for the points, and a table of it over the study's space
-    put into FIT.json. Where the study's profile is measured, what the scan leaves open is part of
-    the fit's error. --sample has the forces of a validation sample, such as those of the study's
+    put into FIT.json. Where the study's profile is measured, the uncertainty by its noise is part
+    of the fit's error. --sample has the forces of a validation sample, such as those of the study's
     plans validation_two_factor and validation_four_factor: without one the fit is not validated at
     any point.
 
     A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows
-    the pad's position with its `four_factor` seeds. Each of the study's bounds and seeds gives
-    one run of the paper's method, a genetic algorithm followed by Nelder-Mead; one run per bound of
-    SciPy's differential evolution checks them. A model that is linear in its parameters is solved
-    at once. RUNS.csv has every run, FIT.json the run with the least sum of squares and all that is
-    needed to use the model: formula, parameters and their units, ranges of the factors, errors on
-    the points and on held-out points, and the prediction interval that the sample gives
-    (`squeezefilm predict`).
+    the pad's position with its `four_factor` seeds. Each of the study's bounds and seeds gives one
+    run of the paper's method, a genetic algorithm followed by Nelder-Mead; one run per bound of
+    SciPy's differential evolution checks them.
+
+    A model that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the
+    run with the least sum of squares and all that is needed to use the model: formula, parameters
+    and their units, ranges of the factors, errors on the points and on held-out points, and the
+    prediction interval that the sample gives (`squeezefilm predict`).
     """
     config = load_config(options.config)
     with naming(options.forces):
@@ -144,4 +145,4 @@ def optimal(options: argparse.Namespace) -> None:
             existing=read_scenes(options.existing) if options.existing else None,
         )
     write_table(found["designs"], options.output)
-    print_table(found["efficiencies"][["plan", "points", "d_efficiency", "lower_bound"]])
+    print_table(found["efficiencies"][["plan", "points", "d_efficiency", "d_efficiency_lower"]])

@@ -3,7 +3,7 @@
 A key's meaning stands under ``Attributes`` in the docstring of its section, from which the table in
 the documentation and an editor's schema are made (config/keys.py). Names in Python have their unit
 (``frequency_hz``); keys in a file have none (``frequency: 43.27 kHz``), and there a number is in SI
-units, or degrees, and a text has a unit of its own.
+units, or degrees, and a text has its unit.
 """
 
 import re
@@ -49,7 +49,7 @@ def mistake(text: str, *place: str) -> PydanticCustomError:
 
 @dataclass(frozen=True)
 class Number:
-    """A number within limits, in SI units or as a text with a unit of its own.
+    """A number within limits, in SI units or as a text with its unit.
 
     Attributes:
         unit: SI, or degrees; ``1`` for none.
@@ -141,7 +141,7 @@ class Gas:
         inertia: whether the gas has inertia: `none`, as in the paper's equation;
             `included`; or `auto`, included in a scene whose force it changes by more than
             `solver.model_tolerance`
-        heat: whether compression and friction warm the gas, between walls that stay at ambient
+        thermal: whether compression and friction warm the gas, between walls that stay at ambient
             temperature: `none`, as in the paper's equation; `included`, with
             `polytropic_exponent` 1; or `auto`, included in a scene whose force it changes by more
             than `solver.model_tolerance`
@@ -164,7 +164,7 @@ class Gas:
     slip_coefficient: Annotated[float, Number("1", 0.1, 100)] = 1.0
     polytropic_exponent: Annotated[float, Number("1", 1, 1.67)] = 1.0
     inertia: Term = "auto"
-    heat: Term = "auto"
+    thermal: Term = "auto"
     prandtl: Annotated[float, Number("1", 1e-3, 1000)] = 0.71
     heat_capacity_ratio: Annotated[float, Number("1", 1, 1.68)] = 1.4
     viscosity_exponent: Annotated[float, Number("1", 0, 2)] = 0.7
@@ -222,7 +222,7 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
 
 
 class Rectangle(Section):
-    """Of a rectangle, instead of `surface_radius`; the pad must lie on it.
+    """A rectangular surface, instead of `surface_radius`; the pad must lie on it.
 
     Attributes:
         shape: its outline
@@ -322,7 +322,7 @@ class Scan(Section):
         file: a vibrometer's table (see below), from the folder of this file
         axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
             leaves it free, and is what a rectangle needs
-        sign: with `measured` a scan without phase and sign is refused, for it would be folded up at
+        sign: with `measured` a scan without phase and sign is invalid, for it is rectified at
             a node line; `unknown` takes it as it is, and every force says so
     """
 
@@ -367,7 +367,7 @@ class Actuator(Section):
 
 
 class OutlineFile(Section):
-    """Of a curve: where it is.
+    """File of a pad's outline.
 
     Attributes:
         file: a table of points around the rim (see below), from the folder of this file
@@ -381,7 +381,7 @@ class OutlineFile(Section):
 
 @dataclass(frozen=True)
 class GapShape:
-    """How the gap at rest differs from h0, the gap at the pad's centre; all zero if pad and
+    """Deviation of the gap at rest from h0, the gap at the pad's centre; all zero if pad and
     surface are parallel.
 
     Attributes:
@@ -425,7 +425,7 @@ class Pad(Section):
         length_y_m: the same along y; default: the same along y
         diameter_m: of a circle, instead of its lengths
         rotation_deg: by how much its x axis is turned from the actuator's, against the clock
-        speed_x_m_per_s: speed at which the surface passes it, towards +x of its own axes; 0 at rest
+        speed_x_m_per_s: speed at which the surface passes it, along the pad's +x axis; 0 at rest
     """
 
     model_config = ConfigDict(json_schema_extra=_described_with_circle)
@@ -465,7 +465,7 @@ class Pad(Section):
 
 
 class Solver(Section):
-    """How forces are computed.
+    """Settings of the solver.
 
     Attributes:
         method: `auto` takes, for each scene, the composite expansion where that holds the tolerance

@@ -79,7 +79,7 @@ def _of_kind(part: Part, values: Any) -> Part:
 
 
 def allowed(part: Part) -> str:
-    """What the schema demands of a value, in words; nothing for a section."""
+    """Values that the schema allows, as a text; empty for a section."""
     if "enum" in part or "const" in part:
         return ", ".join(f"`{value}`" for value in part.get("enum", [part.get("const")]))
     if "items" in part:
@@ -129,7 +129,7 @@ def unit_of(part: Part) -> str:
 
 
 def _default(part: Part, needed: bool) -> str:
-    """What a key is where it is not written; that it must be."""
+    """Default of a key, or that it is required."""
     if "derived" in part or needed:
         return str(part.get("derived", "to be written"))
     value = part.get("default")

@@ -171,7 +171,7 @@ def _mistakes(
     whole: Part,
     lines: Mapping[Place, int],
 ) -> list[str]:
-    """What is wrong, each mistake once, in the order of the file."""
+    """The mistakes, each once, in the order of the file."""
     found: dict[Place, tuple[int, str]] = {}
     for each in error.errors(include_url=False):
         further = each.get("ctx", {}).get("place", ())
@@ -191,7 +191,7 @@ def _mistakes(
 
 
 def _about_key(error: Any, place: Place, part: Part) -> str:
-    """What is wrong with a key that is unknown or missing; empty where another error says it."""
+    """Message about an unknown or missing key; empty where another error contains it."""
     *section, key = map(str, place)
     where, known = ".".join(section) or "top level", part.get("properties", {})
     if error["type"] != "missing":
@@ -255,7 +255,7 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
 
 
 def origin(config: Config, place: Place) -> str:
-    """Where the value of a key comes from, in words; empty where it was written."""
+    """Origin of a key's value, as a text; empty where it was written."""
     if place in config.written:
         return ""
     words = part_at(schema(), place, config.sections)[1].get("derived")

@@ -43,7 +43,7 @@ Names = Annotated[list[Name], UpTo100, Different]
 
 
 class Simulation(Section):
-    """How the work is divided.
+    """Division of the work into jobs.
 
     Attributes:
         seconds_per_job: the simulations of a plan are divided into jobs of about so many seconds of
@@ -60,7 +60,7 @@ class Sweep(Section):
     Attributes:
         points: how many
         first: how many points of the sequence to skip: sweeps with `first` 0, 1000, 2000 … and
-            1000 `points` each are one sweep in parts, each a study of its own
+            1000 `points` each are one sweep in parts, each a separate study
         seed: of the sequence's scrambling; the same for all parts
     """
 
@@ -131,7 +131,7 @@ class Design(Section):
     """D-optimal triplets of the two-factor model, criterion (12).
 
     Attributes:
-        searches: how many searches, each from a seed of its own
+        searches: how many searches, each with a different seed
         first_seed: seed of the first search; the others count up from it
         scaling: in which measure the distances of (12) are taken for the design that is used:
             `unit` (factors scaled to [0, 1]), `micrometre`, `metre`. All three are searched and
@@ -182,7 +182,7 @@ class FourFactorDesign(Section):
     """D-optimal points of the four-factor model.
 
     Attributes:
-        searches: how many searches, each from a seed of its own
+        searches: how many searches, each with a different seed
         first_seed: seed of the first search; the others count up from it
         separation: least distance between two points of the physically distinct form, all factors
             scaled to 1
@@ -194,7 +194,7 @@ class FourFactorDesign(Section):
 
 
 class FourFactorControl(Section):
-    """Random points of the four-factor space, on which the paper's fits are judged.
+    """Random points of the four-factor space, on which the paper's fits are validated.
 
     Attributes:
         points: how many
@@ -280,7 +280,7 @@ class Refine(Section):
         global_error: wanted |model − simulation|/|simulation| over the space; its upper 95 % limit
             must be below
         worst_error: wanted largest error, over the root mean square force of the space
-        simulations: most simulations in all, verification included
+        simulations: most simulations, verification included
         verification: of these, points drawn from the space that are never fitted
         batch: points designed in each round
         candidates: most points of the grid that designs are chosen from
@@ -321,12 +321,12 @@ class Optimal(Section):
 
 
 class Validation(Section):
-    """How fitted models are judged: by samples of independent points, uniform over the declared
+    """Samples of independent points that validate fitted models, uniform over the declared
     space, one with the pad centred and one over all factors.
 
     Attributes:
         points: of each sample; one half ranks models, the other calibrates their prediction
-            intervals (95 % needs 38 points in all, 99 % 198)
+            intervals (95 % needs 38 points altogether, 99 % 198)
         seed: of their draw
         relative_error_band: relative error up to which a model counts as good, 0.15 in the paper
     """
@@ -392,7 +392,7 @@ class Measurements(Section):
 
 
 class Header(Section):
-    """What a study begins with."""
+    """First keys of a study."""
 
     study: Annotated[str, Field(pattern="^[a-z0-9][a-z0-9_-]{0,59}$")]
     paper: StrictBool = False
@@ -489,7 +489,7 @@ class Study(FilmSections, Header):
                 setattr(positions, f"{axis}_m", [0.0, _cut(way_m / 2), _cut(way_m)])
 
     def _check_ranges(self) -> None:
-        """Refuse empty ranges, and what lies outside the screen's, where models are fitted.
+        """Reject empty ranges, and values outside the screen's, where models are fitted.
 
         An extrapolation may lie above them in amplitude, up to FARTHEST times the largest; an error
         map must have points that the screen has not.
@@ -528,7 +528,7 @@ class Study(FilmSections, Header):
             )
 
     def _check_positions(self) -> None:
-        """Refuse positions in a form that is not the surface's."""
+        """Reject positions in a form that is not the surface's."""
         disc, positions = self.actuator.surface is None, self.positions
         factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
         written = [name for name in (*POLAR, *CARTESIAN) if getattr(positions, name) is not None]
@@ -556,13 +556,13 @@ def _fill(section: Section, **values: Any) -> None:
 
 
 def _reach_m(pad: Pad) -> float:
-    """How far a pad reaches from its centre."""
+    """Largest distance of a pad's edge from its centre."""
     half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
     return max(half_x, half_y) if pad.shape == "ellipse" else hypot(half_x, half_y)
 
 
 def _reaches_m(pad: Pad) -> tuple[float, float]:
-    """How far a pad reaches from its centre along the surface's axes."""
+    """Extent of a pad from its centre along the surface's axes."""
     half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
     angle = radians(pad.rotation_deg)
     c, s = abs(cos(angle)), abs(sin(angle))
@@ -572,7 +572,7 @@ def _reaches_m(pad: Pad) -> tuple[float, float]:
 
 
 def _way_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
-    """How far the pad may go one way."""
+    """Largest distance that the pad may move one way."""
     if half_m - reach_m <= 1e-6 * reach_m:
         raise mistake(
             f"the pad reaches {reach_m * 1e3:.4g} mm from its centre and the surface ({surface}) "

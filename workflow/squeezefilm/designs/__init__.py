@@ -1,1 +1,1 @@
-"""Which simulations to make: optimal designs, and the loop that they close."""
+"""Choice of simulations: optimal designs, and the loop of simulations and fits."""

@@ -1,12 +1,13 @@
 """Approximate D-optimal designs, with a certificate: how far any design can be from the best.
 
 An approximate design gives each candidate point x_i a weight w_i >= 0, summing to one; its
-information matrix is M = sum w_i f_i f_i', with f_i the derivatives of the response at x_i. Since
-log det M is concave in the weights, the best design can be verified (Kiefer and Wolfowitz 1960): a
-design is D-optimal if and only if its sensitivity d(x) = f(x)' M^-1 f(x) is nowhere above the
-number of parameters p. For any other design it bounds the loss: with M* the best matrix,
-tr(M^-1 M*) <= max d, and by the inequality of arithmetic and geometric means
-(det M / det M*)^(1/p) >= p / max d.
+information matrix is M = sum w_i f_i f_i', with f_i the derivatives of the response at x_i.
+
+Since log det M is concave in the weights, the best design can be verified (Kiefer and Wolfowitz
+1960): a design is D-optimal if and only if its sensitivity d(x) = f(x)' M^-1 f(x) is nowhere above
+the number of parameters p. For any other design it bounds the loss: with M* the best matrix,
+tr(M^-1 M*) <= max d, and by the inequality of arithmetic and geometric means (det M / det M*)^(1/p)
+>= p / max d.
 
 Weights come from the multiplicative algorithm, w_i <- w_i d_i / p, which raises log det M in every
 step (Titterington 1976), with Newton steps between, on the few points that matter.

@@ -72,7 +72,7 @@ def d_efficiency(derivatives: ArrayLike, optimal: ArrayLike) -> float:
 
 @dataclass(frozen=True)
 class Criterion:
-    """What a design is judged by: small is good.
+    """The paper's criterion of a design, to be minimised.
 
     The determinant (11) alone; plus the inverse distances of (12) where `distance` gives the
     coordinates to take them in; and, where `separation` is set, only for designs whose points are
@@ -99,7 +99,7 @@ class Criterion:
         return np.where(far, np.minimum(value, SINGULAR), SINGULAR)
 
     def spares(self, designs: Array) -> Array:
-        """By how much each pair of points exceeds the separation, shape (..., N(N-1)/2)."""
+        """Distance of each pair of points beyond the separation, shape (..., N(N-1)/2)."""
         if self.apart is None:
             return np.zeros((*designs.shape[:-2], 1))
         return pair_distances(self.apart(designs)) - self.separation
@@ -194,7 +194,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
 
 
 def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:
-    """Of equally good designs the one whose points lie far apart, as eq. 12 would choose.
+    """Return the design with distant points among equally good ones, as eq. 12 would choose.
 
     A response that knows two factors by their ratio alone, here named, is the same all along a line
     of equal ratio: the determinant leaves a point free there, and rounding would choose its place.

@@ -77,7 +77,7 @@ class Round:
     Errors are relative to the root mean square force over the space. global_lower and global_upper
     are the limits of global_error, lack_of_fit is s (NaN where the design does not settle the
     parameters), worst_at the point of the pool where the worst
-    error is estimated, parameter_share the share of its square that comes from the parameters,
+    error is estimated, parameter_fraction the share of its square that comes from the parameters,
     floor the root mean square residual of the best fit to all points simulated so far.
     """
 
@@ -91,14 +91,14 @@ class Round:
     lack_of_fit: float
     worst_error: float
     worst_at: int
-    parameter_share: float
+    parameter_fraction: float
     floor: float
     simulation_error: float
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How the loop ended: reached, model, simulation or budget, and in words why.
+    """End of the loop: reached, model, simulation or budget, and the reason.
 
     hindsight is the best fit to all points, verification included; simulated lists them, in the
     order in which they were, with their forces in newtons. scale_n is the root mean
@@ -250,7 +250,7 @@ class Sequential:
             lack_of_fit=lack / scale,
             worst_error=float(max(width, seen)) / scale,
             worst_at=int(places[at]),
-            parameter_share=float(variance[at] / (1 + variance[at])) if known else 1.0,
+            parameter_fraction=float(variance[at] / (1 + variance[at])) if known else 1.0,
             floor=float(np.sqrt(np.mean(left**2))) / scale,
             simulation_error=float(np.sqrt(np.mean(own**2))) / scale,
         )

@@ -8,7 +8,7 @@ through the rim over many. Averaged over a period the film equation is a diffusi
     u = ε² (Re(s* ∂s/∂n) g(a)/a + Im(s* ∂s/∂n) q(a)/a)/√σ,
     mean overpressure = ∫ ψ/√(1 − ε² |s|²) − 1 + ∮ d(a)/√σ,
 
-s the profile, s₁ + i s₂ of a vibration in two phases, n the inward normal, d, g and q the integrals
+s the profile, s₁ + i s₂ of two quadrature components, n the inward normal, d, g and q the integrals
 of the rim's boundary layer (asymptotics/edge_layer.py), which follows the amplitude at once. The
 settled ψ is that of ``asymptotics.composite``. Slopes of ψ at the rim do not move its value there:
 ⟨H³P²⟩ is linear across the layer.

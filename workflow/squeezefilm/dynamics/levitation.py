@@ -63,7 +63,7 @@ class Levitation:
         h0_error_m: numerical error of the gap, from the force's error and the stiffness.
         stiffness_n_per_m, stiffness_error_n_per_m: −∂F/∂h0 for slow motion.
         budget: what the film equation neglects of the force.
-        others_m: further gaps at which the force equals the load, rough, rising.
+        other_gaps_m: further gaps at which the force equals the load, rough, rising.
         notes: on the terms of the equation: which ``auto`` could not include and why, and which
             the scene stretches.
     """
@@ -74,7 +74,7 @@ class Levitation:
     stiffness_n_per_m: float
     stiffness_error_n_per_m: float
     budget: ErrorBudget = field(default_factory=ErrorBudget)
-    others_m: tuple[float, ...] = ()
+    other_gaps_m: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
@@ -136,7 +136,9 @@ def levitate(
         carried = "none"
         if known.any():
             lowest, highest = forces_n[known].min(), forces_n[known].max()
-            carried = f"{lowest:.2g} to {highest:.2g} N, roughly, without inertia and heat"
+            carried = (
+                f"{lowest:.2g} to {highest:.2g} N, roughly, without inertia and thermal effects"
+            )
         raise InputError(
             f"load: no gap from {gaps_m[0]:.3g} to {gaps_m[-1]:.3g} m carries {load_n:g} N at "
             f"hv = {scene.hv_m:g} m; forces there: {carried}"
@@ -168,7 +170,9 @@ def levitate(
         effect = "its first order is in the modelling error" if usable else "its effect is unknown"
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
     stretched = notes_of(found.scene)
-    found = replace(found, others_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched))
+    found = replace(
+        found, other_gaps_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched)
+    )
     if doubts := found.untrustworthy:
         text = "; ".join([*doubts, *notes])
         raise RunError(f"load: no gap is given for {load_n:g} N: {text}")
@@ -183,7 +187,7 @@ def trustworthy(
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = np.gradient(forces_n, gaps_m)
     # Outside the limits even of the equation that has the most of them there is no need to ask.
-    open_to_all = scene.with_gas(inertia="included", heat="none")
+    open_to_all = scene.with_gas(inertia="included", thermal="none")
     some = [
         k
         for k, there in enumerate(_at(open_to_all, *gaps_m))
@@ -316,7 +320,7 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
         return _unknown(reason)
     film, error = averaged_film_of(settled)
     if error > MOST_AVERAGING_ERROR:
-        return _unknown(f"the averaged film's settled force is {error:.0%} off")
+        return _unknown(f"the averaged film's settled force is in error by {error:.0%}")
     unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
     roots = film.free_motion(
         slow=found.stiffness_n_per_m / unit, scale=scene.force_scale_n / scene.h0_m / unit
@@ -341,7 +345,7 @@ COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "h0_error_m": lambda found: found.h0_error_m,
     "h0_modelling_error_lower_m": lambda found: found.modelling_error_m[0],
     "h0_modelling_error_upper_m": lambda found: found.modelling_error_m[1],
-    "others_m": lambda found: "; ".join(f"{each:.3g}" for each in found.others_m),
+    "other_gaps_m": lambda found: "; ".join(f"{each:.3g}" for each in found.other_gaps_m),
     "stiffness_n_per_m": lambda found: found.stiffness_n_per_m,
     "stiffness_error_n_per_m": lambda found: found.stiffness_error_n_per_m,
     "stable": lambda found: found.stable,
@@ -382,7 +386,7 @@ def levitations(
 
     Args:
         how: the settings of ``levitate``.
-        scan_error_n: what the scan of a measured profile leaves open in a scene's force.
+        scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
         mass_kg: that floats, for its resonance.
         whole: with the columns of scenes and error budgets too, and with ``h0_noise_m``, the part
             of the gap's error that the scan leaves open.

@@ -40,13 +40,13 @@ INSTANTS = 240
 # Tolerance of the forces whose quotients are gains: their errors count fifty times in one.
 GAIN_TOLERANCE = 1e-4
 # Terms of the gas that the averaged film neglects.
-NEGLECTED = ("inertia", "heat")
+NEGLECTED = ("inertia", "thermal")
 # Numbers of a response whose change by a neglected effect is said, by what their columns call them.
 CHANGED = {
     "gain": "static_gain",
     "corner": "corner_hz",
-    "rise": "rise_s",
-    "release": "release_s",
+    "settling_start": "settling_start_s",
+    "settling_stop": "settling_stop_s",
 }
 
 
@@ -58,10 +58,10 @@ class Response(NamedTuple):
         instantaneous_gain: for one too fast for the gas to leave.
         corner_hz: where what lies between them has fallen by 3 dB.
         instantaneous_fraction: of the settled force, that is there when the surface starts.
-        rise_s: until the force stays within 5 % of the settled one; its error and that of
-            ``release_s`` are the phase in which the vibration starts or stops, two periods.
+        settling_start_s: until the force stays within 5 % of the settled one; its error and that of
+            ``settling_stop_s`` are the phase in which the vibration starts or stops, two periods.
         lasting_fraction: of the settled force, that is left when the surface stops.
-        release_s: until 5 % of the settled force is left.
+        settling_stop_s: until 5 % of the settled force is left.
         error: relative, of the static gain, which is that of the settled force. Corner, fractions
             and instantaneous gain are those of the period-averaged equation; times are accurate to
             two periods at best.
@@ -71,11 +71,11 @@ class Response(NamedTuple):
     instantaneous_gain: float
     corner_hz: float
     instantaneous_fraction: float
-    rise_s: float
-    rise_error_s: float
+    settling_start_s: float
+    settling_start_error_s: float
     lasting_fraction: float
-    release_s: float
-    release_error_s: float
+    settling_stop_s: float
+    settling_stop_error_s: float
     error: float
 
 
@@ -141,15 +141,15 @@ def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
     film, error = averaged_film_of(scene)
     if error > SLOW_ERROR:
         raise RunError(
-            "not supported: the film is not slow against its vibration (error of the averaged "
-            f"film's settled force: {100 * error:.2g} %, at most {100 * SLOW_ERROR:g} % is allowed)"
+            "not supported: the period-averaged equation is not accurate enough (error of its "
+            f"settled force: {100 * error:.2g} %, at most {100 * SLOW_ERROR:g} % is allowed)"
         )
     return film, error
 
 
 @lru_cache(maxsize=10_000)
 def _response(scene: Scene, points: int) -> Response:
-    """By the film on one grid: kept, for it is most often that of the effect of slip too."""
+    """Response by the film on one grid; cached, for the effect of slip mostly needs it too."""
     film, error = film_on(scene, points)
     static, prompt = film.response(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s
@@ -161,11 +161,11 @@ def _response(scene: Scene, points: int) -> Response:
         instantaneous_gain=float(prompt),
         corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
         instantaneous_fraction=float(rising[0] / settled),
-        rise_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
-        rise_error_s=two_periods_s,
+        settling_start_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
+        settling_start_error_s=two_periods_s,
         lasting_fraction=float(falling[0] / settled),
-        release_s=_crossing(time, np.abs(falling / settled)) / rate,
-        release_error_s=two_periods_s,
+        settling_stop_s=_crossing(time, np.abs(falling / settled)) / rate,
+        settling_stop_error_s=two_periods_s,
         error=error,
     )
 

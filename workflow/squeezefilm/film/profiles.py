@@ -214,7 +214,7 @@ def largest_magnitude(
     half_m = np.array(surface.half_m)
 
     def size(at: np.ndarray) -> np.ndarray:
-        """At scaled points, shape (2, …); those off the surface are moved onto its edge."""
+        """Values at scaled points, shape (2, …); points off the surface are moved onto its edge."""
         x_m, y_m = at / np.maximum(surface.reach(*(at.T * half_m).T), 1)
         return np.abs(shape(x_m * half_m[0], y_m * half_m[1]))
 

@@ -120,8 +120,8 @@ class Scene(OperatingPoints):
 
     def viscous(self) -> Scene:
         """The scene of a gas without inertia and heat."""
-        is_viscous = self.gas.inertia == self.gas.heat == "none"
-        return self if is_viscous else self.with_gas(inertia="none", heat="none")
+        is_viscous = self.gas.inertia == self.gas.thermal == "none"
+        return self if is_viscous else self.with_gas(inertia="none", thermal="none")
 
     def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's s at positions x, y in [0, 1] across the pad, any common shape."""

@@ -72,7 +72,7 @@ class Directions:
         return sorted({round(float(angle), 9) for angle in (*self.fold(turned), *edges)})
 
     def represent(self, *, phi_r_m: Array, phi_deg: Array) -> dict[str, Array]:
-        """The positions of the same forces that lie in the sector; the centre is in all."""
+        """The positions of the same forces that lie in the sector, which has the centre."""
         return {"phi_r_m": phi_r_m, "phi_deg": np.where(phi_r_m > 0, self.fold(phi_deg), phi_deg)}
 
     def limits(self, positions: Positions) -> dict[str, tuple[float, float]]:
@@ -155,7 +155,7 @@ EQUAL = 1e-9
 
 
 def no_symmetry(surface: Surface) -> Symmetry:
-    """That of a film whose positions stand for no others."""
+    """Symmetry of a film whose positions stand for no others."""
     if isinstance(surface, Rectangle):
         return Mirrors(x=False, y=False)
     return Directions(0.0, 360.0, mirror=False)
@@ -175,10 +175,10 @@ def _directions(pad: Pad, profile: Profile, surface: Surface) -> Directions:
 
     A mirror or a turn of the pad's centre about the disc's leaves the force as it is where it
     leaves pad, gap at rest and sliding velocity as they are, and the profile too but for its sign:
-    s and −s are the same vibration half a period apart. One in two phases may begin at any other
-    instant. Symmetries that are not looked for, such as
-    those of a circular pad on a profile with three nodal diameters, make the sector larger than it
-    need be, never too small.
+    s and −s are the same vibration half a period apart. One with two quadrature components may
+    begin at any other instant. Symmetries that are not looked for, such as those of a
+    circular pad on a profile with three nodal diameters, make the sector larger than it need be,
+    never too small.
     """
     sectors, film = [], (pad, profile, surface)
     for base_deg in _axes(pad, profile):

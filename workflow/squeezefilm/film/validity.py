@@ -54,7 +54,7 @@ FILMS: dict[str, Callable[[Scenes], Any]] = {
     "flow factor": lambda s: s.gas.rarefaction == "fukui-kaneko",
     "inertia neglected": lambda s: s.gas.inertia != "included",
     "inertia included": lambda s: s.gas.inertia == "included",
-    "heat included": lambda s: s.gas.heat == "included",
+    "thermal effects included": lambda s: s.gas.thermal == "included",
     "inertia included, σ below 20": lambda s: (
         (s.gas.inertia == "included") & (s.sigma < THICK_SIGMA)
     ),
@@ -142,7 +142,7 @@ SLACK = 1e-9
 
 
 def check_scenes(scenes: Scenes) -> None:
-    """Refuse scenes as ``check_scene`` does, the first of them that has no solution."""
+    """Reject scenes as ``check_scene`` does, the first of them that has no solution."""
     for row in np.flatnonzero(~exist(scenes)).tolist():
         check_scene(scenes[row])
 
@@ -160,7 +160,7 @@ def exist(scenes: Scenes) -> np.ndarray:
 
 
 def check_scene(scene: Scene) -> None:
-    """Refuse a scene that has no solution or lies off the actuator.
+    """Reject a scene that has no solution or lies off the actuator.
 
     Raises InputError naming the point, the factor and what is allowed.
     """

@@ -98,7 +98,7 @@ def source(fit: FittedModel, language: str) -> str:
 
 
 def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[str, str]:
-    """What stands in the code for each name of the formula."""
+    """Names in the code for the names of the formula."""
     form = POLAR if set(POLAR) <= set(model.factor_names) else CARTESIAN
     factors = {column: OTHER_FORM[form].get(column, column) for column in FACTORS.values()}
     names = {name: factors[column] for name, column in FACTORS.items()}
@@ -112,7 +112,7 @@ def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[s
 
 
 def _printed(expression: Expression, names: Mapping[str, str], own: str) -> str:
-    """A formula with everything in brackets, so that no order is left open."""
+    """A formula with everything in brackets, so that the order is explicit."""
 
     def printed(part: Operation, arguments: list[str]) -> str:
         if part.operator == "negative":
@@ -128,7 +128,7 @@ def _printed(expression: Expression, names: Mapping[str, str], own: str) -> str:
 
 
 def _about(fit: FittedModel, table: LimitTable | None) -> list[str]:
-    """What the code is, for its first comment."""
+    """Description of the code, for its first comment."""
     model, digest = fit.force_model, str(fit.source.get("forces_sha256"))
     lines = [
         f"Mean force of a squeeze film by the model {fit.model}, in newtons.",

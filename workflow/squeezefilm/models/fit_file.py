@@ -78,8 +78,8 @@ class FittedModel(BaseModel):
     of each factor's column that the model was fitted on; cross_validation holds the errors at
     held-out points, where there are enough of them; interval, ``validation`` in the file, is the
     prediction interval of a validation sample. error_scale is what ``prediction_interval``'s
-    function of that name returns, profile_uncertainty the largest share of a force that the scan of
-    the study's profile leaves open, at 95 %. What else the file has is kept.
+    function of that name returns, profile_uncertainty the largest uncertainty of a force
+    by the scan of the study's profile, a fraction, at 95 %. What else the file has is kept.
     """
 
     model_config = ConfigDict(frozen=True, extra="allow", populate_by_name=True)
@@ -105,14 +105,14 @@ class FittedModel(BaseModel):
     """The file, for messages."""
 
     def to_dict(self) -> dict[str, Any]:
-        """What the file holds, ready for JSON."""
+        """Content of the file, ready for JSON."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
     @cached_property
     def force_model(self) -> ExpressionModel:
         """The model with the formula that the file carries.
 
-        Raises InputError naming the file, for a formula that is refused.
+        Raises InputError naming the file, for an invalid formula.
         """
         if len(self.parameters) != len(self.parameter_units):
             raise InputError(f"{self.place}: give one of 'parameter_units' for each parameter")
@@ -216,7 +216,7 @@ class FittedModel(BaseModel):
 
     @property
     def statement(self) -> str:
-        """What is known of the model's error, in a sentence."""
+        """A sentence about the model's error."""
         return f"Not validated: {NO_SAMPLE}." if self.interval is None else self.interval.statement
 
     @property
@@ -239,8 +239,8 @@ def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
 
     Raises InputError naming the place and the entry that is missing or wrong.
     """
-    if "refused" in values:
-        raise InputError(f"{place}: there is no fit: {values['refused']}")
+    if "not_supported" in values:
+        raise InputError(f"{place}: there is no fit: {values['not_supported']}")
     try:
         # Of the film a file has names with units, which are keys of a study without.
         given = {**values, "place": str(place)}
@@ -250,7 +250,7 @@ def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
         raise InputError(f"{place}: {'; '.join(wrong)}") from None
 
 
-def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
+def amplitude_for(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
     """Amplitude, its errors and a note for one gap and position; NaN where there is none."""
     point = fit.represented(point)
     where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position)}

@@ -16,10 +16,12 @@ stays below
 the profile-likelihood interval of nonlinear regression (Bates and Watts, Nonlinear Regression
 Analysis and Its Applications, 1988, section 6.1). There, residuals are noise, and the interval
 holds the true value so many times in a hundred. Simulations have no noise: residuals are the
-model's lack of fit, the same each time, and no value is true. What the interval says here is how
-far a parameter can go while the model describes these points about as well as the best fit does:
-a measure of what the points fix, not of a scatter. It is conditional on the plan and the formula;
-another plan may give an interval that does not overlap with it.
+model's lack of fit, the same each time, and no value is true.
+
+What the interval says here is how far a parameter can go while the model describes these points
+about as well as the best fit does: a measure of what the points fix, not of a scatter. It is
+conditional on the plan and the formula; another plan may give an interval that does not overlap
+with it.
 """
 
 from __future__ import annotations
@@ -285,7 +287,7 @@ def sum_of_squares(
 
 
 def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
-    """See that the gradient has full rank at some theta, so that a fit can have one answer.
+    """Check that the gradient has full rank at some theta, so that a fit can have one answer.
 
     The rank is taken numerically, with columns scaled to one, at many random theta at which the
     model is defined: what fails at all of them is a property of the model and the points.
@@ -378,7 +380,7 @@ def parameter_ranges(
     spread = np.where(usable | (theta == 0) & (spread > 0), spread, 0.1 * np.abs(theta) + 1e-6)
 
     def end(place: int, step: float) -> tuple[float, Array]:
-        """Where the profile reaches the allowed sum of squares, on one side, and theta there."""
+        """End of the range on one side, at the allowed sum of squares, and theta there."""
         tried = {0.0: (theta, least - allowed)}
 
         def excess(way: float) -> float:

@@ -76,12 +76,12 @@ class ExpressionModel:
 
     @property
     def is_centred(self) -> bool:
-        """Whether gap and amplitude are its only factors: a model of the centred pad."""
+        """True if gap and amplitude are the only factors: a model of the centred pad."""
         return self.factor_names == ("h0_m", "hv_m")
 
     @property
     def is_linear(self) -> bool:
-        """Whether the force is a linear function of the parameters, so that no search is needed."""
+        """True if the force is linear in the parameters, so that no search is needed."""
         return _degree(self.parsed, self.parameter_names) <= 1
 
     def evaluate(self, theta: ArrayLike, factors: Factors) -> Array:
@@ -130,7 +130,7 @@ class ExpressionModel:
         return dict(zip(self.parameter_names, parameters, strict=True)) | self.columns_of(factors)
 
     def columns_of(self, factors: Factors) -> dict[str, Array]:
-        """What the expression knows of points, by the names that it has there."""
+        """Values of the points by their names in the expression."""
         return {
             name: factors.column(column)
             for name, column in (FACTORS | COLUMNS).items()
@@ -158,7 +158,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
     ``expression`` is its formula and ``parameters`` lists parameters that are not called t0, t1,
     …, or maps parameters to their units; units that are not given are inferred. ``place`` is where
     the entry stands, for messages.
-    Raises InputError naming the place, for an expression that is refused or whose units do not fit.
+    Raises InputError naming the place, for an invalid expression or one whose units do not fit.
     """
     declared = settings.get("parameters", {})
     known = (*FACTORS, *COLUMNS)
@@ -212,7 +212,7 @@ def get_model(
     """A model of the library or of a study by its name; ``two-factor`` is ``two_factor``.
 
     ``own`` is the section ``models`` of a study's configuration, ``place`` the file for messages.
-    Raises InputError for an unknown name, and where one of the study's own is refused.
+    Raises InputError for an unknown name, and where one of the study's own is invalid.
     """
     name = name.replace("-", "_")
     if name in own:
@@ -225,7 +225,7 @@ def get_model(
 def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: object) -> None:
     """Read every model of a configuration: its own, and those that ``named`` has by section.
 
-    Raises InputError naming the place of a formula that is refused, of a name that is the
+    Raises InputError naming the place of an invalid formula, of a name that is the
     library's, or of a candidate that is unknown.
     """
     for name in own:
@@ -241,7 +241,7 @@ def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: obj
 
 
 def check_columns(model: ExpressionModel, factors: Factors) -> None:
-    """See that a model's columns are known at every point.
+    """Check that a model's columns are known at every point.
 
     Raises InputError naming the column, and what to do.
     """

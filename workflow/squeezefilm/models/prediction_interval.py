@@ -9,11 +9,13 @@ The prediction interval is measured on a validation sample.
 The sample is simulated at points that are independent and uniform over the declared space and that
 no fit uses. Half of it ranks models; the other half calibrates the interval by split conformal
 prediction (J. Lei et al., Distribution-free predictive inference for regression, J. Am. Stat.
-Assoc. 113 (2018) 1094-1111): the score of a point is the model's error there plus the simulation's
-own, divided by a scale; the k-th smallest of n scores, k = ⌈(n + 1) p⌉, times the scale is the half
+Assoc.
+
+113 (2018) 1094-1111): the score of a point is the model's error there plus the simulation's own,
+divided by a scale; the k-th smallest of n scores, k = ⌈(n + 1) p⌉, times the scale is the half
 width that holds a share p of new points of the same distribution. The scale a + b·|force| makes the
-width local. It comes from the residuals of the cross-validation, so that the sample does not
-decide it. A point without a force, simulated or modelled, has an infinite score.
+width local. It comes from the residuals of the cross-validation, so that the sample does not decide
+it. A point without a force, simulated or modelled, has an infinite score.
 """
 
 from __future__ import annotations
@@ -65,7 +67,7 @@ class PredictionInterval(BaseModel):
         calibration_points: those that the half widths come from.
         mean_coverage: share of the other half inside the 95 % interval.
         coverage: the same by region (``regions``).
-        profile_uncertainty: share of a force that a measured profile leaves open at 95 %; it is
+        profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %; it is
             part of error_95 and error_99.
     """
 
@@ -90,7 +92,7 @@ class PredictionInterval(BaseModel):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def statement(self) -> str:
-        """What the interval says, in a sentence for every output."""
+        """A sentence about the interval, for every output."""
         sample = f"{self.points} independent simulations" + (
             f", {self.failed} of which have no force," if self.failed else ""
         )
@@ -119,7 +121,7 @@ class PredictionInterval(BaseModel):
         return constant + share * np.abs(np.asarray(force_n, dtype=float))
 
     def outside(self, factors: Factors) -> list[str]:
-        """Which factors of each point lie outside the declared space, empty where none does."""
+        """Factors of each point outside the declared space, empty where there are none."""
         notes = np.full(len(factors), "", dtype=object)
         off_centre = factors.phi_r_m > SLACK * self.ranges.get("phi_r_m", (0.0, 0.0))[1]
         for name, (low, high) in self.ranges.items():
@@ -133,8 +135,8 @@ class PredictionInterval(BaseModel):
 
 
 def film_folds(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
-    """To which fold each point belongs, shape (n,): of as many as asked for, or as there are pairs
-    of a gap and an amplitude if these are fewer; all points of a pair to one."""
+    """Fold of each point, shape (n,): of as many as asked for, or as there are pairs of a gap and
+    an amplitude if these are fewer; all points of a pair belong to one."""
     films = pd.DataFrame({"h0_m": factors.h0_m, "hv_m": factors.hv_m})
     film = films.groupby(["h0_m", "hv_m"], sort=False).ngroup().to_numpy()
     return np.random.default_rng(seed).permutation(np.arange(film.max() + 1) % folds)[film]
@@ -219,7 +221,7 @@ def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float
 
 
 def ranking_half(points: int) -> NDArray[np.bool_]:
-    """Which points of a validation sample rank models, shape (points,); the others calibrate."""
+    """Mask of the validation points that rank models, shape (points,); the others calibrate."""
     return np.arange(points) % 2 == 0
 
 
@@ -241,7 +243,7 @@ def measured_interval(
             none.
         scale: what ``error_scale`` returns.
         ranges: of the declared space.
-        profile_uncertainty: share of a force that a measured profile leaves open, at 95 %.
+        profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %.
     """
     model, force, own = np.array([model_n, force_n, force_error_n], dtype=float)
     constant, share = scale
@@ -304,7 +306,7 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
     rows = [
         region
         | {
-            "share_of_points": (inside & known).sum() / known.sum(),
+            "fraction_of_points": (inside & known).sum() / known.sum(),
             "fraction_of_squares": squares[inside].sum() / squares.sum(),
             "bias_n": error[inside & known].mean(),
         }

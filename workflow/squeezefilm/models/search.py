@@ -22,7 +22,7 @@ Objective = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Found:
-    """What a search came to: the best candidate, its value and the evaluations made."""
+    """Result of a search: the best candidate, its value and the evaluations made."""
 
     x: Array
     value: float
@@ -65,7 +65,7 @@ def genetic_search(
 def _children(
     x: Array, values: Array, lower: Array, upper: Array, random: np.random.Generator
 ) -> Array:
-    """As many children as there are parents, shape (m, d), by pymoo's operators as it sets them."""
+    """Children, as many as parents, shape (m, d), by pymoo's operators as it sets them."""
     # Imported here: loading them takes longer than most commands that never search.
     with needing("fits", what="a search for parameters"):
         from pymoo.operators.crossover.sbx import cross_sbx
@@ -98,7 +98,7 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
     """Local minima next to starts, shape (k, d), by Nelder-Mead simplexes side by side.
 
     objective is that of genetic_search. A simplex can collapse before it arrives, so it is started
-    anew at its own optimum until the objective no longer falls.
+    again at its own optimum until the objective no longer falls.
     """
     x, value = np.array(starts, dtype=float), objective(starts)
     evaluations = np.ones(len(x), dtype=int)
@@ -120,7 +120,7 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
 def _simplexes(
     objective: Objective, starts: Array, tolerance: Array
 ) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
-    """Where simplexes come to, shape (k, d), the values there, the evaluations that each needed and
+    """Ends of simplexes, shape (k, d), the values there, the evaluations that each needed and
     whether it ended before its steps did, shape (k,).
 
     Each is number by number that of scipy.optimize.minimize with its usual coefficients: it ends

@@ -46,7 +46,7 @@ SHARE_OF_OTHERS = 0.3
 STEP = 3e-5
 # What such a difference misses, as a share of the size of its parts: its third order and rounding.
 STEP_MISSES = 1e-8
-NOT_FOUND = "derivatives not found: GMRES did not solve the adjoint problem"
+NOT_FOUND = "not converged: GMRES for the adjoint problem of the derivatives"
 # Unknowns that the host's Krylov vectors have room for, and of a group that stays in the caches.
 MOST_UNKNOWNS, MOST_TOGETHER = 200_000, 2**15
 

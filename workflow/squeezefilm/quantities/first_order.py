@@ -15,8 +15,8 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import problems_of
-from squeezefilm.reynolds.terms.heat import JUMP_WARMS, temperature_jump
 from squeezefilm.reynolds.terms.rarefaction import slip_flow
+from squeezefilm.reynolds.terms.thermal import JUMP_WARMS, temperature_jump
 
 # Of the entrance coefficient C: kinetic energy of a plug and of a parabola, over that of the mean
 # velocity.
@@ -88,14 +88,14 @@ def by_inertia(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarr
     return -films.problems.numbers["sigma"] * _reynolds(scenes) / 10 * shortfall
 
 
-def by_heat(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
+def by_thermal(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
     """Change by heat of an isothermal film whose walls stay at ambient temperature.
 
     Compression heats the gas by a = ∂P/∂T and friction by b = σ|ū|²/H², and conduction across the
     gap takes it away. With β = ((γ − 1)/γ) Pr Re the gas is warmer by β H² (a/12 − b/20) of the
     ambient temperature in the mean over the gap: so much less gas is in it, and the flow through it
     changes by its density and viscosity. Beside slip its temperature jumps at the walls
-    (terms/heat.py), and compression warms it more by 6 jumps.
+    (terms/thermal.py), and compression warms it more by 6 jumps.
     """
     gases = [scene.gas for scene in scenes]
     heating = _reynolds(scenes) * [(1 - 1 / gas.heat_capacity_ratio) * gas.prandtl for gas in gases]

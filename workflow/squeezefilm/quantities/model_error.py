@@ -2,7 +2,7 @@
 
 Every effect is taken at first order about the state of the scene's own equation on a coarse grid:
 one adjoint solve gives what any source of mass does to the mean force (adjoint.py), and the effects
-are such sources (first_order.py). An effect is good to about a fiftieth of itself as a first order;
+are such sources (first_order.py). A first order is accurate to about a fiftieth of the effect;
 what that misses stands beside it.
 """
 
@@ -24,9 +24,9 @@ from squeezefilm.quantities.adjoint import Solved, alike, fields_of, sensitivity
 from squeezefilm.quantities.first_order import ENTRANCE_LEAST, ENTRANCE_MOST, Answers
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
-from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.term import Term
+from squeezefilm.reynolds.terms.thermal import Thermal
 
 # Relative error of the force of the states taken, and of the adjoint.
 GRID_TOLERANCE = 1e-3
@@ -39,7 +39,7 @@ MOST_NUMBERS, MOST_SCENES = 2**17, 1024
 # its growth with ε²: of strips with velocity and temperature resolved, ε 0.05 to 0.8
 # (tests/numerics/test_stored_strip.py).
 INERTIA_REMAINDER = (0.12, 0.13)
-HEAT_REMAINDER = (0.33, 0.58)
+THERMAL_REMAINDER = (0.33, 0.58)
 # Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
 SLIP_REMAINDER = 1.2
 # Of the edge loss, for each unit of C Re, and of that times ε: the lesser (strips with the loss at
@@ -49,7 +49,7 @@ EDGE_LOSS_REMAINDER, EDGE_LOSS_PER_EPSILON = 0.022, 0.04
 CONVECTED_REMAINDER = 4.0
 # The effects, by their names in tables.
 NAMES = (
-    *("inertia", "heat", "depth_averaged", "slip", "flow_factor"),
+    *("inertia", "thermal", "depth_averaged", "slip", "flow_factor"),
     *("edge_loss", "bearing", "convected"),
 )
 
@@ -98,7 +98,7 @@ class ErrorBudget:
     """The effects on one scene's force.
 
     Attributes:
-        effects: by NAMES. ``inertia`` of the gas; ``heat`` of compression and friction, between
+        effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as the scene has them;
             ``slip``, by the flow factor, or as the scene has it; ``flow_factor``, the difference of
             first-order slip from that factor; ``edge_loss``, inlet loss for the coefficient C = 1,
@@ -140,7 +140,7 @@ class ErrorBudget:
         return self.sums(neglected_only=True)
 
 
-NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
+NOT_FOUND = "not converged: GMRES for the adjoint problem of the error budget"
 
 
 def error_budgets(
@@ -194,7 +194,7 @@ def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
 # Effects that are sources of mass in a scene's own state.
 BY_FLUX: dict[tuple[str, ...], Callable[..., np.ndarray | tuple[np.ndarray, ...]]] = {
     ("inertia",): first_order.by_inertia,
-    ("heat",): first_order.by_heat,
+    ("thermal",): first_order.by_thermal,
     ("slip", "flow_factor"): first_order.by_slip,
     ("edge_loss",): first_order.by_entrance,
 }
@@ -229,7 +229,7 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
     reynolds, isothermal = scene.modified_reynolds, scene.gas.polytropic_exponent == 1
     remainder = {
         "inertia": (INERTIA_REMAINDER[0] + INERTIA_REMAINDER[1] * scene.epsilon**2) * reynolds,
-        "heat": (HEAT_REMAINDER[0] + HEAT_REMAINDER[1] * scene.epsilon**2) * reynolds,
+        "thermal": (THERMAL_REMAINDER[0] + THERMAL_REMAINDER[1] * scene.epsilon**2) * reynolds,
         "slip": SLIP_REMAINDER * 6 * scene.knudsen,
         "flow_factor": SLIP_REMAINDER * 6 * scene.knudsen,
         "edge_loss": edge_loss_remainder(ENTRANCE_MOST * reynolds, scene.epsilon),
@@ -242,7 +242,7 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
         for name, each in percent.items()
     }
     if not isothermal:  # an exponent stands for heat; a convected profile's is that of such a gas
-        effects |= {name: UNKNOWN for name in ("heat", "convected") if name in percent}
+        effects |= {name: UNKNOWN for name in ("thermal", "convected") if name in percent}
     return ErrorBudget(effects)
 
 
@@ -271,19 +271,19 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
     11 %, too far from that at 20 to be interpolated: at small σ the force has resonances in Re.
 
     Returns:
-        The change in per cent of the force, and by how much it may be off: other profiles and
+        The change in per cent of the force, and its error: other profiles and
         amplitudes than the table's. 0 where the scene has neither term; NaN beyond the table's Re,
-        and beyond Re 2 below its σ. Where no sign is known, the change is 0 and may be off by its
+        and beyond Re 2 below its σ. Where no sign is known, the change is 0 and its error up to its
         size: below the table's σ, and for heat without inertia.
     """
-    inertia, heat = (getattr(scene.gas, name) == "included" for name in OPEN)
+    inertia, thermal = (getattr(scene.gas, name) == "included" for name in OPEN)
     reynolds, sigma = scene.modified_reynolds, scene.sigma
-    if not (inertia or heat):
+    if not (inertia or thermal):
         return 0.0, 0.0
     from scipy.interpolate import PchipInterpolator
 
     thick = sigma < THICK_SIGMA
-    nodes, known, changes = _depth_averaging_errors(heat)
+    nodes, known, changes = _depth_averaging_errors(thermal)
     if reynolds > (MOST_REYNOLDS_THICK if thick else known[-1]):
         return nan, nan
     along = reynolds**2 * PchipInterpolator(known, changes)(max(reynolds, known[0]))
@@ -295,13 +295,13 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=2)
-def _depth_averaging_errors(heat: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nodes in 1/√σ, rising from 0, Reynolds numbers, and the change in per cent over Re² there.
 
     For thin layers the change goes by powers of 1/√σ, so that two columns give that of σ → ∞.
     """
     table = np.genfromtxt(TABLE, delimiter=",", names=True)
-    table = table[table["heat"] == heat]
+    table = table[table["thermal"] == thermal]
     reynolds, sigma = np.unique(table["reynolds"]), np.unique(table["sigma"])[::-1]
     change = 100 * (table["resolved"] / table["averaged"] - 1) / table["reynolds"] ** 2
     change, nodes = change.reshape(len(reynolds), -1)[:, ::-1], sigma**-0.5
@@ -314,7 +314,7 @@ def _depth_averaging_errors(heat: bool) -> tuple[np.ndarray, np.ndarray, np.ndar
 # this share of it is included too: its first order is good to a few per cent where it is small.
 MODEL_TOLERANCE, NEARLY = 1e-3, 0.8
 # Terms that a study may leave to be decided, in the order in which they are.
-OPEN: dict[str, Term] = {"inertia": Inertia(), "heat": Heat()}
+OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 
 
 def resolve_auto_terms(

@@ -27,7 +27,7 @@ from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import plans_of, solve
 from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, Period, axis, period
-from squeezefilm.reynolds.terms.heat import Heat
+from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
@@ -81,7 +81,7 @@ def with_outputs(
         parts = [one.beside(other) for one, other in zip(parts, more, strict=True)]
     found, none = dict(zip(known, parts, strict=True)), dict.fromkeys(OUTPUTS, "no force")
     return [
-        replace(solution, outputs=found.get(k, Outputs(refused=none)).only(asked))
+        replace(solution, outputs=found.get(k, Outputs(missing=none)).only(asked))
         for k, solution in enumerate(solutions)
     ]
 
@@ -102,7 +102,7 @@ def _without_formula(scene: Scene) -> dict[str, str]:
     if scene.epsilon == 0:
         found["harmonics"] = "stiffness and damping are not known of a surface at rest"
     elif np.abs(gap_motion(scene, *scene.inside())[2]).max() > NEGLIGIBLE * scene.epsilon:
-        found["harmonics"] = "stiffness and damping are of a surface that moves in one phase"
+        found["harmonics"] = "stiffness and damping are of a surface with one quadrature component"
     if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
         found["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
     return found
@@ -140,7 +140,7 @@ def _from_states(
 
 
 def _refused(reason: str) -> Outputs:
-    return Outputs(refused=dict.fromkeys(FROM_STATE, reason))
+    return Outputs(missing=dict.fromkeys(FROM_STATE, reason))
 
 
 def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[Outputs, bool]:
@@ -167,7 +167,7 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
         for n in alike:
             error = factor * max(change[n], SHARE_OF_OTHERS * most) + left
             found[n] = found[n][0], size[n] * error
-    ambient, refused = scene.gas.ambient_pressure_pa, _without_formula(scene)
+    ambient, missing = scene.gas.ambient_pressure_pa, _without_formula(scene)
     ends = [(film.largest, before.largest), (film.least, before.least)]
     change_of_ends = max([least * largest, *(abs(a - b) for a, b in ends)])
     for name, (peak, _) in zip(OUTPUTS["extremes"], ends, strict=True):
@@ -177,10 +177,10 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
         if abs(force) > 2 * doubt:  # without a force it acts nowhere
             place, error = sign * found[moment][0] / force, found[moment][1]
             found[name] = place, (error + abs(place) * doubt) / (abs(force) - doubt)
-    if "harmonics" not in refused:
+    if "harmonics" not in missing:
         for name, part, per in (
-            ("film_stiffness", "force_sin", scene.hv_m),
-            ("film_damping", "force_cos", scene.hv_m * speed),
+            ("film_stiffness", "force_in_phase", scene.hv_m),
+            ("film_damping", "force_quadrature", scene.hv_m * speed),
         ):
             found[name] = -found[part][0] / per, found[part][1] / per
     drag = _couette(film)
@@ -190,8 +190,10 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
     parts = [found["sliding_friction"], (0.0, 0.0)]
     if scene.gas.inertia == "included":  # half of what leaves is taken from the pad
         # Share of it that warm gas would change: twice its warming where it streams.
-        heats = scene.gas.heat == "included"
-        warm = 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20 if heats else 0
+        heats = scene.gas.thermal == "included"
+        warm = (
+            2 * float(Thermal().numbers(scene)["heating"]) * scene.epsilon**2 / 20 if heats else 0
+        )
         for k, (one, other) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
             off = factor * abs(other - one) + warm * abs(other)
             parts[k] = parts[k][0] - other / 2, parts[k][1] + off / 2
@@ -199,12 +201,14 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
         for (drawn, off), share in zip(parts, turned, strict=True):
             found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
-    names = {name for output in OUTPUTS if output not in refused for name in OUTPUTS[output]}
-    known = {n: each for n, each in found.items() if n in names | {"force_sin", "force_cos"}}
+    names = {name for output in OUTPUTS if output not in missing for name in OUTPUTS[output]}
+    known = {
+        n: each for n, each in found.items() if n in names | {"force_in_phase", "force_quadrature"}
+    }
     return Outputs(
         value={name: value for name, (value, _) in known.items()},
         error={name: off for name, (_, off) in known.items()},
-        refused=refused,
+        missing=missing,
     ), holds
 
 
@@ -244,8 +248,8 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
         "moment_x": force * np.stack([y, nothing, nothing]),
         "moment_y": force * np.stack([-x, nothing, nothing]),
         # F₁ of F₀ + F₁ sin T + F₂ cos T is twice the mean with sin T.
-        "force_sin": 2 * force * np.stack([nothing, one, nothing]),
-        "force_cos": 2 * force * np.stack([nothing, nothing, one]),
+        "force_in_phase": 2 * force * np.stack([nothing, one, nothing]),
+        "force_quadrature": 2 * force * np.stack([nothing, nothing, one]),
         # −p ∂h/∂t, the work that the surface does against the pressure.
         "power": force * speed * np.stack([nothing, cosine, -sine]),
         "thrust_x": force * scene.h0_m * thrust_x,
@@ -511,5 +515,5 @@ def static_stiffness(
             value, error = rows[2:, 0].tolist()
         reason = {name: f"no force at a gap within {2 * STEP:.0%}: {bad}"}
         known_of = Outputs(value={name: value}, error={name: error})
-        found.append(Outputs(refused=reason) if bad else known_of)
+        found.append(Outputs(missing=reason) if bad else known_of)
     return found

@@ -78,7 +78,7 @@ class Device:
         context, queue: pyopencl objects; the queue runs kernels one after the other.
         transfers: a queue for what comes back, which need not wait for kernels behind its own.
         name: platform and device name, as reported by ``doctor`` and kept with results.
-        groups: work-groups to launch, each with a workspace of its own.
+        groups: work-groups to launch, each with its workspace.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
         register_bytes: size of the vectors that a processor computes with.
         memory_bytes: the device's own memory.
@@ -154,7 +154,7 @@ class Device:
         """A buffer of so many doubles, or more, for a kernel to work in, and padding.
 
         All kernels get the same one, for the queue runs them one after the other, and it is kept:
-        new room is dear, the system clears its pages first.
+        new memory is expensive, the system clears its pages first.
         """
         import pyopencl as cl
 

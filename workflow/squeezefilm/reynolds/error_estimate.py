@@ -118,7 +118,7 @@ def margin_of(terms: Terms) -> float:
 
 @lru_cache(maxsize=64)
 def least_fall_of(terms: Terms) -> float:
-    """The factor below which no changes of films with some terms are believed to fall."""
+    """Lower bound on the convergence ratio of films with some terms."""
     return max((term.LEAST_FALL for term in terms), default=0.0)
 
 

@@ -33,7 +33,7 @@ from squeezefilm.reynolds.terms import Simplification, Terms, absent_terms, term
 
 HALVES = tuple(
     Simplification(what, "the profile is even about the pad's middle, and nothing else breaks that")
-    for what in ("mirror half in x", "mirror half in y")
+    for what in ("symmetry in x", "symmetry in y")
 )
 # Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
 SYMMETRIC = 1e-13
@@ -350,7 +350,7 @@ def _sampled(
 ) -> tuple[Samples, np.ndarray, np.ndarray]:
     """Samples of a profile, its parts on a grid's nodes, ends included, and between them.
 
-    A profile in two phases has two parts, and needs what the worse of them needs.
+    A complex profile has two parts, and needs what the worse of them needs.
 
     Args:
         landmarks: points in [0, 1] across the pad that are looked at too.

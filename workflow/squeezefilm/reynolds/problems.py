@@ -89,7 +89,7 @@ def terms_of_all(scenes: Scenes) -> Terms:
 
 
 def aspect_of(scenes: Scenes) -> float:
-    """That of scenes which all have the same."""
+    """Aspect ratio of scenes that all have the same."""
     pad = scenes.films[scenes.film_index[0]].pad
     return pad.length_y_m / pad.length_x_m
 
@@ -189,7 +189,7 @@ def profile_fields(
 def mean_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
     """The gap's parts averaged over the pad, shape (places, parts).
 
-    The rule leaves out the ends; what it gives them is small, and the mean is no result.
+    The rule neglects the ends; what it gives them is small, and the mean is no result.
     """
     weights = np.outer(grid.x.weights, grid.y.weights) * grid.density
     inner = parts[..., grid.x.inner, grid.y.inner]

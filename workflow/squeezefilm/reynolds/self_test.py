@@ -2,7 +2,7 @@
 
 A driver that compiles a kernel wrongly gives wrong numbers that look right. The films are solved on
 one small grid each, by the kernel that solves all others, and compared with self_test.csv, which
-``python -m squeezefilm.reynolds.self_test`` makes anew where the equation or the grid changes.
+``python -m squeezefilm.reynolds.self_test`` rebuilds where the equation or the grid changes.
 """
 
 from dataclasses import replace
@@ -24,7 +24,7 @@ CLOSENESS = 1e-9
 ITERATION_TOLERANCE = 1e-11
 SINC = Sinc(wave_number_per_m=100.0)
 SQUARE = Pad(1e-2, 1e-2, 0.0)
-GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", heat="none")
+GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
 
 
 def films() -> dict[str, tuple[Scene, Grid]]:
@@ -49,7 +49,7 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             half,
         ),
         "inertia, slip and heat": (
-            _film(inertia="included", rarefaction="slip", heat="included"),
+            _film(inertia="included", rarefaction="slip", thermal="included"),
             quarter,
         ),
         "any gap": (_of_any_gap(_film(x_m=2e-3)), half),
@@ -64,14 +64,14 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             replace(half, outline=disc.smooth_outline),
         ),
         "disc, inertia and heat": (
-            _film(pad=disc, inertia="included", heat="included"),
+            _film(pad=disc, inertia="included", thermal="included"),
             replace(quarter, outline=disc.smooth_outline),
         ),
     }
 
 
 def _of_any_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
-    """Tilted and bulging, over two modes of which one lags."""
+    """Tilted and crowned, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
     modes = Quadrature(SINC, crests, shares=(0.8, 0.6))
     gap = GapShape(tilt_x_m=tilt_x_m, crown_m=5e-7)
@@ -112,7 +112,7 @@ def forces(device: Device) -> dict[str, float]:
 
 
 def check_device(device: Device) -> None:
-    """Refuse a device that does not give the stored forces.
+    """Reject a device that does not give the stored forces.
 
     Raises:
         InputError: naming the films that it gives otherwise, and by how much.
@@ -139,7 +139,7 @@ def _wrong(context: object, device: Device) -> str:
 
 
 def main() -> None:
-    """Write the table anew."""
+    """Write the table again."""
     table = pd.Series(forces(choose_device()), name="mean_overpressure")
     write_text(table.to_csv(index_label="film", float_format="%.15g"), TABLE)
 

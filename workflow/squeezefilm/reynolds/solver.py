@@ -1,4 +1,4 @@
-"""From scenes to forces with errors, each by the cheapest method that holds the tolerance."""
+"""Forces of scenes with errors, each by the cheapest method that meets the tolerance."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def solve(
         method: one of METHODS. ``auto`` takes the composite expansion where that holds the
             tolerance and should cost less, else the periodic state. ``composite`` always gives
             its force; the status then says where its estimate is above the tolerance.
-        device: an OpenCL device; the default one if left out.
+        device: an OpenCL device; the default one if not given.
         keep_states: whether solutions by the periodic method have their states on the last two
             grids: a quantity is a function of them, and its change between the two its error.
         report: called with the number of scenes that were finished, as they are; with a negative
@@ -57,7 +57,7 @@ def solve(
     if not len(scenes):
         return Solutions.of([])
     scenes = Scenes.of(scenes)
-    if any(["auto" in (film.gas.inertia, film.gas.heat) for film in scenes.films]):
+    if any(["auto" in (film.gas.inertia, film.gas.thermal) for film in scenes.films]):
         raise ValueError("what of a scene's gas is auto must be decided before it is solved")
 
     def attempt(some: Scenes) -> Solutions:

@@ -420,11 +420,13 @@ class FluxPoints:
 
         Of a function on the nodes that vanishes at the ends: its values here, ``values``, and its
         ``slope``. Of the velocity along the axis: ``along``, its derivative here; ``nodes`` and
-        ``divergence``, its values and derivative on the nodes. Of a velocity along the other axis:
-        ``across``, its derivative along this one on the nodes, as if it vanished at the ends as it
-        does where the gas comes in; ``rim``, what that lacks per velocity at each end, of a folded
-        axis, whose ends are alike, their sum first; ``to_end``, factors of its values on the four
-        nodes beside an end for that there: a polynomial through all would grow beyond bounds.
+        ``divergence``, its values and derivative on the nodes.
+
+        Of a velocity along the other axis: ``across``, its derivative along this one on the nodes,
+        as if it vanished at the ends as it does where the gas comes in; ``rim``, what that lacks
+        per velocity at each end, of a folded axis, whose ends are alike, their sum first;
+        ``to_end``, factors of its values on the four nodes beside an end for that there: a
+        polynomial through all would grow beyond bounds.
         """
         axis, parts = self.axis, self.axis.parts_of
         to_points, to_nodes = axis.to_points(self.all_points), self.at(axis.all_nodes[1:-1])
@@ -508,5 +510,5 @@ class AroundPoints:
 
 @lru_cache(maxsize=64)
 def flux_points(of: Axis | Around) -> FluxPoints | AroundPoints:
-    """Those of an axis; their matrices are computed once."""
+    """Flux points of an axis; their matrices are computed once."""
     return FluxPoints(of) if isinstance(of, Axis) else AroundPoints(of)

@@ -1,4 +1,4 @@
-"""Which points are simulated: the screen, the four-factor plan, samples and sweeps; in which jobs.
+"""Plans of simulations: the screen, the four-factor plan, samples and sweeps; their jobs.
 
 Jobs are counted by what their scenes should cost. Only the configuration is asked: their number is
 known before any plan is made.

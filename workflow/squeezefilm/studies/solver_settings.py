@@ -1,4 +1,4 @@
-"""How a command solves, and for what: as the study says, unless the command line says otherwise."""
+"""Solver settings of a command: those of the study, or of the command line if given."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class SolverSettings:
     outputs: tuple[str, ...] = ()
 
     def how(self, device: Device) -> dict[str, Any]:
-        """What forces are to be solved with."""
+        """Keyword arguments of ``solve``."""
         return {"tolerance": self.tolerance, "method": self.method, "device": device}
 
     def resolved(

@@ -127,7 +127,7 @@ class Space:
         return len(self.box.names) == 2
 
     def allowed(self, points: Array) -> NDArray[np.bool_]:
-        """Which points, shape (n, k), can be simulated, shape (n,)."""
+        """Mask of the points, shape (n, k), that can be simulated, shape (n,)."""
         h0_m, hv_m, *place = np.transpose(points)
         x_m, y_m = place or np.zeros((2, len(points)))
         if self.position == POLAR:
@@ -175,7 +175,7 @@ class Space:
         raise InputError("positions: hardly any pad position of the study lies on the surface")
 
     def coordinates(self, points: Array) -> Array:
-        """Where distances between points are taken: equal for points that are the same scene."""
+        """Coordinates for distances between points: equal for points that are the same scene."""
         return coordinates("scene", self.box)(points)
 
     def table(self, points: Array) -> pd.DataFrame:

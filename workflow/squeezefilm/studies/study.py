@@ -1,4 +1,4 @@
-"""From a study's configuration to the things it is about."""
+"""Film, scenes and symmetry of a study's configuration."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def scan_path(config: Config) -> Path | None:
 
 
 def smoothing_settings(config: Config) -> dict[str, Any]:
-    """What decides how a scan is smoothed, besides its file: arguments of ``smoothed_scan``."""
+    """Arguments of ``smoothed_scan`` besides the scan's file."""
     actuator = config["actuator"]
     return {
         "surface": surface_of(config),
@@ -66,11 +66,11 @@ def smoothing_settings(config: Config) -> dict[str, Any]:
     }
 
 
-def smoothed_scan_of(config: Config, *, anew: bool = False) -> SmoothedScan | None:
+def smoothed_scan_of(config: Config, *, again: bool = False) -> SmoothedScan | None:
     """The measured vibration shape with all that is known of it; None if it is not measured.
 
     In a run of the workflow as its rule `smooth` wrote it, under the name in SMOOTHED_VARIABLE,
-    unless it is to be smoothed ``anew``.
+    unless it is to be smoothed ``again``.
     """
     path = scan_path(config)
     if path is None:
@@ -78,7 +78,7 @@ def smoothed_scan_of(config: Config, *, anew: bool = False) -> SmoothedScan | No
     from squeezefilm.film.measured.smooth import read_smoothed, smoothed_scan
 
     settings, kept = smoothing_settings(config), Path(os.environ.get(SMOOTHED_VARIABLE, ""))
-    if anew or not kept.is_file():
+    if again or not kept.is_file():
         return smoothed_scan(path, **settings)
     return read_smoothed(kept, path, **settings)
 
@@ -120,7 +120,7 @@ def film_of(config: Config, *, simplifications: Iterable[str]) -> dict[str, Any]
             one of them has it.
     """
     gas, solved = dict(config["gas"]), list(simplifications)
-    for term in ("inertia", "heat"):
+    for term in ("inertia", "thermal"):
         if gas[term] == "auto":
             gas[term] = "none" if all(term in each for each in solved) else "included"
     keys = ("length_x_m", "length_y_m", "gap")
@@ -198,7 +198,7 @@ def scene_of(
 def check_study(config: Config) -> Config:
     """Check every pad position and film of a study before anything is simulated.
 
-    Of a scan the points: what a smooth profile through them is refused for, the rule `smooth` says.
+    Of a scan the points: the rule `smooth` reports an invalid smooth profile through them.
 
     Raises InputError naming the section and the point that has no physical meaning.
     """

@@ -66,7 +66,7 @@ class Row:
     source: str
     case: str
     quantity: str
-    reynolds: float = nan
+    modified_reynolds: float = nan
     sigma: float = nan
     published: float = nan
     exact: float = nan
@@ -91,7 +91,7 @@ def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
 
 def plate(device: Device | None = None) -> Iterator[Row]:
     """Linear damping and stiffness of a plate of 2 mm by 1 mm over a gap of 5 µm at 100 kHz."""
-    gas = Gas(viscosity_pa_s=18.3e-6, ambient_pressure_pa=1e5, inertia="none", heat="none")
+    gas = Gas(viscosity_pa_s=18.3e-6, ambient_pressure_pa=1e5, inertia="none", thermal="none")
     pad, h0_m = Pad(2e-3, 1e-3, 0.0), 5e-6
     scene = Film(gas, Actuator(1e5, Disc(1.0), PISTON), pad).scene(h0_m, SMALL * h0_m)
     response = scene.force_scale_n / h0_m * piston_response(scene.sigma, scene.aspect)
@@ -105,7 +105,7 @@ def plate(device: Device | None = None) -> Iterator[Row]:
 def inclined_slider(device: Device | None = None) -> Iterator[Row]:
     """Largest pressure, load and centre of pressure of a wide slider with a gap ratio of 6.6."""
     (wide_m, narrow_m), length_m = SLIDER_GAPS_M, SLIDER_LENGTH_M
-    gas = Gas(viscosity_pa_s=1.846e-5, inertia="none", heat="none")
+    gas = Gas(viscosity_pa_s=1.846e-5, inertia="none", thermal="none")
     pads = [Pad(length_m, w, 50.0, gap=GapShape(narrow_m - wide_m)) for w in SLIDER_WIDTHS_M]
     films = [Film(gas, Actuator(1e3, Disc(1.0), PISTON), pad) for pad in pads]
     scenes = [each.scene((wide_m + narrow_m) / 2, 0.0) for each in films]
@@ -154,7 +154,7 @@ def radial_films() -> Iterator[Row]:
                 source="Honzík et al.",
                 case=f"{kind}, {1e6 * gap_m:.0f} µm, {1e-3 * frequency_hz:.0f} kHz",
                 quantity=RADIAL.format(distance),
-                reynolds=reynolds,
+                modified_reynolds=reynolds,
                 exact_deviation=deviation[0],
                 viscous_deviation=deviation[1],
             )
@@ -167,12 +167,12 @@ def depth_averaging(
 
     Raises RunError where it is not that of the parabolic profiles.
     """
-    for heat, (re, s) in product(("none", "included"), product(reynolds, sigma)):
-        scene = film("", SMALL, s, profile=PISTON, reynolds=re).with_gas(heat=heat)
+    for thermal, (re, s) in product(("none", "included"), product(reynolds, sigma)):
+        scene = film("", SMALL, s, profile=PISTON, reynolds=re).with_gas(thermal=thermal)
         (found,) = _quantities([scene], "harmonics", tolerance=1e-5, device=device)
-        force = -(found["force_sin"] + 1j * found["force_cos"])
+        force = -(found["force_in_phase"] + 1j * found["force_quadrature"])
         ours = force / (scene.force_scale_n * scene.epsilon)
-        prandtl = scene.gas.prandtl if heat == "included" else 0.0
+        prandtl = scene.gas.prandtl if thermal == "included" else 0.0
         gas = {"prandtl": prandtl, "heat_capacity_ratio": scene.gas.heat_capacity_ratio}
         parabolic = piston_response(s, factors=depth_averaged(re, **gas))
         if not abs(ours / parabolic - 1) < SAME:
@@ -180,9 +180,9 @@ def depth_averaging(
         resolved = piston_response(s, factors=exact(re, **gas))
         yield Row(
             source="depth averaging",
-            case="inertia and heat" if heat == "included" else "inertia",
+            case="inertia and thermal effects" if thermal == "included" else "inertia",
             quantity="first harmonic",
-            reynolds=re,
+            modified_reynolds=re,
             sigma=s,
             exact=abs(resolved),
             solver=abs(ours),
@@ -227,7 +227,7 @@ def _quantities(
     )
     found = []
     for solution in solutions:
-        if solution.status != "ok" or solution.outputs is None or solution.outputs.refused:
+        if solution.status != "ok" or solution.outputs is None or solution.outputs.missing:
             raise RunError(f"published: {solution.status}; {solution.outputs}")
         found.append({"force": solution.force_n, **solution.outputs.value})
     return found

@@ -40,16 +40,17 @@ def exact(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> Fac
     def mean(q: complex) -> complex:
         return 1 - np.tanh(q) / q if q else 0.0
 
-    inertia, heat = 1j * reynolds, 1j * prandtl * reynolds
-    warming = (1 - 1 / heat_capacity_ratio) * mean(np.sqrt(heat) / 2)
+    inertia, thermal = 1j * reynolds, 1j * prandtl * reynolds
+    warming = (1 - 1 / heat_capacity_ratio) * mean(np.sqrt(thermal) / 2)
     return Factors(12 / inertia * mean(np.sqrt(inertia) / 2), 1 - warming)
 
 
 def depth_averaged(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> Factors:
     """A and B of the parabolic profiles that the solver assumes (docs: inertia and heat)."""
-    inertia, heat = 1j * reynolds, 1j * prandtl * reynolds
+    inertia, thermal = 1j * reynolds, 1j * prandtl * reynolds
     return Factors(
-        1 / (1 + inertia / 10), 1 - (1 - 1 / heat_capacity_ratio) * heat / 12 / (1 + heat / 10)
+        1 / (1 + inertia / 10),
+        1 - (1 - 1 / heat_capacity_ratio) * thermal / 12 / (1 + thermal / 10),
     )
 
 

@@ -28,13 +28,13 @@ class Slider(NamedTuple):
 
 
 def of_cells(x: np.ndarray, pressure: np.ndarray) -> Slider:
-    """Those of pressures over p0 in the middles x of equal cells along the length."""
+    """Largest pressure, load and centre of pressures over p0 in equal cells along the length."""
     load = np.mean(pressure - 1)
     return Slider(float(pressure.max()), float(load), float(np.mean(x * (pressure - 1)) / load))
 
 
 def exact(scene: Scene) -> Slider:
-    """Those of a scene's gap at rest along x, its speed and its gas.
+    """Largest pressure, load and centre of a scene's gap at rest along x, its speed and gas.
 
     Raises RunError where the boundary-value problem is not solved.
     """

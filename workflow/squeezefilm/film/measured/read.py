@@ -6,7 +6,7 @@ lines before the one that names columns, and lines that begin with #, are ignore
 quantities, each with its unit (``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm``):
 
     x_mm, y_mm          or  r_mm  or  r_mm, phi_deg     place, from the actuator's centre
-    amplitude_um        or  real_um, imaginary_um       peak amplitude, or with a sign of its own
+    amplitude_um        or  real_um, imaginary_um       peak amplitude, or with its sign
     phase_deg           or  sign                        optional
 
 Velocities (mm/s) are divided by the angular frequency. A row whose amplitude is empty or ``nan`` is
@@ -102,7 +102,7 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
 
     Args:
         path: a table of text, or a universal file by its ending.
-        frequency_hz: of the vibration, for velocities and spectra; without it they are refused.
+        frequency_hz: of the vibration, for velocities and spectra; without it they are invalid.
 
     Raises:
         InputError: naming the file and the row or column that is wrong, and what is allowed.

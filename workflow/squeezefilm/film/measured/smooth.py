@@ -3,10 +3,12 @@
 The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
 which degree they describe the points best; two degrees more are taken, so that what the profile
 neglects is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
-Statistics, 2006, 5.7). Points far from the rest are excluded and the rest is fitted anew. The film
-equation needs the profile's curvature, so that a smooth global basis serves it better than splines
-with their knots. Least squares also say how sure the profile is at every place: the standard error
-that noise leaves, from the residuals.
+Statistics, 2006, 5.7).
+
+Points far from the rest are excluded and the rest is fitted again. The film equation needs the
+profile's curvature, so that a smooth global basis serves it better than splines with their knots.
+Least squares also say how sure the profile is at every place: the standard error that noise leaves,
+from the residuals.
 
 Where the scan has phases, what moves a quarter of a period from the rest is fitted likewise. If
 forces depend on it the profile is complex: both are fitted together, by the same modes.
@@ -109,7 +111,7 @@ class SmoothedScan:
         return (*unsigned, *(f"note: {note}" for note in self.scan.notes))
 
     def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
-        """Profiles that scans with other noise would have given: residuals drawn anew.
+        """Profiles that scans with other noise would have given: residuals drawn again.
 
         The residuals are widened by √(points/(points − modes)) to the noise's size, which their
         fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2).
@@ -139,7 +141,7 @@ def smoothed_scan(
 ) -> SmoothedScan:
     """The smooth profile of a scan's file, as ``smoothed`` makes it; once a process.
 
-    Raises InputError naming the file, and what is wrong where or what its points leave open.
+    Raises InputError naming the file, and the place of the error or the undetermined region.
     """
     return smoothed(read_scan(path, frequency_hz=frequency_hz), **settings)
 
@@ -150,7 +152,7 @@ def smoothed(
     """The smooth profile of a scan on a surface.
 
     Args:
-        sign: ``unknown`` takes amplitudes without phase or sign to one side; ``measured`` refuses
+        sign: ``unknown`` takes amplitudes without phase or sign to one side; ``measured`` rejects
             them.
 
     Raises InputError naming the file, and what its points do not determine.
@@ -301,7 +303,7 @@ def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
 
 
 def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str) -> None:
-    """Refuse a scan with a point off the surface, or whose coordinates or signs are too few."""
+    """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
     refuse(
         scan.path,
         {
@@ -397,7 +399,7 @@ def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
 
 
 def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
-    """Refuse a profile that the scan leaves open somewhere on the surface."""
+    """Reject a profile that the scan does not determine somewhere on the surface."""
     from scipy.spatial import cKDTree
 
     scan, surface = smoothed.scan, smoothed.profile.surface
@@ -451,6 +453,6 @@ def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
     if made_from != (digest(scan), settings):
         raise InputError(
             f"{path}: was smoothed from another {scan.name}, or with other settings of "
-            "actuator.profile; `snakemake profile` makes it anew"
+            "actuator.profile; `snakemake profile` updates it"
         )
     return smoothed

@@ -8,13 +8,15 @@ estimate of its absolute error:
     small_amplitude_expansion  second order in ε, any σ: one complex Helmholtz solve
     composite_expansion        the last two together: exact in σ to ε², exact in ε to 1/√σ
 
-An error has two parts: that of the expansion, estimated from the profile's slopes, its
-values on the rim and at the corners, ε and σ; and that of the grid, the change against
-every other of its nodes. Where an expansion does not apply the error is infinite. The constants of
-the first part were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ 0.1–1e6, pistons and
-sincs with up to three nodes under the pad, aspects 0.2–5; each is about twice what the worst
-film needed. Those of inertia were fitted to its second order in ε on such films and to strips at
-any ε. Layers with inertia are known up to Re = 10 and excursions that depend on it (edge_layer.py).
+An error has two parts: that of the expansion, estimated from the profile's slopes, its values on
+the rim and at the corners, ε and σ; and that of the grid, the change against every other of its
+nodes. Where an expansion does not apply the error is infinite.
+
+The constants of the first part were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ
+0.1–1e6, pistons and sincs with up to three nodes under the pad, aspects 0.2–5; each is about twice
+what the worst film needed. Those of inertia were fitted to its second order in ε on such films and
+to strips at any ε. Layers with inertia are known up to Re = 10 and excursions that depend on it
+(edge_layer.py).
 """
 
 from __future__ import annotations
@@ -134,7 +136,7 @@ def high_squeeze_limit(films: Films) -> AsymptoticForces:
 def edge_layer_expansion(films: Films) -> AsymptoticForces:
     """The high-squeeze limit with the edge's boundary layer, correct to 1/√σ (see edge_layer.py).
 
-    In two phases the next order is ε²/σ: the film then drives gas along itself.
+    With two quadrature components the next order is ε²/σ: the film then drives gas along itself.
 
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
     inertia the next order is ε²/σ (edge_layer.py), without it ε²/σ^(3/2).
@@ -202,13 +204,13 @@ def _expand(films: Films) -> Expansion:
 
 def _second_order(films: Films) -> SecondOrder:
     if films.rest is not None:
-        raise ValueError("the second order in ε is derived for gaps that are even at rest")
+        raise ValueError("the second order in ε is derived for gaps that are uniform at rest")
     inertia = films.reynolds.any()
     return core.second_order_with_inertia(films) if inertia else core.second_order(films)
 
 
 def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
-    """With an infinite error where layers are too thick or the table of the layer ends."""
+    """Forces, with an infinite error where layers are too thick or the layer's table ends."""
     thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
     return AsymptoticForces(mean=mean, error=_known(np.where(thin, error, np.inf)))
 
@@ -251,9 +253,9 @@ class Expanded:
     def status(self, tolerance: float) -> str:
         """``ok``, or what is wrong with the estimate."""
         if not isfinite(self.error):
-            return "the error of the composite expansion is not known here"
+            return "the error of the composite expansion cannot be estimated here"
         if not self.holds(tolerance):
-            return f"the composite expansion is good to {self.relative_error:.1e} only"
+            return f"the composite expansion is accurate to {self.relative_error:.1e} only"
         return "ok"
 
 
@@ -278,9 +280,9 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
         return f"the composite expansion is not derived with {' and '.join(unknown)}"
     others = [term.label for term in terms if not isinstance(term, AnyGap)]
     if not scene.pad.gap.flat and others:
-        return f"{what} a gap that is even at rest with {' and '.join(others)}"
+        return f"{what} a gap that is uniform at rest with {' and '.join(others)}"
     if scene.actuator.profile.is_complex and scene.gas.inertia == "included":
-        return f"{what} a vibration in one phase with inertia"
+        return f"{what} one quadrature component with inertia"
     return ""
 
 

@@ -9,20 +9,21 @@ where a = ε s is the excursion ratio at that point of the rim. What the force s
 
     d(a) = ∫₀^∞ ⟨P − ψ/H⟩ dξ, even in a,     g(a) = 3 ∫₀^∞ ⟨sin T M²⟩ dξ, odd in a.
 
-Where the surface moves in two phases the layer at a point is that of a = ε √(s₁² + s₂²), at another
-instant; the gap's slope then has a part a quarter of a period from the motion itself, of which the
-force sees q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
+Where the surface moves with two quadrature components the layer at a point is that of
+a = ε √(s₁² + s₂²), at another instant; the gap's slope then has a part a quarter of a
+period from the motion itself, whose effect on the force is q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
 
 They were computed once, at commit cde05ac (reynolds/limits/boundary_layer.py),
 and are stored as d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series
 give them.
 
 With the gas' inertia the core sees ψ² on the rim, the layer's own overpressure d, and the changes g
-and h of the rim's ψ² with the slopes of the profile and of the core. They were computed once, at
-commit cde05ac (reynolds/limits/inertial_layer.py, half an hour of one core), and
-are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev points: in Re up to MOST_REYNOLDS and,
-for each Re, in −ln(1 − a²) up to a = ``largest(Re)``. Somewhere beyond, waves steepen to a shock in
-the layer, and no periodic state was found that a finer grid would not change.
+and h of the rim's ψ² with the slopes of the profile and of the core.
+
+They were computed once, at commit cde05ac (reynolds/limits/inertial_layer.py, half an hour of one
+core), and are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev points: in Re up to
+MOST_REYNOLDS and, for each Re, in −ln(1 − a²) up to a = ``largest(Re)``. Somewhere beyond, waves
+steepen to a shock in the layer, and no periodic state was found that a finer grid would not change.
 
 Within √(1/σ) of the pad's rim, with ξ = n√σ, n the distance from the rim, and ū = v/√σ the mean
 velocity over the gap, mass w = HP and flux q = wv obey

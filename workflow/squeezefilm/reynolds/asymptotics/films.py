@@ -39,9 +39,9 @@ class Films:
     """A batch on one grid: its operators, and the features that the error estimates need.
 
     Fields have shape (B, nx + 2, ny + 2); values on the rim (B, 2 (nx + ny + 4)), side after side:
-    x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. A vibration in two
-    phases has s₁ + i s₂ for s. Of a gap that is shaped at rest s is over that gap, which is
-    ``rest``, in units of h0; None where it is even.
+    x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. Two quadrature
+    components have s₁ + i s₂ for s. For a non-uniform gap at rest s is over that gap, which is
+    ``rest``, in units of h0; None for a uniform one.
     """
 
     epsilon: np.ndarray
@@ -233,7 +233,7 @@ class Films:
 
     @property
     def streaming_remainder(self) -> np.ndarray | float:
-        """Error of the edge layer's expansion by two phases: of order ε²/σ; none in one phase."""
+        """Error of the edge layer's expansion by a second quadrature component: of order ε²/σ."""
         if not np.iscomplexobj(self.s):
             return 0.0
         uneven = self.mean(self.unevenness)
@@ -276,8 +276,8 @@ class Films:
         """Relative error of the second-order mean: of order ε².
 
         From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
-        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``). In
-        two phases twice that.
+        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``). For
+        two quadrature components twice that.
         """
         effective = self.decay_number / (1 + self.aspect**-2.0)
         free = 1 / (1 + (effective / FREE_SIGMA) ** 2)
@@ -299,7 +299,7 @@ def films_of(
 
     Args:
         epsilon, sigma: excursion ratio and squeeze number, shape (B,).
-        amplitude: profile s, or s₁ + i s₂ of a vibration in two phases, on the nodes
+        amplitude: profile s, or s₁ + i s₂ of two quadrature components, on the nodes
             ``expansion_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2);
             nx and ny odd, at least 5 (``composite.expansion_points``). With inertia in one phase
             alone.

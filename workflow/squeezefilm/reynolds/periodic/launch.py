@@ -40,8 +40,8 @@ LARGEST_WORKSPACE_BYTES = 256 * 2**20
 # How an iteration ends: the kernel's names, and what is said of it.
 ENDINGS = {
     "CONVERGED": "ok",
-    "STALLED": "Newton's method did not converge",
-    "NOT_FINITE": "the pressure became infinite",
+    "STALLED": "not converged: Newton's method",
+    "NOT_FINITE": "not converged: the pressure became infinite",
 }
 STATUS = tuple(ENDINGS.values())
 
@@ -136,7 +136,7 @@ class Batch:
         grids: each no coarser than the one before.
         tolerances: relative error of the force that the iteration may leave, on each grid.
         guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
-            film at rest if left out.
+            film at rest by default.
         every: whether the states on all grids are asked for, and not that on the last alone.
     """
 

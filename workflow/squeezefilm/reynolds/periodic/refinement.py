@@ -169,7 +169,7 @@ class Refinement:
         if np.count_nonzero(negative):
             error[negative] = np.inf
             if finer is None:
-                reason = f"the pressure is not positive everywhere ({_size(grid)})"
+                reason = f"not converged: the pressure is not positive everywhere ({_size(grid)})"
                 end(negative & ~begun, reason)
         waiting = ~begun
         if reasons:
@@ -190,10 +190,12 @@ class Refinement:
             most_work = min((term.MOST_WORK for term in terms), default=np.inf)
             dear = solutions.work[rows] > most_work
             if finer is None:
-                reason = f"tolerance not reached on the finest grid ({_size(grid)})"
+                reason = f"not converged: tolerance not reached on the finest grid ({_size(grid)})"
                 end(waiting, reason, with_error=True)
             elif dear.any():
-                reason = f"tolerance not reached with bearable work ({_size(grid)})"
+                reason = (
+                    f"not converged: tolerance not reached within the work limit ({_size(grid)})"
+                )
                 end(waiting & dear, reason, with_error=True)
             waiting[list(reasons)] = False
             if finer and waiting.any():
@@ -204,7 +206,7 @@ class Refinement:
         return len(rows) - int(np.count_nonzero(begun) + np.count_nonzero(waiting))
 
     def _begin_again(self, group: Group, failed: np.ndarray, finer: Grid | None) -> np.ndarray:
-        """Have scenes without a state on the last grid wait for finer ones, from rest."""
+        """Let scenes without a state on the last grid wait for finer ones, from rest."""
         again = finer_grid(finer, room=self.room) if finer else None
         which = failed & (self.failures[group.rows] < MOST_FAILURES)
         if finer is None or again is None or margin_of(group.terms) > 1:

@@ -1,6 +1,6 @@
 """Grids of a scene: a first guess from its numbers, and the next finer grid.
 
-The guess only decides the cost. Whether it was right is judged afterwards, by the error estimate.
+The guess only decides the cost. The error estimate shows afterwards if it was right.
 """
 
 from __future__ import annotations
@@ -152,8 +152,8 @@ def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
     return (
         f"the profile has a feature about {1e6 * sampled.feature_m(position):.2g} µm wide under "
         f"the pad: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
-        f"{1e6 * apart_m:.2g} µm apart, does not show it to {share:.1g} of the profile's largest "
-        "value, as this tolerance asks"
+        f"{1e6 * apart_m:.2g} µm apart, does not resolve it to {share:.1g} of the largest "
+        "amplitude, as this tolerance needs"
     )
 
 
@@ -365,7 +365,7 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
 
 
 def least_fall(scenes: Scenes, nodes_x: int) -> np.ndarray:
-    """Factors by which changes from grid to grid are believed to fall at most, (n,).
+    """Lower bounds on the convergence ratios from grid to grid, (n,).
 
     Args:
         nodes_x: across the pad along x, of the coarser grid.

@@ -81,10 +81,12 @@ def _time_modes(
 
     They come in pairs, beside each other. With the decays g and speeds s of a pair, A d/dT maps its
     coefficients (c, d) to (g c + s d, g d − s c). The first pair has neither: it is the mean and
-    the last cosine. ``to_time_modes`` gives coefficients of A r from the values of r on the
-    instants, ``time_modes`` values from coefficients; its 2-norm is 1, so that a change is no
-    larger than its coefficients. ``settling`` is (1 + lag L h d/dT)⁻¹, how a flow follows what
-    drives it, ``settling_of_slow`` the same after L. Matrices are transposed.
+    the last cosine.
+
+    ``to_time_modes`` gives coefficients of A r from the values of r on the instants, ``time_modes``
+    values from coefficients; its 2-norm is 1, so that a change is no larger than its coefficients.
+    ``settling`` is (1 + lag L h d/dT)⁻¹, how a flow follows what drives it, ``settling_of_slow``
+    the same after L. Matrices are transposed.
 
     L leaves of a force, about, a share ``slow`` of the harmonics that the instants know, those in
     which the gas has inertia; in the others it follows the pressure at once. Which they are, the

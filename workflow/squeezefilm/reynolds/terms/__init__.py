@@ -15,12 +15,12 @@ from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.formatting import NUMBERS, label_of
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
-from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 from squeezefilm.reynolds.terms.term import HOOKS, Arrays, Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.thermal import Thermal
 
 __all__ = ["HOOKS", "TERMS", "Arrays", "Simplification", "Term", "Terms"]
 
@@ -31,7 +31,7 @@ TERMS: tuple[type[Term], ...] = (
     Rarefaction,
     Polytropic,
     Inertia,
-    Heat,
+    Thermal,
 )
 Terms = tuple[Term, ...]
 
@@ -54,7 +54,7 @@ def scene_row(scene: Scene) -> dict[str, Any]:
     absent = [each for each in absent_terms(terms_of(scene)) if each.assumption]
     exponent = scene.gas.polytropic_exponent
     thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
-    assumed = [thermal if each is Heat.ABSENT else each.assumption for each in absent]
+    assumed = [thermal if each is Thermal.ABSENT else each.assumption for each in absent]
     equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
     factors = {name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")}
     numbers = {name: getattr(scene, name) for name in NUMBERS}

@@ -21,7 +21,7 @@ class Bearing(Term):
     label: str = "bearing"
 
     NAME = "bearing"
-    ABSENT = Simplification("bearing term", "the pad is at rest")
+    ABSENT = Simplification("Couette term", "the pad is at rest")
     BREAKS = "x"
     OVER_PERIOD = "terms/bearing_over_period.cl"
     HOOKS = ("residual", "response")

@@ -1,4 +1,4 @@
-"""A gap of any shape: H = G(x, y) + ε (s₁ sin T + s₂ cos T).
+"""A non-uniform gap: H = G(x, y) + ε (s₁ sin T + s₂ cos T).
 
 No term of the equation but what all of them work in; where it is shaped at rest, preconditioners
 share the rows of the linear system (gap_over_period.cl). Without it the kernels are compiled for a
@@ -43,7 +43,7 @@ class AnyGap(Term):
     NAME = "any_gap"
     OVER_PERIOD = "terms/gap_over_period.cl"
     IN_SINGLE = True
-    ABSENT = Simplification("gap of any shape", "it is uniform at rest and moves in phase")
+    ABSENT = Simplification("non-uniform gap", "it is uniform at rest and moves in phase")
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:

@@ -139,8 +139,10 @@ class Inertia(Term):
 def not_derived(label: str, scene: Scene) -> str:
     """Return the reason why inertia or heat is not derived for a scene, or an empty text."""
     if scene.gas.rarefaction == "fukui-kaneko":
-        return f"{label} is derived for viscous flow and first-order slip, not for fukui-kaneko"
-    return f"{label} is not derived for a sliding pad" if scene.bearing_number != 0 else ""
+        return (
+            f"not supported: {label} with fukui-kaneko, only with viscous flow or first-order slip"
+        )
+    return f"not supported: {label} with a sliding pad" if scene.bearing_number != 0 else ""
 
 
 def steepness(scene: OperatingPoints) -> Any:

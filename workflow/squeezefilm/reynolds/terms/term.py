@@ -96,7 +96,7 @@ class Term:
         return ""
 
     def numbers(self, scene: Scenes) -> Numbers:
-        """Its numbers of scenes, which kernels find under these names."""
+        """Coefficients of the term for scenes, by their names in the kernels."""
         return {}
 
     def size_share(self, scene: OperatingPoints) -> Any:

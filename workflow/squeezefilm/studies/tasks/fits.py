@@ -40,17 +40,17 @@ TABLE_SHARE = 0.1
 
 
 def profile_uncertainty(config: Config, *, summary: Path | str | None = None) -> float:
-    """The largest share of a force that the scan of a study's profile leaves open, 0 without one.
+    """Largest uncertainty of a force by the scan of a study's profile, a fraction; 0 without one.
 
     Args:
         summary: what is known of the scan, as its fit wrote it; simulated where it is not given.
     """
     if summary:
-        return float(read_json(summary)["largest_force_error_share"])
+        return float(read_json(summary)["largest_force_error_fraction"])
     scan = smoothed_scan_of(config)
     if scan is None:
         return 0.0
-    return float(errors_in_study(config, scan)["scan_error_share"].max())
+    return float(errors_in_study(config, scan)["scan_error_fraction"].max())
 
 
 def limits_of(points: pd.DataFrame, config: Config) -> pd.DataFrame:
@@ -63,7 +63,7 @@ def limit_table_values(config: Config) -> dict[str, Any]:
     try:
         return limit_table_of(config).model_dump(mode="json")
     except InputError as error:
-        return {"refused": str(error)}
+        return {"not_supported": str(error)}
 
 
 def fit_to_forces(
@@ -115,7 +115,7 @@ def fit_to_forces(
         model, config, factors, force_n, best, simplifications, uncertainty=uncertainty
     )
     about["source"] = {"squeezefilm": __version__, **source}
-    if model.column_names and limit_table and "refused" not in limit_table:
+    if model.column_names and limit_table and "not_supported" not in limit_table:
         about["limit_table"] = limit_table
     fit = fit_of(about, place=f"{config['study']}: {model.name}")
     if sample is not None:
@@ -198,10 +198,11 @@ def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> Fitt
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
     """A run as a table's row, a column for each parameter."""
-    plain = asdict(fit)
-    theta = dict(zip(model.parameter_names, plain.pop("theta"), strict=True))
-    search = {f"search_{k}": v for k, v in zip(theta, plain.pop("search_theta"), strict=True)}
-    return {**plain, **theta, **search}
+    row = asdict(fit)
+    for start, key in (("parameter", "theta"), ("search_parameter", "search_theta")):
+        values = zip(model.parameter_names, row.pop(key), strict=True)
+        row |= {f"{start}_{name}": value for name, value in values}
+    return row
 
 
 def errors_on(
@@ -229,7 +230,7 @@ def errors_on(
         "sum_of_squares": len(errors) * sizes["root_mean_square_n"] ** 2,
         "global_error": sizes["global_error"],
         "band": band,
-        "share_within_band": float(np.mean(np.abs(errors) <= band)),
+        "fraction_within_band": float(np.mean(np.abs(errors) <= band)),
         "worst_relative_error": float(errors[worst]),
         "worst_point_id": point["point_id"],
         **{f"worst_{name}": float(point[name]) for name in as_in(FACTOR_COLUMNS, forces)},

@@ -167,9 +167,9 @@ def efficiencies(
                 "points": len(points),
                 "scenes": len(np.unique(np.round(study.space.coordinates(points), 9), axis=0)),
                 "d_efficiency": float(efficiency[0]),
-                "lower_bound": max(1 / max(float(level.max()), 1.0), by_local),
-                "least_over_ranges": float(efficiency.min()),
-                "mean_over_ranges": float(np.mean(efficiency)),
+                "d_efficiency_lower": max(1 / max(float(level.max()), 1.0), by_local),
+                "d_efficiency_min": float(efficiency.min()),
+                "d_efficiency_mean": float(np.mean(efficiency)),
             }
         )
     return pd.DataFrame(rows)
@@ -254,7 +254,7 @@ def designs_of_fit(
         "scenes_among_them": len(study.grid),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
         "d_efficiency": dict(zip(table["plan"], table["d_efficiency"], strict=True)),
-        "lower_bound": dict(zip(table["plan"], table["lower_bound"], strict=True)),
+        "d_efficiency_lower": dict(zip(table["plan"], table["d_efficiency_lower"], strict=True)),
         "parameter_ranges": [each.to_dict() for each in study.ranges],
         "parameter_ranges_note": RANGES_NOTE,
     }

@@ -43,7 +43,7 @@ TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below the error of the limits."""
 EXPANSIONS = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansion}
 EXPANSIONS_WITH_INERTIA = EXPANSIONS | {"limit_n": composite_expansion}
-DOES_NOT_HOLD = "the limit of large squeeze numbers does not hold for this scene"
+DOES_NOT_HOLD = "not supported: the asymptotic force for large squeeze numbers does not hold"
 CHECK_POINTS, CHECK_SEED = 500, 3
 LINES = 3
 """Along each axis of a table, at random places of the others, to choose its points."""

@@ -92,13 +92,13 @@ def refine(
 ) -> tuple[dict[str, pd.DataFrame], dict[str, Any], dict[str, Any]]:
     """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
 
-    A model that needs the physics limits where they do not hold is refused before anything is
+    A model that needs the physics limits where they do not hold is not supported: nothing is
     simulated: the fit and the verdict have the reason, and the tables are empty.
 
     Args:
         space: ``two_factor`` or ``four_factor``.
         sample: forces of a validation sample.
-        uncertainty: share of a force that the scan of a measured profile leaves open.
+        uncertainty: fraction of a force, uncertainty by the scan of a measured profile.
 
     Returns: tables by their names (TABLES), the last fit, and the verdict.
 
@@ -112,7 +112,7 @@ def refine(
     except InputError as error:
         print(error)
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
-        reason = about | {"refused": str(error)}
+        reason = about | {"not_supported": str(error)}
         return tables, reason, reason
     loop = Sequential(
         model,
@@ -151,7 +151,7 @@ def refine(
         "fitted_points": len(last.design),
         "verification_points": settings["verification"],
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
-        "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
+        "required": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": {key: _finite(getattr(last, key)) for key in estimated},
         "settings": dict(settings),
         "errors_mapped_by": source,
@@ -170,7 +170,7 @@ def _print_round(done: Round) -> None:
 
 
 def _labels(outcome: Outcome, checks: int) -> list[str]:
-    """What each simulation was for: verification-3, or design-2-5, the fifth, of round two."""
+    """Purpose of each simulation: verification-3, or design-2-5, the fifth, of round two."""
     labels = [f"verification-{number}" for number in range(1, checks + 1)]
     for done in outcome.rounds:
         new = range(len(labels) - checks + 1, len(done.design) + 1)
@@ -212,7 +212,7 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
     rounds = rounds.rename(columns={"number": "round", "design": "fitted_points"})
     worst = space.rows(space.table, rounds.pop("worst_at"), FACTOR_COLUMNS).add_prefix("worst_")
     theta = pd.DataFrame(rounds.pop("theta").tolist(), columns=list(model.parameter_names))
-    estimated, shares = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_share":]
+    estimated, shares = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_fraction":]
     return pd.concat([estimated, worst, shares, theta.add_prefix("parameter_")], axis=1)
 
 

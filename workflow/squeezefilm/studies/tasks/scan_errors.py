@@ -1,4 +1,4 @@
-"""What a scan leaves open in the forces that are simulated with its profile."""
+"""Errors of forces due to the noise of the scan of their profile."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def scan_errors(
         the standard deviation over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
         and all that was taken off the profile's maximum as the noise's;
-        ``out_of_phase_n``, by what the force is low without motion out of phase that was neglected;
+        ``quadrature_n``, by what the force is low without motion out of phase that was neglected;
         ``scan_error_n``, the sum of both.
 
     Raises:
@@ -68,14 +68,14 @@ def scan_errors(
     table = pd.DataFrame({"force_n": forces[0], "spread_n": spread_n})
     size_n = table["force_n"].abs()
     table["noise_n"] = quantile * spread_n + bias * size_n
-    table["out_of_phase_n"] = effect * size_n
-    table["noise_share"] = table["noise_n"] / size_n
-    table["scan_error_n"] = table["noise_n"] + table["out_of_phase_n"]
-    return table.assign(scan_error_share=table["scan_error_n"] / size_n)
+    table["quadrature_n"] = effect * size_n
+    table["noise_fraction"] = table["noise_n"] / size_n
+    table["scan_error_n"] = table["noise_n"] + table["quadrature_n"]
+    return table.assign(scan_error_fraction=table["scan_error_n"] / size_n)
 
 
 def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
-    """By which share the scene's force is low without the motion out of phase: an estimate.
+    """Estimate of the relative change of a force by the neglected quadrature component.
 
     Small forces go as the sum of both squares under the pad. With more motion a force grows faster,
     a piston's of little motion out of phase (closed form, σ → ∞) by less than 1/(1 − ε).
@@ -87,7 +87,7 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
 
 
 def errors_in_study(config: Config, smoothed: SmoothedScan) -> pd.DataFrame:
-    """Forces of some of a study's scenes, and what the scan leaves open in them."""
+    """Forces of some of a study's scenes, and their errors by the scan."""
     points, device = _points(config), device_of(config)
     return points.join(scan_errors(scenes_in(points, config), smoothed, device=device))
 
@@ -115,13 +115,13 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
         "outlier_lines": outliers,
         "degree": smoothed.fit.degree,
         "peak_um": peak_um,
-        "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
-        "noise_share": smoothed.noise_m / smoothed.peak_m,
-        "quadrature_share": smoothed.quadrature,
-        "largest_standard_error_share": unsure,
-        "two_phases": complex_,
-        "largest_force_noise_share": noise,
-        "largest_force_error_share": error,
+        "peak_bias_fraction": smoothed.peak_bias_m / smoothed.peak_m,
+        "noise_fraction": smoothed.noise_m / smoothed.peak_m,
+        "quadrature_fraction": smoothed.quadrature,
+        "largest_standard_error_fraction": unsure,
+        "complex_profile": complex_,
+        "largest_force_noise_fraction": noise,
+        "largest_force_error_fraction": error,
         "notes": smoothed.warnings,
     }
     point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
@@ -164,7 +164,7 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
     error = smoothed.standard_error(x_m=x_m, y_m=y_m) * micrometres
     if isinstance(smoothed.profile.surface, Disc):
         drawn = {"layer": "profile", "r_mm": x_m[:, 0] * 1e3, "error_um": error.max(axis=1)}
-        drawn |= {"lowest_um": profile.min(axis=1), "highest_um": profile.max(axis=1)}
+        drawn |= {"profile_min_um": profile.min(axis=1), "profile_max_um": profile.max(axis=1)}
     else:
         drawn |= {"profile_um": profile.ravel(), "error_um": error.ravel()}
     table = pd.concat([pd.DataFrame(points), pd.DataFrame(drawn)], ignore_index=True).round(9)

@@ -14,7 +14,7 @@ has inertia, by its lighter mass and by its swelling across the gap,
     w = −ū {(6/5) τₐ − (9/14) τ_b + κ ((3/5) τₐ − (3/7) τ_b)}
         + (Re P H²/10) {(9/7) τ ∂ū/∂T + (1/7) ū ∂τ/∂T}.
 
-First order in τ. That heat is carried along the film, and how fast w settles, is left out: on a
+First order in τ. That heat is carried along the film, and how fast w settles, is neglected: on a
 strip with resolved temperature both moved the force by less than the parabola's own error.
 
 With first-order slip the temperature jumps at the walls (Smoluchowski; full accommodation) by
@@ -49,12 +49,12 @@ def temperature_jump(scene: OperatingPoints) -> Any:
 
 
 @dataclass(frozen=True)
-class Heat(Term):
-    label: str = "heat"
+class Thermal(Term):
+    label: str = "thermal effects"
 
-    NAME = "heat"
-    ABSENT = Simplification("heat", "not included by gas.heat", "isothermal")
-    OVER_PERIOD = "terms/heat_over_period.cl"
+    NAME = "thermal"
+    ABSENT = Simplification("thermal", "not included by gas.thermal", "isothermal")
+    OVER_PERIOD = "terms/thermal_over_period.cl"
     HOOKS = ("residual", "response")
     OWN_FIELDS = 9
     # Of 50 random films at 1e-4 one, at ε Re = 2, was 2.6 times as far off as its grids were apart.
@@ -62,8 +62,8 @@ class Heat(Term):
     MOST_WORK = Inertia.MOST_WORK
 
     @classmethod
-    def of(cls, scene: Scene) -> Heat | None:
-        return cls() if scene.gas.heat == "included" else None
+    def of(cls, scene: Scene) -> Thermal | None:
+        return cls() if scene.gas.thermal == "included" else None
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         conduction = scene.gas.prandtl * scene.modified_reynolds
@@ -90,7 +90,5 @@ class Heat(Term):
 
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.polytropic_exponent != 1:
-            return (
-                "heat is solved for with gas.polytropic_exponent 1, which stands for it otherwise"
-            )
+            return "not supported: gas.thermal with another gas.polytropic_exponent than 1"
         return not_derived(self.label, scene)

@@ -1,8 +1,8 @@
-/* Heat (heat.py): what the gas' rise of temperature moves. Newton's steps know of it what is linear in
+/* Heat (thermal.py): what the gas' rise of temperature moves. Newton's steps know of it what is linear in
  * the motion, with a lag as at rest; the rest is too small to ask for
  * more than a step or two. */
 
-#define HEAT_FIELDS 9
+#define THERMAL_FIELDS 9
 
 /* J at a node of an outline (terms/outline.py), by which what the gap holds is multiplied; and 1/J at the
  * points of velocities along an axis, by which their square is. */
@@ -114,9 +114,9 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
     }
 }
 
-static void residual_heat(const Grid *g, const Film *film, field mass, field work, field out)
+static void residual_thermal(const Grid *g, const Film *film, field mass, field work, field out)
 {
-    field warmth = film->own_work + (OWN_FIELDS - HEAT_FIELDS) * g->count;
+    field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->count;
     field velocity = warmth + g->count, nodal = velocity + 2 * g->count;
     field first = nodal + 2 * g->count, second = first + g->count;
     field third = second + g->count, fourth = third + g->count;
@@ -173,9 +173,9 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
 }
 
 /* The mass that a change of pressure moves by warming the gas: its rise lags as on average. */
-static void response_heat(const Grid *g, const Film *film, field mass, field work, field out)
+static void response_thermal(const Grid *g, const Film *film, field mass, field work, field out)
 {
-    field first = film->own_work + (OWN_FIELDS - HEAT_FIELDS + 5) * g->count, second = first + g->count;
+    field first = film->own_work + (OWN_FIELDS - THERMAL_FIELDS + 5) * g->count, second = first + g->count;
     field4 pressure = (field4)first, rise = (field4)second;
     FOR_EACH_POINT(g, row, t, i) pressure[i] = ((matrix4)mass)[i] / gap_at(g, film, row, t);
     SYNC;
