@@ -46,7 +46,10 @@ def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     """Forces at amplitudes 1 % apart: a gain of 2.16455 with inertia and 2.16695 without."""
     assert main([*ONE, "--frequencies", "100Hz", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    slip = [told[f"slip_{what}_percent"] for what in ("gain", "corner", "rise", "release")]
+    slip = [
+        told[f"slip_{what}_percent"]
+        for what in ("gain", "corner", "settling_start", "settling_stop")
+    ]
     assert slip == pytest.approx([0.12, 7.6, -7.8, -8.0], rel=0.03)
     changes = [told[f"{effect}_gain_percent"] for effect in ("inertia", "thermal")]
     assert changes == pytest.approx([-0.11, 0.01], abs=0.01)

@@ -117,7 +117,7 @@ def in_lines(row: Mapping[Any, Any]) -> str:
 
 
 def _text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
-    """Return a value of a row with its error, or what is listed there by columns of its own."""
+    """Return a value of a row with its error, or the list of values that it holds."""
     if isinstance(value, list):
         return [_text(name, each, row) for each in value]
     if isinstance(value, Mapping):

@@ -74,7 +74,7 @@ class Disc:
         raise ArithmeticError("Newton's method did not converge")
 
     def _residual(self, state: np.ndarray) -> np.ndarray:
-        """Of mass, momentum and heat for P − 1, v and τₐ, shape (…, 3, nodes, instants)."""
+        """Return the residuals of mass, momentum and heat, shape (…, 3, nodes, instants)."""
         s = self.grid.x[:, None]
         phase = 2 * np.pi * np.arange(self.instants) / self.instants
         moved = self.epsilon * self.profile(np.sqrt(s) / 2)

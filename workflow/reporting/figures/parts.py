@@ -73,7 +73,7 @@ def error_note(results: Results, fit: str, plan: str) -> str:
 
 
 def interpolation_note(points: pd.DataFrame) -> str:
-    """Where the values of a map are computed."""
+    """Return a note on where the values of a map are computed."""
     return f"Interpolated linearly between {len(points)} simulated points (h0, hv)."
 
 

@@ -48,7 +48,7 @@ def compare_measurements(config: Config) -> pd.DataFrame:
 
 
 def _computed(force: Force) -> dict[str, Any]:
-    """What is known of a computed force, in columns."""
+    """Return a computed force and its errors, by names of columns."""
     known = force.validity == OK and not force.budget.first_order_invalid
     bounds = force.modelling_error_percent if known else (np.nan, np.nan)
     lower_n, upper_n = sorted(percent / 100 * force.force_n for percent in bounds)
@@ -64,7 +64,7 @@ def _computed(force: Force) -> dict[str, Any]:
 
 
 def _propagated(name: str, off_m: np.ndarray, forces: Sequence[Force], **how: Any) -> np.ndarray:
-    """What a factor's uncertainty makes of each force, in newtons; NaN where that is not known."""
+    """Return the uncertainty (N) of each force due to that of a factor; NaN if not known."""
     parts_n = np.array([0.0 * force.force_n for force in forces])
     rows = np.flatnonzero((off_m > 0) & np.isfinite(parts_n)).tolist()
     ends = [moved(forces[k].scene, name, sign * off_m[k]) for sign in (1, -1) for k in rows]

@@ -368,7 +368,7 @@ class Numerics(Section):
 
 
 class Figures(Section):
-    """How figures look.
+    """Look of the figures.
 
     Attributes:
         style: a style file of matplotlib (`.mplstyle`), from the folder of this file: fonts, sizes

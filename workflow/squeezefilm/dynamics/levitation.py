@@ -389,7 +389,7 @@ def levitations(
         scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
         mass_kg: that floats, for its resonance.
         whole: with the columns of scenes and error budgets too, and with ``h0_noise_m``, the part
-            of the gap's error that the scan leaves open.
+            of the gap's error by the scan's noise.
     """
     rows = []
     with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:

@@ -102,7 +102,7 @@ class Outline:
         return np.asarray(np.sinh(zeta) * chebval(np.cosh(zeta), chebder(self.coefficients)))
 
     def bend(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
-        """Its derivative over itself."""
+        """Derivative of the map's derivative over that derivative."""
         zeta = mu + 1j * np.asarray(nu)
         c, first = np.cosh(zeta), chebder(self.coefficients)
         more = np.sinh(zeta) * chebval(c, chebder(first)) / chebval(c, first)
@@ -119,7 +119,7 @@ class Outline:
 
     @cached_property
     def varies_around(self) -> bool:
-        """Whether J varies more with ν than with μ."""
+        """J varies more with ν than with μ."""
         mu, nu = np.meshgrid(np.linspace(0, self.rim, 33), np.linspace(0, 2 * pi, 128)[:-1])
         area = self.stretch(mu, nu)
         return bool(np.var(area.mean(axis=1)) > np.var(area.mean(axis=0)))

@@ -217,7 +217,7 @@ class Fields:
 
     @cached_property
     def plain_weights(self) -> np.ndarray:
-        """Those of the mean over the coordinates, (x, y, t)."""
+        """Weights of the mean over the coordinates, (x, y, t)."""
         area = np.outer(self.along_x.weights, self.along_y.weights)
         return np.repeat(area[..., None] / self.grid.nt, self.grid.nt, axis=2)
 

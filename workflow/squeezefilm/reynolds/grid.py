@@ -84,7 +84,7 @@ class Grid:
 
     @property
     def mean_area(self) -> float:
-        """Of ``area``, one over its mean over the pad."""
+        """One over the mean of ``area`` over the pad."""
         return self.outline.typical_stretch / self.outline.mean_stretch if self.outline else 1.0
 
     def area(self, across: np.ndarray) -> np.ndarray | float:

@@ -156,7 +156,7 @@ def _points(grid: Grid) -> list[Any]:
 
 
 def _bends(grid: Grid) -> list[Arrays]:
-    """Of an outline at the flux points of μ and ν: 1/J, and the bend of the velocity along each.
+    """Return 1/J and the bend of the velocity at the flux points of μ and of ν.
 
     With W = (dz/dζ)* ū, whose parts lie along μ and ν, (dz/dζ)* (ū·∇)ū is
 
