@@ -104,7 +104,7 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
         kind = config["actuator"]["profile"]["kind"]
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
     forces = errors_in_study(config, smoothed)
-    noise, error = (float(forces[f"{each}_share"].max()) for each in ("noise", "scan_error"))
+    noise, error = (float(forces[f"{each}_fraction"].max()) for each in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net()
     unsure = float(smoothed.standard_error(x_m=x_m, y_m=y_m).max())
     outliers = smoothed.scan.lines[smoothed.outliers].tolist()
