@@ -47,4 +47,4 @@ def test_the_page_on_the_modelling_error_shows_what_the_command_gives(repository
         names = ("inertia", "thermal", "slip", "edge_loss", "edge_loss_upper")
         names += ("modelling_error_lower", "modelling_error_upper")
         shown = [float(text.replace("−", "-")) for text in re.findall(r"[+−][\d.]+", cells)]
-        assert shown == pytest.approx([budget[f"{name}_percent"] for name in names], rel=0.03)
+        assert shown == pytest.approx([budget[f"{name}_percent"] for name in names], rel=0.05)
