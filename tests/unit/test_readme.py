@@ -1,5 +1,6 @@
 """What the README types is run, and what it shows is what comes out."""
 
+import json
 import re
 import shlex
 
@@ -33,3 +34,17 @@ def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
     assert re.match(r"mean force +0\.95", told)
     assert "error_95_percent" in told
     assert len(names["curve"]) == 9
+
+
+def test_the_page_on_the_modelling_error_shows_what_the_command_gives(repository, capsys):
+    page = (repository / "docs/explanation/modelling-error.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) µm, 2 µm(.*?) \| (.*) \|$", page, re.MULTILINE)
+    assert len(rows) == 5
+    for h0_um, place, cells in rows:
+        x = ["--x", "2.9mm"] if place else []
+        assert main(["error-budget", "--h0", f"{h0_um}um", "--hv", "2um", *x, "--json"]) == 0
+        budget = json.loads(capsys.readouterr().out)
+        names = ("inertia", "thermal", "slip", "edge_loss", "edge_loss_upper")
+        names += ("modelling_error_lower", "modelling_error_upper")
+        shown = [float(text.replace("−", "-")) for text in re.findall(r"[+−][\d.]+", cells)]
+        assert shown == pytest.approx([budget[f"{name}_percent"] for name in names], rel=0.05)

@@ -128,5 +128,5 @@ def summary_of(table: pd.DataFrame) -> dict[str, Any]:
         "probability": chance,
         "chi_square_unexplained": None if unknown else beyond,
         "probability_unexplained": None if unknown else chance_beyond,
-        "verdict": f"differences at {count} of {len(table)} points are {worth}",
+        "verdict": f"taken together ({count} of {len(table)} points), differences are {worth}",
     }
