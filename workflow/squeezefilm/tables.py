@@ -65,12 +65,8 @@ class Column(NamedTuple):
     tables: str
 
 
-def _columns(path: Path) -> tuple[Column, ...]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return tuple(Column(*row) for row in list(csv.reader(file))[1:])
-
-
-COLUMNS = _columns(Path(__file__).with_name("columns.csv"))
+_REGISTRY = read_text(Path(__file__).with_name("columns.csv"), what="registry").splitlines()
+COLUMNS = tuple(Column(*row) for row in csv.reader(_REGISTRY[1:]))
 """Every column that the commands and the workflow write."""
 NAMES = {each.name for each in COLUMNS}
 PATTERNS = [name for name in NAMES if "*" in name]

@@ -239,16 +239,9 @@ class Film:
         budget: bool = False,
     ) -> pd.DataFrame:
         """The same for a table of points: h0_m, hv_m and a position, if any."""
-        found = forces_of(
-            self.scenes(points),
-            settings=solver_settings(
-                self.config, tolerance=tolerance, method=method, outputs=outputs
-            ),
-            device=self.device,
-            smoothed=self.scan,
-            budget=budget,
-        )
-        return forces_table(points, found)
+        settings = solver_settings(self.config, tolerance=tolerance, method=method, outputs=outputs)
+        how: dict[str, Any] = {"settings": settings, "device": self.device, "smoothed": self.scan}
+        return forces_table(points, forces_of(self.scenes(points), budget=budget, **how))
 
     def pressure(
         self,

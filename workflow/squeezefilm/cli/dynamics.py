@@ -7,9 +7,7 @@ import numpy as np
 
 from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import (
-    CONFIG,
-    DEVICE,
-    JSON,
+    FILM,
     SCENES,
     SOLVER,
     command,
@@ -74,7 +72,13 @@ def levitate(options: argparse.Namespace) -> None:
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:
         raise InputError(f"--mass {options.mass!r} must be positive")
-    loads_n = _loads(options, mass_kg=mass_kg)
+    loads_n = [] if mass_kg is None else [GRAVITY_M_PER_S2 * mass_kg]
+    if options.load is not None:
+        loads_n = quantities(options.load, option="--load", unit="N")
+    if options.hv is None or not loads_n:
+        raise InputError("give --load and --hv, or --mass and --hv")
+    if min(loads_n) <= 0:
+        raise InputError(f"--load {options.load!r} must be positive")
     points = points_in(options, times=len(loads_n))
     least, most = AMPLITUDES_M
     for wrong in points.loc[~points["hv_m"].between(least, most), "hv_m"]:
@@ -98,18 +102,6 @@ def levitate(options: argparse.Namespace) -> None:
         raise RunError(f"{status}; {trustworthy(scenes[0], **how)}")
 
 
-def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]:
-    """Loads, or the mass's weight."""
-    if options.hv is None or (options.load is None and mass_kg is None):
-        raise InputError("give --load and --hv, or --mass and --hv")
-    if options.load is None and mass_kg is not None:
-        return [GRAVITY_M_PER_S2 * mass_kg]
-    loads_n = quantities(options.load, option="--load", unit="N")
-    if min(loads_n) <= 0:
-        raise InputError(f"--load {options.load!r} must be positive")
-    return loads_n
-
-
 @command(
     SCENES,
     option("--output", "RESPONSE.csv", "table to write, a row per scene"),
@@ -125,7 +117,7 @@ def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]
         f"of the modulation: several with commas, or first:last:count; {FREQUENCIES}",
         default=FREQUENCIES,
     ),
-    *(CONFIG, DEVICE, JSON),
+    *FILM,
     points(many=False),
 )
 def response(options: argparse.Namespace) -> None:

@@ -18,8 +18,7 @@ from squeezefilm.api.forces import (
 )
 from squeezefilm.cli.options import (
     CONFIG,
-    DEVICE,
-    JSON,
+    FILM,
     OUTPUT,
     POINTS,
     SCENES,
@@ -163,7 +162,7 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
         raise RunError(f"{what} for " + "; ".join(missing))
 
 
-@command(SCENES, OUTPUT, CONFIG, DEVICE, JSON, points())
+@command(SCENES, OUTPUT, *FILM, points())
 def error_budget(options: argparse.Namespace) -> None:
     """Estimate the modelling error of each force: inertia, heat, slip, edge loss, sliding, in %.
 

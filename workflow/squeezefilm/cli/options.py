@@ -71,7 +71,7 @@ DEVICE = option("--device", help="instead of SQUEEZEFILM_DEVICE and the config's
 TOLERANCE = option("--tolerance", help="instead of the config's solver.tolerance", type=float)
 METHOD = option("--method", help="instead of the config's solver.method", choices=METHODS)
 JSON = flag("--json", "print one point as a JSON object, whose keys are names of columns")
-SOLVER = (CONFIG, TOLERANCE, METHOD, DEVICE, JSON)
+SOLVER, FILM = (CONFIG, TOLERANCE, METHOD, DEVICE, JSON), (CONFIG, DEVICE, JSON)
 FIT = option("fit", "FIT.json", "the fitted model")
 FORCES = option("forces", "FORCES.csv", "simulated forces")
 SCENES = option("scenes", "SCENES.csv", "table of scenes", nargs="?")

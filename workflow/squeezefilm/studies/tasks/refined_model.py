@@ -114,14 +114,8 @@ def refine(
         tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
         reason = about | {"not_supported": str(error)}
         return tables, reason, reason
-    loop = Sequential(
-        model,
-        pool,
-        settings,
-        simulated.simulate,
-        bound=config["fit"]["bounds"][-1],
-    )
-    outcome = loop.run(_print_round)
+    bound = config["fit"]["bounds"][-1]
+    outcome = Sequential(model, pool, settings, simulated.simulate, bound=bound).run(_print_round)
     print(f"{outcome.verdict}: {outcome.reason}")
     values = _fit_values(model, simulated, outcome, uncertainty=uncertainty)
     fit = fit_of(values, place=f"{config['study']}: {model.name}")
@@ -130,7 +124,6 @@ def refine(
     last, points = outcome.rounds[-1], outcome.simulated
     where, source = _map(model, simulated, outcome)
     by_region = error_by_region(pool.factors.take(pool.typical), where["error_n"][-TYPICAL:])
-    estimated = ("global_error", "global_lower", "global_upper", "worst_error")
     labels = _labels(outcome, settings["verification"])
     known, forces = (
         table.assign(point_id=pd.Series(labels, index=points))
@@ -152,7 +145,7 @@ def refine(
         "verification_points": settings["verification"],
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
         "required": {key: settings[key] for key in ("global_error", "worst_error")},
-        "estimated": {key: _finite(getattr(last, key)) for key in estimated},
+        "estimated": {key: _finite(getattr(last, key)) for key in ROUND_COLUMNS[1:]},
         "settings": dict(settings),
         "errors_mapped_by": source,
         "error_by_region": by_region.to_dict("records"),
