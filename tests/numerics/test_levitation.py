@@ -129,7 +129,7 @@ DISC = {
             [
                 "modified Reynolds number",
                 "more than a tenth of the gap",
-                "heat is auto and not",
+                "thermal is auto and not",
             ],
         ),
         (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 13.2", "tenth of the gap"]),

@@ -9,7 +9,13 @@ from squeezefilm.config.loading import load_config
 
 # Forces, bounds of the modelling error, χ² by itself and beyond the bounds, the verdict.
 WORTH = [
-    ([10.5, 11, 9, 1], [0, 0, None, 0], 2.25, None, "(3 of 4 points), differences are within measurement"),
+    (
+        [10.5, 11, 9, 1],
+        [0, 0, None, 0],
+        2.25,
+        None,
+        "(3 of 4 points), differences are within measurement",
+    ),
     ([13, 12, 10, 1], [2, 2, 2, 0], 13, 1, "the modelling error can explain them"),
     ([13, 12, 10, 1], [1, 2, None, 0], 13, None, "the modelling error is not known at 1 of them"),
     ([7, 10, 15, 1], [2, 2, 1, 0], 34, 25, "and the known errors of the computed forces"),

@@ -21,8 +21,9 @@ from squeezefilm.errors import InputError
 from squeezefilm.models.fit_file import read_fit
 
 FIGURES = OF_ANY_STUDY | OF_THE_PAPER
+OPTIONAL = ("figures/profile", "figures/measurements")
 PLACES = (*(place for place in OF_ANY_STUDY if place.startswith("figures/")), *OF_THE_PAPER)
-NAMES = [place.removeprefix("figures/") for place in PLACES if place != "figures/profile"]
+NAMES = [place.removeprefix("figures/") for place in PLACES if place not in OPTIONAL]
 IN_MM = ("vibration", "amplitudes", "fig05", "fig06", "fig15")
 UNITS = dict.fromkeys(IN_MM, "(mm)") | {"fig14": "(%)"}
 KNOWN_UNITS = ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)", "(Hz)", "(N/µm)")

@@ -24,7 +24,10 @@ def _library(*without: str) -> list[str]:
     """The folders of the library but those that are named, and the modules beside them."""
     folders = sorted(path.parent.name for path in WORKFLOW.glob("squeezefilm/*/__init__.py"))
     there = [f"squeezefilm/{folder}" for folder in folders if folder not in without]
-    beside = ("errors", "files", "formulas", "lazy", "parallel", "solution", "tables", "units")
+    beside = (
+        *("errors", "files", "formatting", "formulas", "lazy", "parallel", "solution"),
+        *("tables", "units"),
+    )
     return [*there, *(f"squeezefilm/{name}.py" for name in beside)]
 
 
