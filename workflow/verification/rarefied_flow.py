@@ -15,6 +15,7 @@ logarithm at y' = y, is taken on either side by the tanh-sinh rule.
 """
 
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator
 
 # Inverse Knudsen numbers of the table, ten for each decade.
 TABULATED = 10.0 ** (np.arange(-20, 31) / 10)
@@ -36,16 +37,14 @@ def poiseuille_flow(inverse_knudsen: float, *, points: int = 60, half_rule: int 
     spread, step = np.linspace(-3.2, 3.2, 2 * half_rule + 1, retstep=True)
     share = (1 + np.tanh(np.pi / 2 * np.sinh(spread))) / 2
     share_weights = step * np.pi / 4 * np.cosh(spread) / np.cosh(np.pi / 2 * np.sinh(spread)) ** 2
-    barycentric = np.sqrt((1 - at**2) * weights) * (-1) ** np.arange(points)
+    interpolation = BarycentricInterpolator(at, np.eye(points), rng=0)
     equation = np.eye(points)
     for row, place in enumerate(at.tolist()):
         for length in (-1 - place, 1 - place):
             nodes = place + length * share
             kernel = _abramowitz(half * np.abs(_crowded(nodes) - _crowded(np.array(place))))
             kernel *= half * _crowding(nodes) * abs(length) * share_weights / np.sqrt(np.pi)
-            apart = nodes[:, None] - at
-            shares = barycentric / np.where(np.abs(apart) < 1e-15, 1e-15, apart)
-            equation[row] -= kernel @ (shares / shares.sum(axis=1, keepdims=True))
+            equation[row] -= kernel @ interpolation(nodes)
     profile = np.linalg.solve(equation, np.ones(points))
     return float((half * weights * _crowding(at) @ profile - 2 * half) / (2 * half) ** 2)
 
