@@ -201,15 +201,11 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
         for (drawn, off), share in zip(parts, turned, strict=True):
             found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
-    names = {name for output in OUTPUTS if output not in missing for name in OUTPUTS[output]}
-    known = {
-        n: each for n, each in found.items() if n in names | {"force_in_phase", "force_quadrature"}
-    }
-    return Outputs(
-        value={name: value for name, (value, _) in known.items()},
-        error={name: off for name, (_, off) in known.items()},
-        missing=missing,
-    ), holds
+    for name in OUTPUTS["thrust"] if "thrust" in missing else ():
+        del found[name]
+    values = {name: each for name, (each, _) in found.items()}
+    errors = {name: off for name, (_, off) in found.items()}
+    return Outputs(value=values, error=errors, missing=missing), holds
 
 
 def _couette(film: Sample) -> float:
