@@ -129,5 +129,5 @@ def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
 
 def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
     """Forces of the uniform-gap equation on 24 × 24 × 16 points of the whole pad."""
-    means = np.array([periodic_state(each, tolerance=1e-4 * tolerance).force for each in scenes])
+    means = np.array([periodic_state(each, tolerance=1e-4 * tolerance) for each in scenes])
     return Forces(Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan))

@@ -20,11 +20,11 @@ from scipy.integrate import solve_ivp
 
 from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
-from verification.marching import FloatArray, Periodic, fold_of, march_to_periodic
+from verification.marching import FloatArray, fold_of, march_to_periodic
 from verification.numpy_periodic import chebyshev_grid
 
 
-def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> Periodic:
+def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> float:
     """Mean force in p0 l0^2 of the period that repeats itself to rtol / 100.
 
     points: inner points along each half side, folded or not; rtol: Radau's

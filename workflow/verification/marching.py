@@ -11,7 +11,6 @@ in units of p0 l0^2: force in newtons = force * p0 * l0**2.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,14 +23,6 @@ FloatArray = NDArray[np.float64]
 Operator = Callable[[FloatArray], FloatArray]
 
 NEWTON_STEPS, KRYLOV_ITERATIONS = 40, 400
-
-
-@dataclass(frozen=True)
-class Periodic:
-    """A mean force in p0 l0^2, and after how many periods of a time integration."""
-
-    force: float
-    periods: int = 0
 
 
 def fold_of(scene: Scene) -> tuple[bool, bool]:
@@ -75,8 +66,8 @@ def march_to_periodic(
     periods: int,
     tolerance: float = 0.0,
     anderson_depth: int = 0,
-) -> Periodic:
-    """Repeat the period map until the state repeats itself.
+) -> float:
+    """Repeat the period map until the state repeats itself; the mean force of the last period.
 
     period: maps the state at T = 0 to the state at T = 2 pi and the mean force in between.
     periods: how often the map is applied at most; tolerance: stop before that once no entry
@@ -88,7 +79,7 @@ def march_to_periodic(
     state = start
     images: list[FloatArray] = []
     residuals: list[FloatArray] = []
-    for count in range(1, periods + 1):  # noqa: B007 - returned
+    for _ in range(periods):
         image, force = period(state)
         residual = image - state
         if np.abs(residual).max() <= tolerance:
@@ -99,7 +90,7 @@ def march_to_periodic(
         if len(images) > 1:
             weights = np.linalg.lstsq(np.diff(residuals, axis=0).T, residual, rcond=None)[0]
             state = image - np.diff(images, axis=0).T @ weights
-    return Periodic(force, count)
+    return force
 
 
 def newton_krylov(

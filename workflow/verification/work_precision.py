@@ -23,7 +23,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from verification import chebyshev_march, finite_elements, numpy_periodic
 from verification.films import film
-from verification.marching import Periodic, periods_to_settle
+from verification.marching import periods_to_settle
 from verification.reference import reference_force
 
 FILMS = (
@@ -139,9 +139,9 @@ def _own(scenes: list[Scene], device: Device, *, tolerance: float) -> Answer:
     return first.force_n / scale, first.force_error_n / scale, first.status
 
 
-def _other(solved: Callable[..., Periodic], scene: Scene, **settings: Any) -> Answer:
+def _other(solved: Callable[..., float], scene: Scene, **settings: Any) -> Answer:
     try:
-        return solved(scene, **settings).force, np.nan, "ok"
+        return solved(scene, **settings), np.nan, "ok"
     except RunError as error:
         return np.nan, np.nan, str(error)
 
@@ -180,7 +180,7 @@ def _accelerated(scene: Scene, level: int) -> Settings:
 
 
 # Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs.
-METHODS: dict[str, tuple[Callable[..., Periodic], Callable[[Scene, int], Settings]]] = {
+METHODS: dict[str, tuple[Callable[..., float], Callable[[Scene, int], Settings]]] = {
     "same algorithm, NumPy, no symmetry": (numpy_periodic.periodic_state, _grid),
     "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_force, _chebyshev),
     "finite elements, Anderson": (finite_elements.periodic_force, _accelerated),

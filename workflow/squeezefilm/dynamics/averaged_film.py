@@ -249,7 +249,7 @@ def refused(scene: Scene) -> str:
     if scene.epsilon == 0:
         return "the surface is at rest"
     terms = terms_of(scene)
-    unknown = [each.label for each in terms if not each.in_expansions or isinstance(each, Inertia)]
+    unknown = [each.label for each in terms if not each.IN_EXPANSIONS or isinstance(each, Inertia)]
     return f"the response is not derived with {', '.join(unknown)}" if unknown else ""
 
 

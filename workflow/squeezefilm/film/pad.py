@@ -1,6 +1,6 @@
 """The pad over the surface: its pad's outline and how its gap at rest is shaped."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from math import cos, pi, radians, sin
 from typing import TypeVar
@@ -79,10 +79,6 @@ class Pad:
             return x, y
         c, s = cos(radians(self.rotation_deg)), sin(radians(self.rotation_deg))
         return c * x - s * y, s * x + c * y
-
-    def turned_back(self, x: Number, y: Number) -> tuple[Number, Number]:
-        """Coordinates along the actuator's axes in the pad's own."""
-        return replace(self, rotation_deg=-self.rotation_deg).turned(x, y)
 
 
 @lru_cache(maxsize=256)

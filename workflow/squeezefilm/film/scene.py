@@ -154,19 +154,24 @@ class Scene(OperatingPoints):
         return Scenes.of([self])
 
 
-@dataclass(frozen=True)
-class PadProfile:
-    """A vibration profile and the pad over it: with the pad's position, the profile under it."""
-
-    profile: Profile
-    pad: Pad
+class HashedOnce:
+    """A frozen dataclass by which much is kept: hashing it takes as long as preparing a scene."""
 
     def __hash__(self) -> int:
         return self._hash
 
     @cached_property
-    def _hash(self) -> int:  # once: it takes as long as many a step of preparing a scene
-        return hash((self.profile, self.pad))
+    def _hash(self) -> int:
+        return hash(tuple([getattr(self, each.name) for each in fields(self)]))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class PadProfile(HashedOnce):
+    """A vibration profile and the pad over it: with the pad's position, the profile under it."""
+
+    profile: Profile
+    pad: Pad
+    __hash__ = HashedOnce.__hash__
 
     def amplitude(
         self, x: np.ndarray, y: np.ndarray, *, x_m: float | np.ndarray, y_m: float | np.ndarray
@@ -179,19 +184,13 @@ class PadProfile:
 
 
 @dataclass(frozen=True)
-class Film:
+class Film(HashedOnce):
     """A gas between a vibrating surface and a pad: what stays between operating points."""
 
     gas: Gas
     actuator: Actuator
     pad: Pad
-
-    def __hash__(self) -> int:
-        return self._hash
-
-    @cached_property
-    def _hash(self) -> int:
-        return hash((self.gas, self.actuator, self.pad))
+    __hash__ = HashedOnce.__hash__
 
     @cached_property
     def pad_profile(self) -> PadProfile:

@@ -21,8 +21,8 @@ from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.spectral import Around, Axis
-from squeezefilm.reynolds.terms import stiffness_of, terms_of
+from squeezefilm.reynolds.spectral import Around, Axis, even_and_odd
+from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
     flow_over_viscous,
     slip_flow,
@@ -54,9 +54,7 @@ class AxisWithRim:
             return
         rim = 1 - axis.weights.sum()  # a constant's integral is that constant
         if axis.folded:
-            half = axis.points + 1
-            near, far = axis.derivative[:half, :half], axis.derivative[:half, : half - 1 : -1]
-            self.of_even, self.of_odd = near + far, near - far
+            self.of_even, self.of_odd = even_and_odd(axis.derivative)
             self.weights = np.append(rim, axis.weights)
         else:
             self.of_even = self.of_odd = axis.derivative
@@ -317,7 +315,7 @@ def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[fl
         least_fall(needs.scenes, coarse[0]).item(),
     )
     # A mass error w moves the pressure by about n w/H.
-    left = float(stiffness_of(scene, needs.terms)) * solution.residual / scene.narrowest
+    left = scene.gas.polytropic_exponent * solution.residual / scene.narrowest
     return margin_of(needs.terms) * float(left_after(fall)), left
 
 

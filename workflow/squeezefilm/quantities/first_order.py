@@ -123,25 +123,20 @@ def by_entrance(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndar
     outside. On the rim ρ is 1, and λ is 0: of the flow only that across it counts.
     """
     weights = films.weights.reshape(films.gap.shape[1:])
-    to_x, to_y = (
-        each.of_even.T / length
-        for each, length in zip((films.along_x, films.along_y), films.lengths, strict=True)
-    )
+    axes = [(along_x, films.grid.x, films.along_x), (along_y, films.grid.y, films.along_y)]
+    with_rims = axes[:1] if films.grid.outline else axes
     fallen = np.zeros(len(scenes))
     for end, inwards in ((slice(1), 1.0), (slice(-1, None), -1.0)):
-        if inwards > 0 or not films.grid.x.folded:
-            mean = weights[end] - sum(
-                along_x(to_x[end], answers.slope[0] * factor) * rise[:, end]
+        for k, (along, axis, with_rim) in enumerate(with_rims):
+            if inwards < 0 and axis.folded:
+                continue
+            rim, to_rim = (slice(None),) * k + (end,), with_rim.of_even.T[end] / films.lengths[k]
+            mean = weights[rim] - sum(
+                along(to_rim, answers.slope[k] * factor) * rise[:, *rim]
                 for factor, rise, _ in films.flow_terms
             )
-            inflow = np.maximum(inwards * films.velocity[0][:, end], 0.0)
+            inflow = np.maximum(inwards * films.velocity[k][:, *rim], 0.0)
             fallen += total(inflow**2 / films.area[end], mean)
-        if films.grid.outline is None and (inwards > 0 or not films.grid.y.folded):
-            mean = weights[:, end] - sum(
-                along_y(to_y[end], answers.slope[1] * factor) * rise[:, :, end]
-                for factor, rise, _ in films.flow_terms
-            )
-            fallen += total(np.maximum(inwards * films.velocity[1][:, :, end], 0.0) ** 2, mean)
     return -films.problems.numbers["sigma"] * _reynolds(scenes) / 24 * fallen
 
 

@@ -386,7 +386,7 @@ def _refused(scene: Scene, name: str, method: str) -> str:
     """Return the reason why the method does not support a term; empty if it does."""
     scene = _closed(scene).with_gas(**{name: "included"})
     if method == "composite":
-        derived = OPEN[name].in_expansions
+        derived = OPEN[name].IN_EXPANSIONS
         return "" if derived else "the composite expansion is not derived with it"
     return refused_on_grid(scene, terms_of(scene))
 

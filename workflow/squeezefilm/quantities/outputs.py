@@ -201,15 +201,11 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
         for (drawn, off), share in zip(parts, turned, strict=True):
             found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
-    names = {name for output in OUTPUTS if output not in missing for name in OUTPUTS[output]}
-    known = {
-        n: each for n, each in found.items() if n in names | {"force_in_phase", "force_quadrature"}
-    }
-    return Outputs(
-        value={name: value for name, (value, _) in known.items()},
-        error={name: off for name, (_, off) in known.items()},
-        missing=missing,
-    ), holds
+    for name in OUTPUTS["thrust"] if "thrust" in missing else ():
+        del found[name]
+    values = {name: each for name, (each, _) in found.items()}
+    errors = {name: off for name, (_, off) in found.items()}
+    return Outputs(value=values, error=errors, missing=missing), holds
 
 
 def _couette(film: Sample) -> float:
@@ -277,31 +273,29 @@ class Sample:
 
     def __init__(self, scene: Scene, state: State) -> None:
         grid, outline = state.grid, state.grid.outline
-        first = axis(grid.x.full_points, folded=False)
-        second = grid.around if outline else axis(grid.y.full_points, folded=False)
         mirrored: list[Any]
         # With zeros on the rim; what is not among the unknowns is an image.
-        in_x, in_y = grid.x.at(first.all_nodes), grid.y.at(second.all_nodes)
+        in_x, in_y = (each.at(each.all_nodes) for each in (grid.x, grid.y))
         field = np.einsum("pa,abi,qb->pqi", in_x, state.unknowns[0], in_y, optimize=True)
+        along_x = with_rim(axis(grid.x.full_points, folded=False)).weights
         if outline:
-            u, v = np.meshgrid(first.all_nodes, second.all_nodes, indexing="ij")
-            density = outline.stretch(outline.rim * (2 * u - 1), v) / outline.mean_stretch
-            weights = with_rim(first).weights[:, None] * density / len(second.all_nodes)
-            self.x, self.y = outline.positions(u.ravel(), v.ravel())
+            mu, nu = outline.rim * (2 * grid.x.all_nodes[:, None] - 1), grid.y.all_nodes
+            density = outline.stretch(mu, nu) / outline.mean_stretch
+            weights = along_x[:, None] * density / len(nu)
             mirrored = list(grid.around.mirrored)
         else:
-            weights = np.multiply.outer(with_rim(first).weights, with_rim(second).weights)
-            self.x, self.y = grid.positions
+            along_y = with_rim(axis(grid.y.full_points, folded=False)).weights
+            weights = np.multiply.outer(along_x, along_y)
             mirrored = [slice(None, None, -1)] * grid.y.folded
         places = np.arange(weights.size).reshape(weights.shape)
         images = [places, np.flip(places, axis=0)] if grid.x.folded and not outline else [places]
         for order in mirrored:
             images += [each[:, order] for each in images]
 
-        self.scene, self.weights = scene, weights.ravel()
+        self.scene, self.weights, (self.x, self.y) = scene, weights.ravel(), grid.positions
         self.overpressure = field.reshape(-1, grid.nt)
         self.images = [image.ravel() for image in images]
-        axes = first, second, grid.t
+        axes = grid.x, grid.y, grid.t
         self.largest = _extreme(field, axes, sign=1)
         self.least = -_extreme(field, axes, sign=-1)
         inert = scene.gas.inertia == "included"

@@ -9,7 +9,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.terms import Terms, size_share_of, stiffness_of
+from squeezefilm.reynolds.terms import Terms, size_share_of
 
 # In a thin layer at the rim all moments change like the force, which may be by little. So much of
 # the mean size of the change counts too: of 120 films (ε 0.02–0.9, σ 0.3–1e5) one, a piston at ε
@@ -68,7 +68,7 @@ def estimate(
     """
     margin, narrowest = margin_of(terms), scenes.narrowest
     # A mass error w moves the pressure by about n w/H.
-    per_residual = stiffness_of(scenes, terms) / narrowest
+    per_residual = scenes.gas.polytropic_exponent / narrowest
     size, residual, moved = said["size"], said["residual"], said["newton_steps"] > 0
     loose = margin == 1 and tolerance >= LOOSE_FROM
     share = size_share_of(scenes, terms, least=LOOSE_SIZE_SHARE if loose else SIZE_SHARE)

@@ -9,6 +9,7 @@ from math import sqrt
 import numpy as np
 
 from squeezefilm.film.outline import Outline
+from squeezefilm.film.scene import HashedOnce
 from squeezefilm.reynolds.spectral import Around, Axis, Period, around, axis, period
 from squeezefilm.reynolds.terms import Terms, parts_of
 
@@ -24,7 +25,7 @@ CARRYING = ("carry_t", "carry_x", "carry_y")
 
 
 @dataclass(frozen=True)
-class Grid:
+class Grid(HashedOnce):
     """Collocation points per direction, and which directions are folded by symmetry.
 
     ``nx`` and ``ny`` count unknowns: a folded axis has half as many as it has nodes. Under an
@@ -39,13 +40,7 @@ class Grid:
     fold_x: bool
     fold_y: bool
     outline: Outline | None = None
-
-    def __hash__(self) -> int:
-        return self._hash
-
-    @cached_property
-    def _hash(self) -> int:  # once: grids are what much is kept by
-        return hash((self.shape, self.fold_x, self.fold_y, self.outline))
+    __hash__ = HashedOnce.__hash__
 
     @cached_property
     def x(self) -> Axis:
@@ -94,22 +89,24 @@ class Grid:
         """
         if self.outline is None:
             return 1.0
-        mu = self.outline.rim * (2 * across[:, None] - 1)
-        return self.outline.stretch(mu, self.y.nodes) / self.outline.typical_stretch
+        return self.outline.stretch(*self._behind(across)) / self.outline.typical_stretch
 
     def turn(self, across: np.ndarray) -> np.ndarray | float:
         """z′ of an outline there, by the same lengths; 1 under a rectangle."""
         if self.outline is None:
             return 1.0
-        mu = self.outline.rim * (2 * across[:, None] - 1)
-        return self.outline.slope(mu, self.y.nodes) / sqrt(self.outline.typical_stretch)
+        return self.outline.slope(*self._behind(across)) / sqrt(self.outline.typical_stretch)
 
     def bend(self, across: np.ndarray) -> np.ndarray | float:
         """z″/z′ of an outline there, by the same lengths; 0 under a rectangle."""
         if self.outline is None:
             return 0.0
-        mu = self.outline.rim * (2 * across[:, None] - 1)
-        return self.outline.bend(mu, self.y.nodes) / sqrt(self.outline.typical_stretch)
+        return self.outline.bend(*self._behind(across)) / sqrt(self.outline.typical_stretch)
+
+    def _behind(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return μ and ν there."""
+        assert self.outline
+        return self.outline.rim * (2 * across[:, None] - 1), self.y.nodes
 
     def lengths(self, aspect: float) -> tuple[float, float]:
         """Return the lengths of the axes' units; the x side is 1, the y side ``aspect``.

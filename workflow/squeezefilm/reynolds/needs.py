@@ -403,7 +403,6 @@ def _tail(coefficients: np.ndarray) -> np.ndarray:
     return np.concatenate([sums, np.zeros((len(sums), 1))], axis=1)
 
 
-@dataclass(frozen=True, eq=False)
 class _Sampler:
     """Matrices for sampling on a grid of so many points, whatever the profile.
 
@@ -416,52 +415,32 @@ class _Sampler:
         twice, twice_y: second derivatives on the nodes.
     """
 
-    line: Axis
-    across: Axis | Around
-    grid_x: np.ndarray
-    grid_y: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    to_x: np.ndarray
-    to_y: np.ndarray
-    to_coefficients: np.ndarray
-    to_coefficients_y: np.ndarray
-    twice: np.ndarray
-    twice_y: np.ndarray
+    def __init__(self, points: int, outline: Outline | None) -> None:
+        self.line = line = axis(points, False)
+        across: Axis | Around = around(points + 2, False, False) if outline else line
+        self.across, order = across, points + 1
+        u, v = _between(FEW if points == LEVELS[0] else MANY)
+        ends = np.ones(order + 1)
+        ends[[0, -1]] = 0.5
+        cosines = np.cos(np.pi * np.outer(np.arange(order + 1), np.arange(order + 1)) / order)
+        self.to_coefficients = 2 / order * ends[:, None] * cosines * ends
+        self.to_coefficients_y = self.to_coefficients
+        nodes = np.meshgrid(line.all_nodes, across.all_nodes, indexing="ij")
+        self.grid_x, self.grid_y = (each.ravel() for each in nodes)
+        self.x, self.y = u, v
+        if outline:
+            v = 2 * np.pi * v
+            self.grid_x, self.grid_y = outline.positions(self.grid_x, self.grid_y)
+            self.x, self.y = outline.positions(u, v)
+            turns = period(points + 2)
+            rising = np.argsort(turns.harmonics, kind="stable")
+            self.to_coefficients_y = turns.fourier[rising] * np.sqrt(2 / (points + 2))
+        self.to_x, self.to_y = line.to_points(u), across.to_points(v)
+        self.twice = line.derivative @ line.derivative
+        self.twice_y = across.derivative @ across.derivative
 
 
-@lru_cache(maxsize=8 * len(LEVELS))
-def _sampler(points: int, outline: Outline | None) -> _Sampler:
-    line = axis(points, False)
-    across = around(points + 2, False, False) if outline else line
-    nodes, order = line.all_nodes, points + 1
-    u, v = _between(FEW if points == LEVELS[0] else MANY)
-    ends = np.ones(order + 1)
-    ends[[0, -1]] = 0.5
-    cosines = np.cos(np.pi * np.outer(np.arange(order + 1), np.arange(order + 1)) / order)
-    to_coefficients = to_coefficients_y = 2 / order * ends[:, None] * cosines * ends
-    at_nodes = grid_x, grid_y = np.meshgrid(nodes, across.all_nodes, indexing="ij")
-    x, y = u, v
-    if outline:
-        v = 2 * np.pi * v
-        (grid_x, grid_y), (x, y) = outline.positions(*at_nodes), outline.positions(u, v)
-        turns = period(points + 2)
-        rising = np.argsort(turns.harmonics, kind="stable")
-        to_coefficients_y = turns.fourier[rising] * np.sqrt(2 / (points + 2))
-    return _Sampler(
-        line=line,
-        across=across,
-        grid_x=grid_x.ravel(),
-        grid_y=grid_y.ravel(),
-        x=x,
-        y=y,
-        to_x=line.to_points(u),
-        to_y=across.to_points(v),
-        to_coefficients=to_coefficients,
-        to_coefficients_y=to_coefficients_y,
-        twice=line.derivative @ line.derivative,
-        twice_y=across.derivative @ across.derivative,
-    )
+_sampler = lru_cache(maxsize=8 * len(LEVELS))(_Sampler)
 
 
 def _landmarks_under(places: Places) -> dict[int, tuple[np.ndarray, np.ndarray]]:
@@ -470,7 +449,8 @@ def _landmarks_under(places: Places) -> dict[int, tuple[np.ndarray, np.ndarray]]
     if not len(x_m):
         return {}
     pad = places.under.pad
-    along_x, along_y = pad.turned_back(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
+    turned_back = replace(pad, rotation_deg=-pad.rotation_deg)
+    along_x, along_y = turned_back.turned(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
     x, y = 0.5 + along_x / pad.length_x_m, 0.5 + along_y / pad.length_y_m
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
     if pad.smooth_outline:

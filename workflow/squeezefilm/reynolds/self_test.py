@@ -12,7 +12,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
 from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
-from squeezefilm.film.scene import Actuator, Gas, Scene
+from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import Device, choose_device
@@ -28,7 +28,7 @@ GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
 
 
 def films() -> dict[str, tuple[Scene, Grid]]:
-    """Films that have every term among them, and the grid that each is solved on."""
+    """Films that have every term among them, and their grids but for outlines."""
     whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
     half = Grid(12, 8, 12, fold_x=False, fold_y=True)
     quarter = Grid(8, 8, 12, fold_x=True, fold_y=True)
@@ -55,17 +55,11 @@ def films() -> dict[str, tuple[Scene, Grid]]:
         "any gap": (_of_any_gap(_film(x_m=2e-3)), half),
         "any gap, wide and narrow": (_of_any_gap(_film(hv_m=1.2e-6), tilt_x_m=6.4e-6), half),
         "any gap, inertia": (_of_any_gap(_film(x_m=2e-3, inertia="included")), half),
-        "ellipse, sliding": (
-            _film(pad=slender),
-            replace(half, outline=slender.smooth_outline),
-        ),
-        "disc, any gap": (
-            _of_any_gap(_film(x_m=2e-3, pad=disc)),
-            replace(half, outline=disc.smooth_outline),
-        ),
+        "ellipse, sliding": (_film(pad=slender), half),
+        "disc, any gap": (_of_any_gap(_film(x_m=2e-3, pad=disc)), half),
         "disc, inertia and heat": (
             _film(pad=disc, inertia="included", thermal="included"),
-            replace(quarter, outline=disc.smooth_outline),
+            quarter,
         ),
     }
 
@@ -90,22 +84,15 @@ def _film(
     pad: Pad = SQUARE,
     **gas: str | float,
 ) -> Scene:
-    return Scene(
-        point_id="self-test",
-        h0_m=6e-6,
-        hv_m=hv_m,
-        x_m=x_m,
-        y_m=y_m,
-        gas=replace(GAS, **gas),  # type: ignore[arg-type]
-        actuator=Actuator(4e4, Disc(1e-2), SINC),
-        pad=pad,
-    )
+    film = Film(replace(GAS, **gas), Actuator(4e4, Disc(1e-2), SINC), pad)  # type: ignore[arg-type]
+    return film.scene(6e-6, hv_m, x_m, y_m, point_id="self-test")
 
 
 def forces(device: Device) -> dict[str, float]:
     """The films' mean overpressures in units of p0, as the device finds them."""
     found = {}
-    for name, (scene, grid) in films().items():
+    for name, (scene, points) in films().items():
+        grid = replace(points, outline=scene.pad.smooth_outline)
         states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
         found[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
     return found

@@ -67,10 +67,7 @@ class Axis:
             angle * np.subtract.outer(index, index)
         )
         np.fill_diagonal(difference, 1.0)
-        matrix = np.divide.outer(ends, ends) / difference
-        np.fill_diagonal(matrix, 0.0)
-        np.fill_diagonal(matrix, -matrix.sum(axis=1))
-        return matrix
+        return _annihilating_constants(np.divide.outer(ends, ends) / difference)
 
     @cached_property
     def second_derivative(self) -> np.ndarray:
@@ -82,9 +79,7 @@ class Axis:
         distance = np.subtract.outer(self.all_nodes, self.all_nodes)
         np.fill_diagonal(distance, 1.0)
         matrix = 2 * first * (np.diag(first)[:, None] - 1 / distance)
-        np.fill_diagonal(matrix, 0.0)
-        np.fill_diagonal(matrix, -matrix.sum(axis=1))
-        return self._fold(matrix[1:-1, 1:-1])
+        return self.fold(_annihilating_constants(matrix)[1:-1, 1:-1])
 
     @cached_property
     def weights(self) -> np.ndarray:
@@ -147,30 +142,24 @@ class Axis:
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """Matrix from the unknowns to some places (m,), shape (m, n)."""
-        return self._fold(self.to_points(places)[:, 1:-1], square=False)
+        return self.fold(self.to_points(places)[:, 1:-1], rows=len(places))
 
     def to_points(self, places: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes, ends included, to some places (m,), shape (m, nodes).
 
         Barycentric formula for Chebyshev–Lobatto nodes (Berrut and Trefethen 2004).
         """
-        order = self.full_points + 1
-        weights = (-1.0) ** np.arange(order + 1)
+        weights = (-1.0) ** np.arange(self.full_points + 2)
         weights[[0, -1]] /= 2
-        distance = np.subtract.outer(places, self.all_nodes)
-        hit = distance == 0
-        distance[hit] = 1.0
-        matrix = weights / distance
-        matrix[hit.any(axis=1)] = 0.0
-        matrix[hit] = 1.0
-        matrix /= matrix.sum(axis=1, keepdims=True)
-        return matrix
+        return _interpolation(self.all_nodes, weights, places)
 
-    def _fold(self, matrix: np.ndarray, *, square: bool = True) -> np.ndarray:
+    def fold(self, matrix: np.ndarray, *, odd: bool = False, rows: int | None = None) -> np.ndarray:
+        """Return a matrix for the first half of the points, by the symmetry of the function."""
         if not self.folded:
             return matrix
-        rows = matrix[: self.points] if square else matrix
-        return rows[:, : self.points] + rows[:, : self.points - 1 : -1]
+        n = self.points
+        half = matrix[: rows or n]
+        return np.asarray(half[:, :n] + (-1 if odd else 1) * half[:, : n - 1 : -1])
 
 
 @dataclass(frozen=True)
@@ -226,6 +215,23 @@ class Period:
         return np.asarray(self._basis(instants).T @ self.fourier)
 
 
+def _interpolation(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Matrix from values on nodes to places by their barycentric weights, (places, nodes)."""
+    distance = np.subtract.outer(places, nodes)
+    hit = distance == 0
+    matrix = weights / np.where(hit, 1.0, distance)
+    matrix[hit.any(axis=1)] = 0.0
+    matrix[hit] = 1.0
+    return np.asarray(matrix / matrix.sum(axis=1, keepdims=True))
+
+
+def _annihilating_constants(matrix: np.ndarray) -> np.ndarray:
+    """Return a derivative with the diagonal by which it is zero for a constant."""
+    np.fill_diagonal(matrix, 0.0)
+    np.fill_diagonal(matrix, -matrix.sum(axis=1))
+    return matrix
+
+
 def even_and_odd(matrix: np.ndarray) -> np.ndarray:
     """Return matrices for even and for odd functions on half of n nodes: (2, …, n/2, n/2).
 
@@ -236,16 +242,8 @@ def even_and_odd(matrix: np.ndarray) -> np.ndarray:
     return np.stack([near + far, near - far])
 
 
-@lru_cache(maxsize=64)
-def axis(points: int, folded: bool) -> Axis:
-    """The axis with so many unknowns; its matrices are computed once."""
-    return Axis(points=points, folded=folded)
-
-
-@lru_cache(maxsize=64)
-def period(points: int) -> Period:
-    """The period with so many nodes; its matrices are computed once."""
-    return Period(points=points)
+# The axis with so many unknowns and the period with so many nodes: matrices are computed once.
+axis, period = lru_cache(maxsize=64)(Axis), lru_cache(maxsize=64)(Period)
 
 
 @dataclass(frozen=True)
@@ -279,7 +277,9 @@ class Around:
     @cached_property
     def all_nodes(self) -> np.ndarray:
         """Nodes all around, those that carry unknowns first, shape (full_points,)."""
-        return self._start + 2 * np.pi * (np.arange(self.full_points) + 0.5) / self.full_points
+        # A half that is the same at ν and π − ν lies about 0.
+        start = -np.pi / 2 if self.crosswise and not self.lengthwise else 0.0
+        return start + 2 * np.pi * (np.arange(self.full_points) + 0.5) / self.full_points
 
     @property
     def nodes(self) -> np.ndarray:
@@ -327,14 +327,9 @@ class Around:
         """Matrix from values on all nodes to some places (m,), shape (m, full_points)."""
         return self._all.at(places - self.all_nodes[0])
 
-    @property
-    def unfolded(self) -> np.ndarray:
-        """Return the unknown whose value each of all nodes has, shape (full_points,)."""
-        return self._images[0]
-
     @cached_property
     def _images(self) -> tuple[np.ndarray, np.ndarray]:
-        """``unfolded``, and −1 where an odd number of mirrors lies between, else 1."""
+        """The unknown whose value each node has, and −1 where mirrors between are odd in number."""
         n, full = self.points, self.full_points
         index, sign = np.arange(full), np.ones(full)
         if self.lengthwise:
@@ -365,11 +360,6 @@ class Around:
     def _all(self) -> Period:
         return period(self.full_points)
 
-    @property
-    def _start(self) -> float:
-        """A half that is the same at ν and π − ν lies about 0."""
-        return -np.pi / 2 if self.crosswise and not self.lengthwise else 0.0
-
     def _fold(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """Return a matrix for the unknowns alone, by the symmetry of the function it acts on."""
         folded = np.zeros((len(matrix), self.points))
@@ -386,10 +376,7 @@ class Around:
         return self._fold(self.to_points(places), odd=True)
 
 
-@lru_cache(maxsize=64)
-def around(points: int, lengthwise: bool, crosswise: bool) -> Around:
-    """The axis with so many unknowns; its matrices are computed once."""
-    return Around(points=points, lengthwise=lengthwise, crosswise=crosswise)
+around = lru_cache(maxsize=64)(Around)
 
 
 @dataclass(frozen=True)
@@ -437,19 +424,19 @@ class FluxPoints:
         pairs = zip(near, others, strict=True)
         slope = (to_points @ axis.derivative)[:, 1:-1]
         return {
-            "values": parts(self._folded(to_points[:, 1:-1], odd=False)),
-            "nodes": parts(self._folded(to_nodes, odd=True)),
-            "slope": parts(self._folded(slope, odd=False)) / length,
-            "along": parts(self._folded(self._derivative, odd=True)) / length,
-            "divergence": parts(self._folded(to_nodes @ self._derivative, odd=True)) / length,
-            "across": parts(self._folded(axis.derivative[1:-1, 1:-1], odd=False)) / length,
+            "values": parts(axis.fold(to_points[:, 1:-1])),
+            "nodes": parts(axis.fold(to_nodes, odd=True)),
+            "slope": parts(axis.fold(slope)) / length,
+            "along": parts(axis.fold(self._derivative, odd=True)) / length,
+            "divergence": parts(axis.fold(to_nodes @ self._derivative, odd=True)) / length,
+            "across": parts(axis.fold(axis.derivative[1:-1, 1:-1])) / length,
             "rim": rim / length,
             "to_end": np.array([np.prod(some / (some - node)) for node, some in pairs]),
         }
 
     def carried_to(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""
-        return self._folded(self.at(finer.all_points), odd=True, rows=finer.axis.points)
+        return self.axis.fold(self.at(finer.all_points), odd=True, rows=finer.axis.points)
 
     @cached_property
     def _weights(self) -> np.ndarray:
@@ -459,30 +446,15 @@ class FluxPoints:
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """Interpolation from all points to places of the axis, (places, full_points)."""
-        distance = np.subtract.outer(places, self.all_points)
-        hit = distance == 0
-        matrix = self._weights / np.where(hit, 1.0, distance)
-        matrix[hit.any(axis=1)] = 0.0
-        matrix[hit] = 1.0
-        return np.asarray(matrix / matrix.sum(axis=1, keepdims=True))
+        return _interpolation(self.all_points, self._weights, places)
 
     @cached_property
     def _derivative(self) -> np.ndarray:
         """Derivative on all points."""
         distance = np.subtract.outer(self.all_points, self.all_points)
         np.fill_diagonal(distance, 1.0)
-        matrix = np.divide.outer(1 / self._weights, 1 / self._weights) / distance
-        np.fill_diagonal(matrix, 0.0)
-        np.fill_diagonal(matrix, -matrix.sum(axis=1))
-        return matrix
-
-    def _folded(self, matrix: np.ndarray, *, odd: bool, rows: int | None = None) -> np.ndarray:
-        """Return a matrix for the first half of the points, by the symmetry of the function."""
-        if not self.axis.folded:
-            return matrix
-        n = self.axis.points
-        half = matrix[: rows or n]
-        return np.asarray(half[:, :n] + (-1 if odd else 1) * half[:, : n - 1 : -1])
+        inverse = 1 / self._weights
+        return _annihilating_constants(np.divide.outer(inverse, inverse) / distance)
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import product
-from math import nan, pi
+from math import isnan, nan, pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -59,9 +60,12 @@ RAREFIED_FLOW = {0.01: 3.060, 0.1: 2.033, 1.0: 1.539, 10.0: 2.768, 100.0: 17.693
 SLIDER_GAPS_M, SLIDER_LENGTH_M, SLIDER_WIDTHS_M = (66e-6, 10e-6), 0.1, (0.5, 1.0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class Row:
-    """One number; NaN where a kind of value or deviation does not exist."""
+    """One number; NaN where a kind of value or deviation does not exist.
+
+    Deviations are those of its numbers where nothing else is given.
+    """
 
     source: str
     case: str
@@ -74,6 +78,12 @@ class Row:
     exact_deviation: float = nan
     solver_deviation: float = nan
     viscous_deviation: float = nan
+
+    def __post_init__(self) -> None:
+        if isnan(self.exact_deviation):
+            self.exact_deviation = abs(self.exact / self.published - 1)
+        if isnan(self.solver_deviation):
+            self.solver_deviation = abs(self.solver / self.exact - 1)
 
 
 def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
@@ -191,27 +201,8 @@ def depth_averaging(
         )
 
 
-def _valued(
-    quantity: str,
-    published: float,
-    exact: float,
-    solver: float,
-    *,
-    source: str,
-    case: str,
-    sigma: float = nan,
-) -> Row:
-    return Row(
-        source=source,
-        case=case,
-        quantity=quantity,
-        sigma=sigma,
-        published=published,
-        exact=exact,
-        solver=solver,
-        exact_deviation=abs(exact / published - 1),
-        solver_deviation=abs(solver / exact - 1),
-    )
+def _valued(quantity: str, published: float, exact: float, solver: float, **row: Any) -> Row:
+    return Row(quantity=quantity, published=published, exact=exact, solver=solver, **row)
 
 
 def _quantities(

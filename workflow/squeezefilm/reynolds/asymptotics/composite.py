@@ -275,7 +275,7 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
     what = "the composite expansion is derived for"
     if scene.pad.shape != "rectangle":
         return f"{what} rectangular pads"
-    unknown = [term.label for term in terms if not term.in_expansions]
+    unknown = [term.label for term in terms if not term.IN_EXPANSIONS]
     if unknown:
         return f"the composite expansion is not derived with {' and '.join(unknown)}"
     others = [term.label for term in terms if not isinstance(term, AnyGap)]

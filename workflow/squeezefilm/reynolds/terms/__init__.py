@@ -95,14 +95,6 @@ def numbers_of(scene: Scenes, terms: Terms) -> Numbers:
     return numbers
 
 
-def stiffness_of(scene: OperatingPoints, terms: Terms) -> Any:
-    """Relative change of pressure with that of density, at ambient pressure."""
-    factor: Any = 1.0
-    for term in terms:
-        factor *= term.stiffness(scene)
-    return factor
-
-
 def layer_stiffness_of(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> Any:
     """Factor of σ where it chooses a first grid for the layers at the rim."""
     return reduce(np.maximum, (term.layer_stiffness(scene, sigma=sigma) for term in terms), 1.0)

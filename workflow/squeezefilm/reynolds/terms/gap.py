@@ -43,6 +43,7 @@ class AnyGap(Term):
     NAME = "any_gap"
     OVER_PERIOD = "terms/gap_over_period.cl"
     IN_SINGLE = True
+    IN_EXPANSIONS = True
     ABSENT = Simplification("non-uniform gap", "it is uniform at rest and moves in phase")
 
     @classmethod
@@ -66,10 +67,6 @@ class AnyGap(Term):
     def numbers(self, scenes: Scenes) -> Numbers:
         numbers: Numbers = {"narrowest": scenes.narrowest, "per_rise": 1 / scenes.h0_m}
         return {**numbers, **_preconditioners(scenes, self.parts)} if self.parts else numbers
-
-    @property
-    def in_expansions(self) -> bool:
-        return True
 
 
 def _preconditioners(scenes: Scenes, count: int) -> Numbers:

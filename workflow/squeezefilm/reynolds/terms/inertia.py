@@ -74,6 +74,7 @@ class Inertia(Term):
     TIME_PRODUCTS = 10
     ESTIMATE_MARGIN = 2.0
     MOST_WORK = 1e11  # ten to twenty seconds of one core
+    IN_EXPANSIONS = True
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
     @classmethod
@@ -123,10 +124,6 @@ class Inertia(Term):
     def size_share(self, scene: OperatingPoints) -> Any:
         layered = (scene.sigma > LAYERED_SIGMA) & (steepness(scene) > STEEPENING)
         return np.where(layered, SIZE_SHARE, 0.0)
-
-    @property
-    def in_expansions(self) -> bool:
-        return True
 
     def refused_on_grid(self, scene: Scene) -> str:
         return not_derived(self.label, scene)

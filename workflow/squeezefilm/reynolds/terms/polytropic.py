@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
@@ -23,6 +22,3 @@ class Polytropic(Term):
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"inverse_exponent": 1 / scene.gas.polytropic_exponent}
-
-    def stiffness(self, scene: OperatingPoints) -> Any:
-        return scene.gas.polytropic_exponent

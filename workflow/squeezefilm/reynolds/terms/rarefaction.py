@@ -89,6 +89,7 @@ class Rarefaction(Term):
 
     NAME = "rarefaction"
     ABSENT = Simplification("rarefaction", "gas.rarefaction is none", "no slip")
+    IN_EXPANSIONS = True
 
     @classmethod
     def of(cls, scene: Scene) -> Rarefaction | None:
@@ -99,10 +100,6 @@ class Rarefaction(Term):
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"flow": (1.0, 6 * scene.slip_knudsen)}
 
-    @property
-    def in_expansions(self) -> bool:
-        return True
-
 
 @dataclass(frozen=True)
 class FlowFactor(Rarefaction):
@@ -110,6 +107,7 @@ class FlowFactor(Rarefaction):
 
     NAME = "flow_factor"
     OVER_PERIOD = "terms/rarefaction_over_period.cl"
+    IN_EXPANSIONS = False
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {
@@ -117,7 +115,3 @@ class FlowFactor(Rarefaction):
             "inverse_knudsen": scene.inverse_knudsen,
             "slip_series": slip_series(),
         }
-
-    @property
-    def in_expansions(self) -> bool:
-        return False

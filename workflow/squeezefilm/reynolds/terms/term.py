@@ -66,6 +66,7 @@ class Term:
         MOST_WORK: operations of a scene's iterations (refinement.py) beyond which no finer grid is
             begun.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
+        IN_EXPANSIONS: whether the expansions for σ → ∞ (asymptotics/) are derived with the term.
     """
 
     label: str
@@ -84,6 +85,7 @@ class Term:
     SPACE_PRODUCTS: ClassVar[int] = 0
     TIME_PRODUCTS: ClassVar[int] = 0
     CARRYING: ClassVar[tuple[str, ...]] = ()
+    IN_EXPANSIONS: ClassVar[bool] = False
 
     @classmethod
     def of(cls, scene: Scene) -> Term | None:
@@ -106,15 +108,6 @@ class Term:
     def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
         """Factor of σ, at its largest, where it chooses a first grid for the layers at the rim."""
         return 1.0
-
-    def stiffness(self, scene: OperatingPoints) -> Any:
-        """Factor of the relative change of pressure with that of density."""
-        return 1.0
-
-    @property
-    def in_expansions(self) -> bool:
-        """Return whether the expansions for σ → ∞ (asymptotics/) are derived with the term."""
-        return False
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         """Return the matrices of a grid for its lines, beside those that all have.
