@@ -188,7 +188,8 @@ def _effects(row: Row) -> Lines:
     ends = [row.pop(f"modelling_error_{end}_percent") for end in ("lower", "upper")]
     edge = row.pop("edge_loss_upper_percent")
     status = row.pop("budget_status" if "budget_status" in row else "status")
-    total = f"{change(*ends)} of the force" if isfinite(ends[0]) else NOT_AVAILABLE
+    of = "of the force" if unit == "N" else "of the load"
+    total = f"{change(*ends)} {of}" if isfinite(ends[0]) else NOT_AVAILABLE
     total += f": {status}" * (status != "ok")
     total += ", not reliable" * bool({*invalid} - {*have, ""})
     lines = [("modelling error", total)]

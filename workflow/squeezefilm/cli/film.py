@@ -164,7 +164,7 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
 
 @command(SCENES, OUTPUT, *FILM, points())
 def error_budget(options: argparse.Namespace) -> None:
-    """Estimate the modelling error of each force: inertia, heat, slip, edge loss, sliding, in %.
+    """Estimate the modelling error of forces: inertia, thermal effects, slip, edge loss, sliding.
 
       squeezefilm error-budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
       squeezefilm error-budget --h0 5um --hv 2.2um --x -2mm
@@ -178,7 +178,7 @@ def error_budget(options: argparse.Namespace) -> None:
     names the others): from `…_lower` to `…_upper`, with C from 1 to 1.54 and the errors of higher
     orders and coarse grids. `first_order_invalid` names effects outside the range of a first-order
     estimate, `status` says why there are none.
-    `depth_averaged_percent` is the estimated error of inertia and heat that a force has, as
+    `depth_averaged_percent` is the estimated error of included inertia and thermal effects, as
     averages over the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
     """
     points, film = points_or_scenes(options), film_at(options.config)
