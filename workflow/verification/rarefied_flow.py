@@ -19,9 +19,6 @@ from scipy.interpolate import BarycentricInterpolator
 
 # Inverse Knudsen numbers of the table, ten for each decade.
 TABULATED = 10.0 ** (np.arange(-20, 31) / 10)
-# Place across the gap, −1 … 1, by a variable in which places crowd at both walls.
-CROWDED = np.polynomial.Polynomial([0, 35, 0, -35, 0, 21, 0, -5]) / 16
-CROWDING = CROWDED.deriv()
 # Of t in T(x), by the trapezoidal rule in ln t.
 LOG_T, LOG_T_STEP = np.linspace(-45, 2.2, 900, retstep=True)
 
@@ -45,17 +42,27 @@ def poiseuille_flow(inverse_knudsen: float, *, points: int = 60, half_rule: int 
     for row, place in enumerate(at.tolist()):
         for length in (-1 - place, 1 - place):
             nodes = place + length * share
-            kernel = _abramowitz(half * np.abs(CROWDED(nodes) - CROWDED(np.array(place))))
-            kernel *= half * CROWDING(nodes) * abs(length) * share_weights / np.sqrt(np.pi)
+            kernel = _abramowitz(half * np.abs(_crowded(nodes) - _crowded(np.array(place))))
+            kernel *= half * _crowding(nodes) * abs(length) * share_weights / np.sqrt(np.pi)
             equation[row] -= kernel @ interpolation(nodes)
     profile = np.linalg.solve(equation, np.ones(points))
-    return float((half * weights * CROWDING(at) @ profile - 2 * half) / (2 * half) ** 2)
+    return float((half * weights * _crowding(at) @ profile - 2 * half) / (2 * half) ** 2)
 
 
 def _abramowitz(x: np.ndarray) -> np.ndarray:
     """T(x) of each x, shape (n,)."""
     t = np.exp(LOG_T)
     return np.exp(-(t**2) - np.maximum(x, 1e-18)[:, None] / t).sum(axis=1) * LOG_T_STEP
+
+
+def _crowded(q: np.ndarray) -> np.ndarray:
+    """Place across the gap, −1 … 1, of a variable in which places crowd at both walls."""
+    return (35 * q - 35 * q**3 + 21 * q**5 - 5 * q**7) / 16
+
+
+def _crowding(q: np.ndarray) -> np.ndarray:
+    """Slope of ``_crowded``."""
+    return 35 / 16 * (1 - q**2) ** 3
 
 
 if __name__ == "__main__":
