@@ -105,6 +105,7 @@ def test_plate_slider_rarefied_gas_and_holes_are_as_the_docs_show_them(repositor
 def test_depth_averaging_is_as_the_docs_show_it_and_of_no_other_terms(repository, monkeypatch):
     found = [row.solver_deviation for row in comparison.depth_averaging((4.0,), (1.0, 100.0))]
     shown = [cells for cells in docs_rows(repository, "depth_averaging") if cells[1] == "4"]
+    assert len(shown) == 4
     assert [f"{each:.1e}" for each in found] == [row[k] for row in shown for k in (2, 4)]
     monkeypatch.setattr(comparison, "depth_averaged", exact)
     with pytest.raises(RunError, match="first harmonic at Re 4, σ 1: "):

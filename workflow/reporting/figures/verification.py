@@ -119,7 +119,7 @@ def published(results: Results) -> Figure:
             look: dict[str, Any] = {"color": colour, "mfc": fill, "ms": 4, "label": label}
             left.plot(films["modified_reynolds"], films[column], marker, **look)
     left.set(ylabel="relative deviation (–)", title="(a) p(r) from finite elements")
-    averaged = profiles.dropna(subset=["solver_deviation"])
+    averaged = profiles[profiles["case"].str.startswith("inertia")]
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
     for colour, (sigma, films) in zip(colours, averaged.groupby("sigma"), strict=True):
         for case, line, label in (

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BarycentricInterpolator, CubicSpline
+from scipy.special import ive
 
 from verification.numpy_periodic import chebyshev_grid
 
@@ -69,6 +70,16 @@ def piston_response(sigma: float, aspect: float = 1.0, factors: Factors = VISCOU
     half = q * aspect / 2
     parts = 8 / (pi * m) ** 2 * (1j * sigma / (factors.flow * q**2)) * (1 - np.tanh(half) / half)
     return complex(parts.sum())
+
+
+def disc_response(sigma: float, factors: Factors = VISCOUS) -> complex:
+    """S + iD of a circular piston, as ``piston_response``; σ is of the diameter.
+
+    The pressure is a Bessel function, 1 − I0(2 κ r)/I0(κ) over −B with κ² = iσB/(4A), r up to 1/2.
+    """
+    kappa = np.sqrt(1j * sigma * factors.density / factors.flow) / 2
+    ratio = ive(1, kappa) / (kappa * ive(0, kappa))
+    return complex((1 - 2 * ratio) / factors.density)
 
 
 def radial_pressure(
