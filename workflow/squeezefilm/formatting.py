@@ -16,6 +16,10 @@ LABELS = {
     "h0": "gap h0",
     "hv": "amplitude hv",
     "corner": "corner frequency",
+    "error": "error of the gain",
+    "instantaneous_fraction": "fraction present at start",
+    "lasting_fraction": "fraction left at stop",
+    "stiffness": "static stiffness",
     "settling_start": "settling after start",
     "settling_stop": "settling after stop",
     "error_95": "prediction error of the force (95 %)",
@@ -57,7 +61,7 @@ def label_of(name: str) -> str:
     """Return the label of a column without its unit."""
     effect, _, what = name.partition("_")
     if effect in ("slip", "inertia", "thermal") and what:
-        return f"modelling error of {label_of(what)} ({effect})"
+        return f"change of {label_of(what)} by {label_of(effect)}"
     spaced = name.replace("dforce_d", "dF/d ").replace("_", " ") if name.islower() else name
     return LABELS.get(name, spaced)
 

@@ -118,7 +118,7 @@ def published(results: Results) -> Figure:
             label = f"{name}, {str(quantity).partition(', ')[2]}"
             look: dict[str, Any] = {"color": colour, "mfc": fill, "ms": 4, "label": label}
             left.plot(films["modified_reynolds"], films[column], marker, **look)
-    left.set(ylabel="relative deviation (–)", title="(a) p(r) from finite elements")
+    left.set(ylabel="relative deviation (–)", title="(a) p(r): from finite elements")
     averaged = profiles[profiles["case"].str.startswith("inertia")]
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
     for colour, (sigma, films) in zip(colours, averaged.groupby("sigma"), strict=True):
@@ -129,7 +129,7 @@ def published(results: Results) -> Figure:
             look = {"color": colour, "ms": 3, "label": label}
             some = films[films["case"] == case]
             right.plot(some["modified_reynolds"], some["solver_deviation"], line, **look)
-    right.set_title("(b) first harmonic of the solver from exact profiles")
+    right.set_title("(b) first harmonic: solver from exact profiles")
     for panel in (left, right):
         panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")
         panel.legend(loc="lower right")
