@@ -31,7 +31,8 @@ FAULTS = {
 def means(device: Device, kernel: str) -> list[float]:
     """Mean overpressures in units of p0: two films, each on two grids."""
     scene, grid = films()[kernel]
-    grids = [Grid(points, 4, 8, grid.fold_x, grid.fold_y) for points in (4, 8)]
+    shape = grid.fold_x, grid.fold_y, scene.pad.smooth_outline
+    grids = [Grid(points, 4, 8, *shape) for points in (4, 8)]
     scenes = Scenes.of(_two(scene))
     batch = Batch(scenes, terms_of(scene), grids, [TOLERANCE] * 2)
     (states,) = launch([batch], device=device).states()
