@@ -74,7 +74,6 @@ BY_HAND = {
 """Commands that nothing runs, and why."""
 
 PARTS = {
-    "snakemake --report",
     "squeezefilm simulate --outputs",
 }
 """Named for an option of theirs: no whole commands."""
