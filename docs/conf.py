@@ -79,7 +79,7 @@ def write_generated() -> None:
         for limit in LIMITS
     ]
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
-    names = (f"| `{name}` | {' | '.join(about)} |" for name, *about in COLUMNS)
+    names = (f"| `{name}` | {' | '.join(about)} |" for name, *about, _ in COLUMNS)
     head = "| column | unit | meaning | tables |", "| --- | --- | --- | --- |"
     (GENERATED / "columns.md").write_text("\n".join([*head, *names]), encoding="utf-8")
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")

@@ -30,7 +30,7 @@ COMPOSITE = "the composite expansion is "
         (THERMAL | FACTOR, {}, "auto", "with fukui-kaneko"),
         (THERMAL | SLIDING, {}, "auto", "not supported: thermal effects with a sliding pad"),
         (THERMAL, {}, "composite", COMPOSITE + "not derived with thermal effects"),
-        (SLIDING, {}, "composite", COMPOSITE + "not derived with bearing"),
+        (SLIDING, {}, "composite", COMPOSITE + "not derived with Couette term"),
         (SLIP, TILTED, "composite", COMPOSITE + "derived for a gap that is uniform at rest"),
     ],
 )

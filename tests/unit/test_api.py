@@ -67,8 +67,8 @@ def test_a_force_has_its_error_and_what_its_equation_leaves_out(study):
     assert force.scene.epsilon == pytest.approx(0.44)
     assert force.status == "ok"
     lines = str(force).splitlines()
-    assert [line.split("  ")[1] for line in lines[3:5]] == ["gas inertia", "slip"]
-    assert "operating point     h0 = 5 µm, hv = 2.2 µm, x = 0 m, y = 0 m" in lines
+    assert [line.split("  ")[1] for line in lines[3:5]] == ["inertia", "slip"]
+    assert "operating point    h0 = 5 µm, hv = 2.2 µm, x = 0 m, y = 0 m" in lines
 
 
 def test_the_command_line_says_what_the_library_says(study, capsys, refused):

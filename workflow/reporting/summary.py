@@ -10,20 +10,17 @@ from reporting.notes import CLAIM, largest_error, percent, rounded_up, signed, v
 from reporting.pages import Page, body_of, render
 from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.film.pad import net
+from squeezefilm.formatting import label_of
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
 from squeezefilm.studies.study import film_in
 from squeezefilm.units import to_its_error
 
-EFFECTS = {
-    "inertia": "inertia",
-    "slip": "slip",
-    "thermal": "thermal effects",
-    "edge_loss": "inlet loss at the film edge, C = 1",
-    "modelling_error_lower": "modelling error, lower end",
-    "modelling_error_upper": "modelling error, upper end",
-}
+EFFECTS = (
+    *("inertia", "slip", "thermal", "edge_loss"),
+    *("modelling_error_lower", "modelling_error_upper"),
+)
 NOTHING = 1e-3
 """Share of a range's largest value below which its least is as good as 0."""
 
@@ -150,7 +147,7 @@ def _effects(results: Results) -> pd.DataFrame:
     """Each effect at the screen's least and largest gap, at its largest amplitude."""
     table = results.budget("screen")
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
-    shown: dict[str, Any] = {"effect": list(EFFECTS.values())}
+    shown: dict[str, Any] = {"effect": list(map(label_of, EFFECTS))}
     for _, row in table.iloc[[0, -1]].iterrows():
         present = row["included_effects"].split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [

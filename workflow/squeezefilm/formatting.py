@@ -9,37 +9,15 @@ from collections.abc import Mapping
 from math import floor, isfinite, log10, nan
 from typing import Any
 
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms import absent_terms, terms_of
+from squeezefilm.reynolds.terms.outline import SmoothOutline
+from squeezefilm.reynolds.terms.polytropic import Polytropic
+from squeezefilm.reynolds.terms.thermal import Thermal
+from squeezefilm.tables import COLUMNS
 from squeezefilm.units import error_column, to_its_error, unit_of_column
 
-LABELS = {
-    "force": "mean force",
-    "h0": "gap h0",
-    "hv": "amplitude hv",
-    "corner": "corner frequency",
-    "error": "error of the gain",
-    "instantaneous_fraction": "fraction present at start",
-    "lasting_fraction": "fraction left at stop",
-    "stiffness": "static stiffness",
-    "settling_start": "settling after start",
-    "settling_stop": "settling after stop",
-    "error_95": "prediction error of the force (95 %)",
-    "error_99": "prediction error (99 %)",
-    "profile_uncertainty": "measurement noise (95 %)",
-    "inertia": "gas inertia",
-    "thermal": "thermal effects",
-    "bearing": "Couette term",
-    "gap that is shaped at rest": "non-uniform gap",
-    "vibration in two phases": "two quadrature components",
-    "edge_loss": "edge inflow loss",
-    "flow_factor": "slip beyond first order",
-    "epsilon": "excursion ratio",
-    "sigma": "squeeze number",
-    "knudsen": "Knudsen number",
-    "modified_reynolds": "modified Reynolds number",
-    "simplification_reasons": "not needed",
-    "notes": "note",
-    "expected_mflop": "expected cost (Mflop)",
-}
+LABELS = {unit_of_column(each.name)[0]: each.label for each in COLUMNS if each.label}
 """Of columns without their unit, where the name itself is none."""
 NUMBERS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
 FACTORS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
@@ -64,6 +42,20 @@ def label_of(name: str) -> str:
         return f"change of {label_of(what)} by {label_of(effect)}"
     spaced = name.replace("dforce_d", "dF/d ").replace("_", " ") if name.islower() else name
     return LABELS.get(name, spaced)
+
+
+def scene_row(scene: Scene) -> dict[str, Any]:
+    """Return what a result shows of its scene, by the names of columns."""
+    terms = [t for t in terms_of(scene) if not isinstance(t, SmoothOutline | Polytropic)]
+    named = [label for term in terms for label in term.label.split(", ")]
+    absent = [each for each in absent_terms(terms_of(scene)) if each.assumption]
+    exponent = scene.gas.polytropic_exponent
+    thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
+    assumed = [thermal if each is Thermal.ABSENT else each.assumption for each in absent]
+    equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
+    factors = {name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")}
+    numbers = {name: getattr(scene, name) for name in NUMBERS}
+    return factors | numbers | {"pad_shape": scene.pad.shape, "equation": equation}
 
 
 def plain(value: float, *, sign: str = "+", digits: int = 2, least: float = LEAST_PLAIN) -> str:
@@ -184,34 +176,36 @@ def _effects(row: Row) -> Lines:
     if "stiffness_n_per_m" in row:
         size, unit = 1e4 * row["load_n"] / abs(row["stiffness_n_per_m"]), "µm"
 
-    def change(*percents: float) -> str:
-        ends = " to ".join(plain(size * each) for each in percents)
-        return f"{ends} {unit}, " * isfinite(size) + percent(*percents)
+    def change(*percents: float, sign: str = "+") -> str:
+        ends = " to ".join(plain(size * each, sign=sign) for each in percents)
+        return f"{ends} {unit}, " * isfinite(size) + percent(*percents, sign=sign)
 
     have, invalid = (row.pop(k).split("; ") for k in ("included_effects", "first_order_invalid"))
     ends = [row.pop(f"modelling_error_{end}_percent") for end in ("lower", "upper")]
     edge = row.pop("edge_loss_upper_percent")
     status = row.pop("budget_status" if "budget_status" in row else "status")
-    of = "of the force" if unit == "N" else "of the load"
-    total = f"{change(*ends)} {of}" if isfinite(ends[0]) else NOT_AVAILABLE
-    total += f": {status}" * (status != "ok")
-    total += ", not reliable" * bool({*invalid} - {*have, ""})
-    lines = [("modelling error", total)]
     names = [name.removesuffix(REMAINDER) for name in row if name.endswith(REMAINDER)]
-    for name in sorted(names, key=lambda each: -abs(row[f"{each}_percent"])):
-        effect, remainder = row.pop(f"{name}_percent"), row.pop(name + REMAINDER)
+    effects = {name: (row.pop(f"{name}_percent"), row.pop(name + REMAINDER)) for name in names}
+    neglected = {name: effects[name] for name in names if name not in have}
+    total = f"{change(*ends)} of the {'force' if unit == 'N' else 'load'}"
+    if doubtful := " and ".join(label_of(name) for name in neglected if name in invalid):
+        total += f", not reliable for {doubtful}"
+    if not isfinite(ends[0]):
+        total = NOT_AVAILABLE + f": {status}" * (status != "ok")
+    lines = [("modelling error", total)]
+    if status != "ok":
+        return lines
+    for name, (effect, remainder) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
         text = change(effect, *[edge] * (name == "edge_loss"))
         text += f" ± {percent(remainder, sign='', digits=1)}" * (name == "depth_averaged")
         if name in invalid:
             first = f"first-order estimate {percent(effect)}"
             text = f"not reliable ({first}, outside its validity range)"
-        if (
-            status == "ok"
-            and name not in have
-            and not abs(effect) + remainder < LEAST_EFFECT_PERCENT
-        ):
+        if not abs(effect) + remainder < LEAST_EFFECT_PERCENT:
             lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
-    return lines
+    off = ends[1] - sum(effect for effect, _ in neglected.values())
+    off -= max(edge - effects["edge_loss"][0], 0.0) + effects["depth_averaged"][1]
+    return [*lines, ("  higher orders", f"± {change(off, sign='')}" * isfinite(off))]
 
 
 def _solver(row: Row) -> Lines:

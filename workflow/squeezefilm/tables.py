@@ -57,12 +57,14 @@ class Column(NamedTuple):
     Attributes:
         unit: as its name ends, 1 for a plain number, ``text`` or ``bool``.
         tables: the tables that have it.
+        label: its name in lines for people without the unit, where ``name`` itself is none.
     """
 
     name: str
     unit: str
     meaning: str
     tables: str
+    label: str
 
 
 _REGISTRY = read_text(Path(__file__).with_name("columns.csv"), what="registry").splitlines()

@@ -12,14 +12,15 @@ from matplotlib.ticker import MaxNLocator
 from reporting.figures import parts, style
 from reporting.notes import percent, reynolds_limit, signed
 from reporting.results import MODELLING_ERROR, Results
+from squeezefilm.formatting import label_of
 from squeezefilm.solution import form_of
 
 EFFECTS = {
-    "inertia": (style.BLUE, "inertia"),
-    "slip": (style.VERMILLION, "slip"),
-    "thermal": (style.ORANGE, "thermal effects"),
-    "edge_loss": (style.GREEN, "edge loss, C = 1"),
-    "modelling_error": (style.GREY, "total"),
+    "inertia": style.BLUE,
+    "slip": style.VERMILLION,
+    "thermal": style.ORANGE,
+    "edge_loss": style.GREEN,
+    "total": style.GREY,
 }
 EDGE = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
@@ -40,11 +41,11 @@ def error_budget(results: Results) -> Figure:
     figure, grid = style.subplots(2, 3, wide=True, height_in=4.3)
     *panels, last = grid.flat
     too_large = "; ".join(screen["first_order_invalid"]).split("; ")
-    for letter, axes, (name, (colour, label)) in zip("abcde", panels, EFFECTS.items(), strict=True):
-        beyond = any(too_large) if name == "modelling_error" else name in too_large
+    for letter, axes, (name, colour) in zip("abcde", panels, EFFECTS.items(), strict=True):
+        beyond = any(too_large) if name == "total" else name in too_large
         look: dict[str, Any] = {"colors": colour, "linestyles": "dashed" if beyond else "solid"}
         look["levels"] = _inner_levels(screen[f"{name}_percent"])
-        title = f"({letter}) {label} (%)"
+        title = f"({letter}) {label_of(name)} (%)"
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
     shown = _draw_effects(last, along)
     present = screen["included_effects"].iloc[0]
@@ -61,7 +62,7 @@ def _budgets(results: Results, plan: str) -> pd.DataFrame:
     lengths = [name for name in form_of(table) if name.endswith("_m")]
     return parts.in_micrometres(table).assign(
         **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
-        modelling_error_percent=table[MODELLING_ERROR].mean(axis="columns", skipna=False),
+        total_percent=table[MODELLING_ERROR].mean(axis="columns", skipna=False),
     )
 
 
@@ -89,12 +90,11 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     for look, value in ((hollow, off[other].min()), (full, off[other].max())):
         centre = on_disc & (rows[place] == 0)
         along = rows[centre | (rows[other] == value)].drop_duplicates(place)
-        for name, (colour, label) in EFFECTS.items():
+        for name, colour in EFFECTS.items():
             values = along[f"{name}_percent"]
             axes.plot(along[place], values, color=colour, **look)
             if look is full and np.isfinite(values.iloc[-1]):
-                text = label.removesuffix(", C = 1")
-                ends.append((float(values.iloc[-1]), text, colour))
+                ends.append((float(values.iloc[-1]), label_of(name), colour))
     # From the lowest up and none over another.
     low, high = axes.get_ylim()
     last = -np.inf

@@ -17,7 +17,7 @@ from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK, validity
-from squeezefilm.formatting import NUMBERS, in_lines
+from squeezefilm.formatting import NUMBERS, in_lines, scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import (
@@ -30,7 +30,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.reynolds.solver import previews
-from squeezefilm.reynolds.terms import notes_of, scene_row
+from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import film_in, scenes_in

@@ -23,9 +23,9 @@ from squeezefilm.dynamics.levitation import levitations, trustworthy
 from squeezefilm.dynamics.response import all_gains, all_steps, responses
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import GAPS_M, OK
+from squeezefilm.formatting import scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import one_build_at_a_time
-from squeezefilm.reynolds.terms import scene_row
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities, quantity

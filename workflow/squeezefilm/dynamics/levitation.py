@@ -19,6 +19,7 @@ from squeezefilm.dynamics.response import MOST_MODULATION
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
+from squeezefilm.formatting import scene_row
 from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import (
     OPEN,
@@ -31,7 +32,7 @@ from squeezefilm.quantities.model_error import (
 from squeezefilm.quantities.outputs import STEP, falls
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import notes_of, scene_row
+from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.tables import read_forces
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal

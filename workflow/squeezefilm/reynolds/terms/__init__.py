@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
-from squeezefilm.formatting import NUMBERS, label_of
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.inertia import Inertia
@@ -45,20 +44,6 @@ def absent_terms(terms: Terms) -> tuple[Simplification, ...]:
     """Return the simplifications by the terms that are absent."""
     absent = [kind for kind in TERMS if not any(isinstance(term, kind) for term in terms)]
     return tuple(kind.ABSENT for kind in absent if kind.ABSENT)
-
-
-def scene_row(scene: Scene) -> dict[str, Any]:
-    """Return what a result shows of its scene, by the names of columns."""
-    terms = [t for t in terms_of(scene) if not isinstance(t, SmoothOutline | Polytropic)]
-    named = [label_of(label) for term in terms for label in term.label.split(", ")]
-    absent = [each for each in absent_terms(terms_of(scene)) if each.assumption]
-    exponent = scene.gas.polytropic_exponent
-    thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
-    assumed = [thermal if each is Thermal.ABSENT else each.assumption for each in absent]
-    equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
-    factors = {name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")}
-    numbers = {name: getattr(scene, name) for name in NUMBERS}
-    return factors | numbers | {"pad_shape": scene.pad.shape, "equation": equation}
 
 
 def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:

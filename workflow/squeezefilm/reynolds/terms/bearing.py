@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Bearing(Term):
-    label: str = "bearing"
+    label: str = "Couette term"
 
     NAME = "bearing"
     ABSENT = Simplification("Couette term", "the pad is at rest")

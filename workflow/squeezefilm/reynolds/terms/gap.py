@@ -14,7 +14,7 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
 
-SHAPED, TWO_PHASES = "gap that is shaped at rest", "vibration in two phases"
+SHAPED, TWO_PHASES = "non-uniform gap", "two quadrature components"
 # Two preconditioners pay where the widest gap at rest is so many times the narrowest, and nothing
 # else has a share in the film: they were no better for pads that slide or are no rectangles, and
 # worse with inertia. They are for diffusivities inside of those, by this share of the way from the
@@ -44,7 +44,7 @@ class AnyGap(Term):
     OVER_PERIOD = "terms/gap_over_period.cl"
     IN_SINGLE = True
     IN_EXPANSIONS = True
-    ABSENT = Simplification("non-uniform gap", "it is uniform at rest and moves in phase")
+    ABSENT = Simplification(SHAPED, "it is uniform at rest and moves in phase")
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:
