@@ -163,6 +163,9 @@ def test_a_circle_has_a_diameter():
     circle, ellipse = ({"shape": "circle", "diameter": "9 mm"}, {"shape": "ellipse"})
     ellipse |= {"length_x": 0.009, "length_y": 0.009}
     assert study(bare, pad=circle)["pad"] == study(bare, pad=ellipse)["pad"]
-    for wrong in (circle | {"length_x": 1e-3}, ellipse | {"diameter": 1e-3}, {"shape": "circle"}):
-        with pytest.raises(InputError, match=r"pad\.diameter: "):
-            study(bare, pad=wrong)
+    wrong = {"length_x: with shape: circle give diameter, not": circle | {"length_x": 1e-3}}
+    wrong |= {"diameter: with shape: ellipse give length_x, length_y, not": ellipse | {"diameter": 1e-3}}
+    wrong |= {"pad: unknown key 'diametre'; did": {"shape": "circle", "diametre": 1e-3}}
+    for told, pad in (wrong | {"pad: missing 'diameter' ": {"shape": "circle"}}).items():
+        with pytest.raises(InputError, match=told):
+            study(bare, pad=pad)

@@ -47,6 +47,11 @@ def mistake(text: str, *place: str) -> PydanticCustomError:
     return PydanticCustomError("relation", "{text}", {"text": text, "place": place})
 
 
+def missing(key: str) -> PydanticCustomError:
+    """An error of a key that is not written where others need it."""
+    return PydanticCustomError("missing", "{place}", {"place": (key,)})
+
+
 @dataclass(frozen=True)
 class Number:
     """A number within limits, in SI units or as a text with its unit.
@@ -408,9 +413,12 @@ class GapShape:
         return tilt + 4 * self.crown_m * (x**2 + y**2)
 
 
+SIDES = ("length_x_m", "length_y_m")
+
+
 def _described_with_circle(schema: dict[str, Any]) -> None:
     circle = {"properties": {"shape": {"const": "circle"}}, "required": ["shape"]}
-    sides = {"required": schema.pop("required")}
+    sides = {"required": list(map(key_of, SIDES))}
     schema |= {"if": circle, "then": {"required": ["diameter"]}, "else": sides}
     _described(schema)
 
@@ -433,34 +441,24 @@ class Pad(Section):
     shape: Literal["rectangle", "ellipse", "circle", "curve"] = "rectangle"
     diameter_m: Length = DERIVED
     outline: OutlineFile = DERIVED
-    length_x_m: Length
-    length_y_m: Length
+    length_x_m: Length = DERIVED
+    length_y_m: Length = DERIVED
     rotation_deg: Direction = 0.0
     speed_x_m_per_s: Annotated[float, Number("m/s", -10000, 10000)] = 0.0
     gap: GapShape = Field(default_factory=GapShape)
 
-    @model_validator(mode="before")
-    @classmethod
-    def _circle(cls, keys: Any) -> Any:
-        """A circle is the ellipse of two equal axes."""
-        if not isinstance(keys, dict) or keys.get("shape") != "circle":
-            return keys
-        if "diameter" not in keys or {"length_x", "length_y"} & set(keys):
-            raise mistake("a circle has a diameter, and no length_x and length_y", "diameter")
-        sides = dict.fromkeys(("length_x", "length_y"), keys["diameter"])
-        return {key: keys[key] for key in keys if key != "diameter"} | sides | {"shape": "ellipse"}
-
     @model_validator(mode="after")
-    def _outline_of_a_curve(self) -> "Pad":
-        if self.diameter_m is not None:
-            raise mistake(f"it is there, and pad.shape is {self.shape}", "diameter")
-        curve = self.shape == "curve"
-        if curve != (self.outline is not None):
-            raise mistake(
-                f"{'it is missing' if curve else 'it is there'}, and pad.shape is {self.shape}: "
-                "a curve has its points in a file, other shapes have none",
-                "outline",
-            )
+    def _outlined(self) -> "Pad":
+        """Return the pad with the keys of its shape alone; a circle is an ellipse of equal axes."""
+        own = {"circle": ("diameter_m",), "curve": (*SIDES, "outline")}.get(self.shape, SIDES)
+        for name in (*SIDES, "diameter_m", "outline"):
+            if (getattr(self, name) is None) == (name in own):
+                key, keys = key_of(name), ", ".join(map(key_of, own))
+                text = f"with shape: {self.shape} give {keys}, not {key}"
+                raise missing(key) if name in own else mistake(text, key)
+        if self.shape == "circle":
+            self.length_x_m = self.length_y_m = self.diameter_m
+            self.shape, self.diameter_m = "ellipse", None
         return self
 
 
