@@ -160,12 +160,10 @@ def test_a_gas_has_the_numbers_of_handbooks_by_its_name_and_temperature(name, ke
 
 def test_a_circle_has_a_diameter():
     bare = SHORT.replace("{shape: ellipse, length_x: 12 mm, length_y: 16 mm}", "{}")
-    circle, ellipse = ({"shape": "circle", "diameter": "9 mm"}, {"shape": "ellipse"})
-    ellipse |= {"length_x": 0.009, "length_y": 0.009}
-    assert study(bare, pad=circle)["pad"] == study(bare, pad=ellipse)["pad"]
-    wrong = {"length_x: with shape: circle give diameter, not": circle | {"length_x": 1e-3}}
-    wrong |= {"diameter: with shape: ellipse give length_x, length_y, not": ellipse | {"diameter": 1e-3}}
-    wrong |= {"pad: unknown key 'diametre'; did": {"shape": "circle", "diametre": 1e-3}}
-    for told, pad in (wrong | {"pad: missing 'diameter' ": {"shape": "circle"}}).items():
-        with pytest.raises(InputError, match=told):
-            study(bare, pad=pad)
+    circle, ellipse = {"shape": "circle", "diameter": "9 mm"}, {"length_x": 9e-3, "length_y": 9e-3}
+    assert study(bare, pad=circle)["pad"] == study(bare, pad=ellipse | {"shape": "ellipse"})["pad"]
+    circles = [circle | {"length_x": 1}, {"shape": "circle"}, {"shape": "circle", "diametre": 1}]
+    told = [r"pad\.diameter: ", r"pad\.length_x: ", "missing 'diameter'", "mean 'diameter'"]
+    for wrong, text in zip([ellipse | {"diameter": 1e-3}, *circles], told, strict=True):
+        with pytest.raises(InputError, match=text):
+            study(bare, pad=wrong)

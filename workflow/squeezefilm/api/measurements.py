@@ -43,7 +43,7 @@ def compare_measurements(config: Config) -> pd.DataFrame:
         off_m = points[f"{factor}_uncertainty_m"].to_numpy()
         table[column] = _propagated(f"{factor}_m", off_m, forces, **how)
     lacking = (table["status"] == OK) & table[PARTS].isna().any(axis=1)
-    table.loc[lacking, "status"] = "no force at h0 or hv less or more its uncertainty"
+    table.loc[lacking, "status"] = "no force at h0 or hv plus or minus its uncertainty"
     return with_residuals(table)
 
 

@@ -456,10 +456,10 @@ class Pad(Section):
                 key, keys = key_of(name), ", ".join(map(key_of, own))
                 text = f"with shape: {self.shape} give {keys}, not {key}"
                 raise missing(key) if name in own else mistake(text, key)
-        if self.shape == "circle":
-            self.length_x_m = self.length_y_m = self.diameter_m
-            self.shape, self.diameter_m = "ellipse", None
-        return self
+        if self.shape != "circle":
+            return self
+        sides = dict.fromkeys(SIDES, self.diameter_m)
+        return self.model_copy(update={"shape": "ellipse", "diameter_m": None} | sides)
 
 
 class Solver(Section):
