@@ -42,14 +42,11 @@ def key_of(name: str) -> str:
     return UNIT_OF_NAME.sub("", name)
 
 
-def mistake(text: str, *place: str) -> PydanticCustomError:
+def mistake(
+    text: str, *place: str, kind: Literal["relation", "missing"] = "relation"
+) -> PydanticCustomError:
     """An error at a key further inside than where the validator is that raises it."""
-    return PydanticCustomError("relation", "{text}", {"text": text, "place": place})
-
-
-def missing(key: str) -> PydanticCustomError:
-    """An error of a key that is not written where others need it."""
-    return PydanticCustomError("missing", "{place}", {"place": (key,)})
+    return PydanticCustomError(kind, "{text}", {"text": text, "place": place})
 
 
 @dataclass(frozen=True)
@@ -455,7 +452,7 @@ class Pad(Section):
             if (getattr(self, name) is None) == (name in own):
                 key, keys = key_of(name), ", ".join(map(key_of, own))
                 text = f"with shape: {self.shape} give {keys}, not {key}"
-                raise missing(key) if name in own else mistake(text, key)
+                raise mistake(text, key, kind="missing" if name in own else "relation")
         if self.shape != "circle":
             return self
         sides = dict.fromkeys(SIDES, self.diameter_m)

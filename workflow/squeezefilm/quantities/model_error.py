@@ -348,9 +348,8 @@ def resolve_auto_terms(
         rows.tolist(), error_budgets(closed[rows], device=device, names=names), strict=True
     ):
         effects = {name: budget.effects[name] for name in asked[index[row]]}
-        limit = (
-            100 * NEARLY * model_tolerance
-        )  # unknown effects, as without a budget, are not below
+        # Unknown effects, as without a budget, are not below.
+        limit = 100 * NEARLY * model_tolerance
         included = (k for k, each in effects.items() if not each.below(limit))
         chosen[row] = index[row], tuple(included)
     places = {choice: place for place, choice in enumerate(dict.fromkeys(chosen))}
