@@ -19,7 +19,7 @@ from squeezefilm.dynamics.response import MOST_MODULATION
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
-from squeezefilm.formatting import scene_row
+from squeezefilm.formatting import label_of, scene_row
 from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import (
     OPEN,
@@ -99,7 +99,7 @@ class Levitation:
         reasons = list(exceeded(self.scene))
         error_m = max(map(abs, replace(self, budget=self.budget.known).modelling_error_m))
         if not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
-            names = ", ".join(self.budget.first_order_invalid)
+            names = ", ".join(map(label_of, self.budget.first_order_invalid))
             above = f" (above the range of first orders: {names})" if names else ""
             reasons.append(
                 f"the gap's modelling error, up to {1e6 * error_m:.2g} µm{above}, is more than a "
