@@ -80,7 +80,7 @@ rule recommend:
     params:
         study=sections("extrapolation"),
     message:
-        "The best model, and the amplitude for the wanted force at each position"
+        "The best model, and the amplitude for the target force at each position"
     script:
         "../scripts/recommend.py"
 
