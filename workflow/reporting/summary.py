@@ -167,7 +167,8 @@ def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterat
     ]
     for name in ("inertia", "thermal"):
         if gas[name] != "none" and not all(name in simplifications for simplifications in without):
-            yield name if gas[name] == "included" else f"{name} where it matters"
+            chosen = "" if gas[name] == "included" else " where needed"
+            yield f"{EFFECTS[name]}{chosen}"
 
 
 def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:

@@ -16,7 +16,6 @@ from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import ROUND_COLUMNS, WHERE_COLUMNS
 
-AUGMENTATION = "augmentation"
 LAYERS: dict[str, dict[str, Any]] = {
     "simulation": {"color": style.VERMILLION, "label": "simulation"},
     "control": {"color": "white", "label": "control point"},
@@ -48,7 +47,7 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The design (black, with the letters of its patterns, + if added) on the screen (white)."""
     screen = results.scenes("screen")
     optimal = results.design("two_factor")
-    labels = optimal["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
+    labels = optimal["origin"].str.replace(" and ", ", ").replace("augmentation", "+")
     points = parts.plane_table(optimal, layer="design").assign(label=labels)
     data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
     figure, axes = style.subplots()
