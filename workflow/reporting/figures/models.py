@@ -91,7 +91,7 @@ def _without_anything(text: str) -> Figure:
 def model_errors(results: Results, space: str) -> Figure:
     """A panel for each model: errors on the validation sample, larger ones over smaller ones."""
     table = results.table(f"models/{space}.csv", "model", "parameters", "validation_error")
-    judged = table[table["validation_error"].notna()]
+    judged = table.dropna(subset="validation_error").sort_values("validation_error", kind="stable")
     if judged.empty:
         return _without_anything("no model has an error on these points")
     data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
