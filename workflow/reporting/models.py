@@ -50,10 +50,10 @@ def models_page(results: Results, *, space: str) -> Page:
     fits = [read_fit(results.candidate(space, model)) for model in judged["model"]]
     values = {
         "space": space,
-        "shown": readable(judged.drop(columns=["expression", "note"])),
+        "shown": readable(judged.drop(columns=["expression", "about", "note"])),
         "statement": next((fit.statement for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
-        "formulas": dict(zip(judged["model"], judged["expression"], strict=True)),
+        "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),
         "parameters": readable(_parameters(results, space, fits)),
         "results": results.folder,
         "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
