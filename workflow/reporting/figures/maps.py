@@ -117,9 +117,9 @@ def vibration(results: Results) -> Figure:
     """Amplitude of the vibration over the surface, as a fraction of its maximum, and the pad."""
     surface, pad = surface_of(results.config), pad_of(results.config)
     x_m, y_m = np.meshgrid(*(np.linspace(-half, half, LINES) for half in surface.half_m))
-    s = np.abs(profile_of(results.config).amplitude(x_m=x_m, y_m=y_m))
+    s = np.minimum(np.abs(profile_of(results.config).amplitude(x_m=x_m, y_m=y_m)), 1.0)
     figure, axes = style.subplots(height_in=3.2)
-    look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL, "extend": "max"}
+    look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL}
     filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, **look)
     outside = surface.reach(x_m, y_m)
     axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")

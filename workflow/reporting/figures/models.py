@@ -59,7 +59,7 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
     parts.set_up_plane(axes, screen)
     parts.label_points(axes, points, labels=points["label"])
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
-    note = "Letters: a point's patterns; +: added by best augmentation."
+    note = "Letters: a point's locally optimal patterns; +: added by augmentation."
     style.add_note(figure, note, results.beyond)
     return figure, data
 
