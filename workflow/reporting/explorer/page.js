@@ -225,7 +225,7 @@
     if (!data.modulation) return [];
     const { films, why } = modulationAt(data.modulation, now);
     const about = byId("modulation");
-    const moved = now.phi_r_m > 0 ? " It is of the centred pad, not of this position." : "";
+    const moved = now.phi_r_m > 0 ? " The pad is centred here, not at this position." : "";
     if (!films.length) {
       about.textContent = `Not known here: ${why}.`;
       return films;
@@ -234,10 +234,10 @@
       ([name, digits]) => span(reach(films, (film) => film[name]), digits));
     const [, error] = reach(films, (film) => film.error);
     const source = films.length > 1 ? `between the ${films.length} films examined around this point`
-      : "of this very film";
-    about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz: `
-      + `${source}.${moved} By the period-averaged equation, accurate to ${share(error)} of its gains, `
-      + "which neglects inertia and thermal effects of the gas."
+      : "for this film";
+    about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz, `
+      + `${source}.${moved} Error of the gains by period averaging: ${share(error)}; inertia and thermal `
+      + "effects of the gas are neglected."
       + (byId("validity").hidden ? "" : " At this gap the neglected effects rule the film.");
     return films;
   }
