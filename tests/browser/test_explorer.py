@@ -23,7 +23,7 @@ from squeezefilm.units import to_its_error
 from .conftest import Browser
 
 EXACT = 1e-9
-SHOWN_UNIT = {"h0": 1e-6, "hv": 1e-6, "phi-r": 1e-3, "phi-phi": 1.0, "wanted": 1.0}
+SHOWN_UNIT = {"h0": 1e-6, "hv": 1e-6, "phi-r": 1e-3, "phi-phi": 1.0, "target": 1.0}
 FACTOR = dict(zip(("h0", "hv", "phi-r", "phi-phi"), FACTOR_COLUMNS, strict=True))
 # A value and its error, in the page's units.
 SAID = [(0.962042, 6e-7), (0.9613, 0.0031), (-3.26, 0.4), (42.4, 3.0), (1234.0, 20.0)]
@@ -88,7 +88,7 @@ class Explorer:
         return float(fit.force_model.evaluate(fit.theta, factors)[0])
 
 
-START = {"h0": 5.0, "hv": 2.0, "phi-r": 0.0, "phi-phi": 0.0, "wanted": 1.0}
+START = {"h0": 5.0, "hv": 2.0, "phi-r": 0.0, "phi-phi": 0.0, "target": 1.0}
 
 
 @pytest.fixture
@@ -133,7 +133,7 @@ def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer)
     if not fit.force_model.is_centred:
         explorer.type(phi_r=1.2, phi_phi=30.0)
     for hv, load_n in ((1.2, 0.1), (1.9, 0.4)):
-        explorer.type(h0=6.0, hv=hv, wanted=load_n)
+        explorer.type(h0=6.0, hv=hv, target=load_n)
         place = {n: v for n, v in explorer.factors().items() if n in ("phi_r_m", "phi_deg")}
         shown = explorer.element("amplitude").get_attribute("data-metres")
         try:

@@ -85,7 +85,7 @@ def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
     ("changes", "message"),
     [
         ({"hv_m": 5e-6}, "surface and pad touch"),
-        (cartesian(2.94e-3, 45.0), "off the actuator's 10.00 mm disc"),
+        (cartesian(2.94e-3, 45.0), "off the actuator's disc of radius 10.00 mm"),
     ],
 )
 def test_a_scene_without_a_film_is_refused(scene, changes, message):

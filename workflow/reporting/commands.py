@@ -89,7 +89,7 @@ def recommend(options: argparse.Namespace) -> None:
     Recommended is the model with the least global error on the half of the validation sample that
     ranks. `worst_error` is the largest relative error at any simulation of the validation samples
     and the plan `four_factor`, fitted or not; that plan has the positions. The amplitude gives the
-    study's wanted force at its gap (section `extrapolation`), its errors are those of `squeezefilm
+    study's target force at its gap (section `extrapolation`), its errors are those of `squeezefilm
     amplitude-for`. The study's candidates must be compared (`snakemake models`).
     """
     from reporting.models import recommend

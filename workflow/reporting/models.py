@@ -50,10 +50,10 @@ def models_page(results: Results, *, space: str) -> Page:
     fits = [read_fit(results.candidate(space, model)) for model in judged["model"]]
     values = {
         "space": space,
-        "shown": readable(judged.drop(columns=["expression", "note"])),
+        "shown": readable(judged.drop(columns=["expression", "about", "note"])),
         "statement": next((fit.statement for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
-        "formulas": dict(zip(judged["model"], judged["expression"], strict=True)),
+        "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),
         "parameters": readable(_parameters(results, space, fits)),
         "results": results.folder,
         "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
@@ -146,7 +146,7 @@ def recommend(results: Results) -> pd.DataFrame:
     Recommended is the model with the least global error on the half of the validation sample that
     ranks, that with fewer parameters where two are the same. ``worst_error`` is the largest
     relative error at any simulation of RECOMMENDED_BY, fitted or not. The amplitude gives the
-    study's wanted force at its gap (section ``extrapolation``). One empty row where no model can be
+    study's target force at its gap (section ``extrapolation``). One empty row where no model can be
     validated.
     """
     forces = {
@@ -178,15 +178,15 @@ def _recommended(
         "simulations": len(known),
         "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
     }
-    wanted = results.config["extrapolation"]
+    target = results.config["extrapolation"]
     positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
     if space == "two_factor":  # the centre alone: models know no other
         positions = pd.DataFrame([dict.fromkeys(form_of(every), 0.0)])
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
         place = {str(name): float(value) for name, value in row.items()}
-        at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
-        found = amplitude_for(fit, at, force_n=wanted["force_n"])
-        yield {**about, "h0_m": wanted["h0_m"], **place, **found}
+        at = Factors.of(h0_m=target["h0_m"], hv_m=target["hv_m"], **place)
+        found = amplitude_for(fit, at, force_n=target["force_n"])
+        yield {**about, "h0_m": target["h0_m"], **place, **found}
 
 
 def refine_page(results: Results, *, space: str) -> Page:

@@ -9,7 +9,7 @@ import pandas as pd
 from squeezefilm.film.validity import LIMITS, Limit
 
 VERDICTS = {
-    "reached": "as good as wanted",
+    "reached": "targets met",
     "model": "limited by the model",
     "simulation": "limited by the simulations",
     "budget": "out of simulations",

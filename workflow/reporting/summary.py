@@ -103,14 +103,14 @@ def headline_values(results: Results) -> dict[str, Any]:
         "recommended": recommended,
         "measured": "measurements" in config and results.summary("measurements/summary.json"),
         "amplitudes": _amplitudes,
-        "wanted": config["extrapolation"],
+        "target": config["extrapolation"],
         "neglected": _neglected(results),
         "beyond": results.beyond,
     }
 
 
 def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
-    """The amplitude for the wanted force at each position, and the error of that force."""
+    """The amplitude for the target force at each position, and the error of that force."""
     amplitudes = zip(1e6 * table["hv_m"], 1e6 * table["hv_error_95_m"], strict=True)
     shown = [to_its_error(*each)[0] if np.isfinite(each[0]) else "none" for each in amplitudes]
     error = table["error_95_percent"].map("{:.2g} %".format)
@@ -164,7 +164,8 @@ def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterat
     ]
     for name in ("inertia", "thermal"):
         if gas[name] != "none" and not all(name in simplifications for simplifications in without):
-            yield name if gas[name] == "included" else f"{name} where it matters"
+            chosen = "" if gas[name] == "included" else " where needed"
+            yield f"{EFFECTS[name]}{chosen}"
 
 
 def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:

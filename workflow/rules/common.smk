@@ -152,7 +152,7 @@ PLANS = {
     "sweep": (["sweep", "screen", "positions"], []),
 }
 # Spaces, each with one of the paper's models of this name; the plans that it is fitted to, the whole
-# one first, and those that its fits are judged on. A fit bears the name of its plan.
+# one first, and those that its fits are validated on. A fit bears the name of its plan.
 FITS = {
     "two_factor": ["screen", "two_factor_design"],
     "four_factor": ["four_factor", "four_factor_design", "four_factor_design_distinct"],
@@ -210,7 +210,7 @@ def results_folder(wildcards, output):
 
 
 def limit_tables(space):
-    """The files of what physics says of the points that a space's models are fitted to or judged by."""
+    """The asymptotic forces at the points that a space's models are fitted to or validated on."""
     plans = [FITS[space][0], f"validation_{space}"]
     return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
 

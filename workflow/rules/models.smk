@@ -1,6 +1,6 @@
 # Candidates for the force model, the paper's, physics and your own, side by side: `snakemake models`.
 
-# What the recommended model is judged by; the first has the positions.
+# Plans that validate the recommended model; the first has the positions.
 RECOMMENDED_BY = ["four_factor", *expand("validation_{space}", space=FITS)]
 
 
@@ -18,12 +18,12 @@ rule limit_table:
         code=CODE["models"],
         study=sections("screen", "positions", *FILM),
     message:
-        "What physics says all over the space, for models that use it"
+        "Asymptotic forces over the space, for models that use them"
     script:
         "../scripts/limit_table.py"
 
 
-# All of a space and what physics says of its points: a process takes longer to start than to fit.
+# All of a space and the asymptotic forces at its points: a process takes longer to start than to fit.
 for space, (plan, *_) in FITS.items():
 
     rule:
@@ -80,7 +80,7 @@ rule recommend:
     params:
         study=sections("extrapolation"),
     message:
-        "The best model, and the amplitude for the wanted force at each position"
+        "The best model, and the amplitude for the target force at each position"
     script:
         "../scripts/recommend.py"
 

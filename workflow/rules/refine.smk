@@ -41,7 +41,7 @@ rule optimal:
             ],
         ),
     message:
-        "Designs are certified, and other plans judged beside them"
+        "Designs are certified, and other plans compared with them"
 
 
 rule refine_model:
@@ -50,12 +50,7 @@ rule refine_model:
         sample="<results>/simulations/validation_{space}/forces.csv",
         scan=SCAN_SUMMARY,
     output:
-        rounds="<results>/refine/{space}/{model}/rounds.csv",
-        forces="<results>/refine/{space}/{model}/forces.csv",
-        limits="<results>/refine/{space}/{model}/limits.csv",
-        where="<results>/refine/{space}/{model}/where.csv",
-        fit="<results>/refine/{space}/{model}/fit.json",
-        verdict="<results>/refine/{space}/{model}/verdict.json",
+        **{Path(name).stem: f"<results>/refine/{{space}}/{{model}}/{name}" for name in REFINED},
     resources:
         mem_mb=2000,
         runtime=60,
@@ -85,7 +80,7 @@ rule refine_report:
         study=sections("refine", "screen", *FILM),
         page="refine",
     message:
-        "What was estimated over the {wildcards.space} space, and the truth"
+        "Estimated errors over the {wildcards.space} space beside those at held-out points"
     script:
         "../scripts/page.py"
 

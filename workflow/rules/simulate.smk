@@ -1,6 +1,6 @@
 # From a plan to its forces. As CSV, or for a sweep's many rows as Parquet.
 
-# What films of some plans do besides giving a force.
+# Tables of the films of some plans, beside their forces.
 FILM_TABLES = {
     "screen": ["error_budget", "gains", "levitation", "response"],
     "four_factor": ["error_budget"],
@@ -124,7 +124,7 @@ for plan, tables in FILM_TABLES.items():
             code=CODE["figures" if "film" in tables else "solver"],
             study=sections("solver", *FILM),
         message:
-            f"What the films of {plan} do besides giving a force"
+            f"Tables of the films of {plan}: {', '.join(tables)}"
         script:
             "../scripts/film_tables.py"
 
@@ -134,4 +134,4 @@ rule film_tables:
         rules.compile_kernels.output,
         [getattr(rules, f"films_{plan}").output for plan in FILM_TABLES],
     message:
-        "What the films of the plans do besides is known"
+        "The tables of the films are made"

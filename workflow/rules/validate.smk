@@ -2,7 +2,7 @@
 # that end with it.
 
 
-# All fits on all sets of points: a process takes longer to start than to judge.
+# All fits on all sets of points: a process takes longer to start than to validate.
 for space, plans in JUDGED_ON.items():
 
     rule:
@@ -18,7 +18,7 @@ for space, plans in JUDGED_ON.items():
             code=CODE["models"],
             study=sections("validation"),
         message:
-            f"Judge the fits of the {space} model"
+            f"Validate the fits of the {space} model"
         script:
             "../scripts/validate.py"
 
@@ -28,7 +28,7 @@ rule two_factor:
         files_of_space("two_factor"),
         rules.design_two_factor.output,
     message:
-        "The two-factor model is fitted, designed and judged"
+        "The two-factor model is fitted, designed and validated"
 
 
 rule four_factor:
@@ -36,4 +36,4 @@ rule four_factor:
         files_of_space("four_factor"),
         rules.design_four_factor.output,
     message:
-        "The four-factor model is fitted, designed and judged"
+        "The four-factor model is fitted, designed and validated"

@@ -49,7 +49,7 @@ rule ablation:
         code=CODE["verification"],
         study=sections("solver", "numerics", *FILM),
     message:
-        "What leaving things out saves, and that it costs no accuracy"
+        "What simplifications save, and that they cost no accuracy"
     script:
         "../scripts/ablation.py"
 

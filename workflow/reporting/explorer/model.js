@@ -35,25 +35,25 @@ function outsideOf(fit, point) {
   });
 }
 
-// Smallest amplitude in metres that gives the wanted force at a point's gap and position, below
+// Smallest amplitude in metres that gives the target force at a point's gap and position, below
 // contact; NaN where there is none: as squeezefilm.models.amplitude_for looks for it.
-function amplitudeForForce(fit, point, wanted_n) {
+function amplitudeForForce(fit, point, target_n) {
   const at = (share) => share * point.h0_m * (1 - 1e-12);
-  return at(firstRoot((share) => force(fit, { ...point, hv_m: at(share) }) - wanted_n, wanted_n));
+  return at(firstRoot((share) => force(fit, { ...point, hv_m: at(share) }) - target_n, target_n));
 }
 
 // Widest gap in metres, from the widest of some down to the least or to contact, at which a point's
-// amplitude gives the wanted force; NaN where there is none: gap_for_force of the same module.
-function gapForForce(fit, point, wanted_n, [least_m, most_m]) {
+// amplitude gives the target force; NaN where there is none: gap_for_force of the same module.
+function gapForForce(fit, point, target_n, [least_m, most_m]) {
   const low = Math.max(least_m, point.hv_m * (1 + 1e-12));
   if (low >= most_m) return NaN;
   const at = (share) => most_m + share * (low - most_m);
-  return at(firstRoot((share) => force(fit, { ...point, h0_m: at(share) }) - wanted_n, wanted_n));
+  return at(firstRoot((share) => force(fit, { ...point, h0_m: at(share) }) - target_n, target_n));
 }
 
-// The first share from 0 to 1 at which an excess over a wanted force is zero; NaN without one.
+// The first share from 0 to 1 at which an excess over a target force is zero; NaN without one.
 const LOOKED_AT = 100;
-function firstRoot(excess, wanted_n) {
+function firstRoot(excess, target_n) {
   let low = 0, atLow = excess(0);
   for (let i = 1; i <= LOOKED_AT; i += 1) {
     const high = i / LOOKED_AT, atHigh = excess(high);
@@ -61,7 +61,7 @@ function firstRoot(excess, wanted_n) {
     if (a && a.value * b.value <= 0) {
       const found = root(excess, a, b);
       // The sign may change at a pole, too.
-      if (Math.abs(excess(found)) <= 1e-9 * (1 + Math.abs(wanted_n))) return found;
+      if (Math.abs(excess(found)) <= 1e-9 * (1 + Math.abs(target_n))) return found;
     }
     [low, atLow] = [high, atHigh];
   }

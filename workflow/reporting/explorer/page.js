@@ -58,7 +58,7 @@
     "phi-phi": polar
       ? { name: "phi_deg", unit: 1, step: 1, symbol: "°", range: [0, space.phi_deg[1]], value: 0 }
       : { name: "y_m", unit: MM, step: 0.05, symbol: "mm", range: space.y_m, value: 0, signed: true },
-    wanted: { name: "force_n", unit: 1, step: 0.01, symbol: "N", range: [0, 2 * data.start.force_n], value: data.start.force_n },
+    target: { name: "force_n", unit: 1, step: 0.01, symbol: "N", range: [0, 2 * data.start.force_n], value: data.start.force_n },
   };
   if (!polar) {
     for (const [id, axis] of [["phi-r", "x"], ["phi-phi", "y"]]) {
@@ -213,7 +213,7 @@
     return `${digits} µm ± ${around} µm ${force_n}`;
   }
 
-  // The error of a gap or an amplitude that gives the wanted force: the force's over the slope.
+  // The error of a gap or an amplitude that gives the target force: the force's over the slope.
   function lengthError(fit, there, name) {
     const at = (share) => force(fit, { ...there, [name]: share * there[name] });
     const slope = (at(1.0001) - at(0.9999)) / (0.0002 * there[name]);
@@ -225,7 +225,7 @@
     if (!data.modulation) return [];
     const { films, why } = modulationAt(data.modulation, now);
     const about = byId("modulation");
-    const moved = now.phi_r_m > 0 ? " It is of the centred pad, not of this place." : "";
+    const moved = now.phi_r_m > 0 ? " The pad is centred here, not at this position." : "";
     if (!films.length) {
       about.textContent = `Not known here: ${why}.`;
       return films;
@@ -234,10 +234,10 @@
       ([name, digits]) => span(reach(films, (film) => film[name]), digits));
     const [, error] = reach(films, (film) => film.error);
     const source = films.length > 1 ? `between the ${films.length} films examined around this point`
-      : "of this very film";
-    about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz: `
-      + `${source}.${moved} By the period-averaged equation, accurate to ${share(error)} of its gains, `
-      + "which neglects inertia and thermal effects of the gas."
+      : "for this film";
+    about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz, `
+      + `${source}.${moved} Error of the gains by period averaging: ${share(error)}; inertia and thermal `
+      + "effects of the gas are neglected."
       + (byId("validity").hidden ? "" : " At this gap the neglected effects rule the film.");
     return films;
   }
@@ -309,7 +309,7 @@
     return { x: h0.map((v) => v / UM), y: hv.map((v) => v / UM), z };
   }
 
-  // The surface up to half as much again as the wanted force to begin with: lines of equal gap, each
+  // The surface up to half as much again as the target force to begin with: lines of equal gap, each
   // with as many points.
   function sheet(fit, at) {
     const h0 = steps(seen.h0, 41), share = steps([0, 1], 41);

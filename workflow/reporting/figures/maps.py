@@ -47,9 +47,9 @@ def error_map(results: Results) -> Figure:
 
 
 def forces(results: Results) -> Figure:
-    """Mean force with the pad centred over gap and amplitude; the wanted force is a thick line."""
+    """Mean force with the pad centred over gap and amplitude; the target force is a thick line."""
     rows = parts.plane_table(results.forces("error_map"), layer="map")
-    wanted_n = results.config["extrapolation"]["force_n"]
+    target_n = results.config["extrapolation"]["force_n"]
     grid = parts.grid_of(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
     wide = low > 0 and high > DECADE * low
@@ -67,9 +67,9 @@ def forces(results: Results) -> Figure:
     axes.set(**parts.PLANE)
     bar = figure.colorbar(drawn, ax=axes, pad=0.02, format="%g", label="mean force (N)")
     bar.ax.minorticks_off()
-    if low < wanted_n < high:
-        axes.contour(*grid, levels=[wanted_n], colors="black", linewidths=2.0)
-        axes.plot([], [], "k", linewidth=2.0, label=f"wanted force, {wanted_n:g} N")
+    if low < target_n < high:
+        axes.contour(*grid, levels=[target_n], colors="black", linewidths=2.0)
+        axes.plot([], [], "k", linewidth=2.0, label=f"target force, {target_n:g} N")
         figure.legend(loc="outside upper center")
     notes = parts.interpolation_note(rows), simulations_note(results.forces("error_map"))
     style.add_note(figure, *notes, results.beyond)
@@ -77,7 +77,7 @@ def forces(results: Results) -> Figure:
 
 
 def amplitudes(results: Results) -> Figure:
-    """Amplitude for the wanted force at each position, by the recommended model.
+    """Amplitude for the target force at each position, by the recommended model.
 
     A square where the model is not validated, a white cross where no amplitude gives the force.
     """
@@ -117,9 +117,9 @@ def vibration(results: Results) -> Figure:
     """Amplitude of the vibration over the surface, as a fraction of its maximum, and the pad."""
     surface, pad = surface_of(results.config), pad_of(results.config)
     x_m, y_m = np.meshgrid(*(np.linspace(-half, half, LINES) for half in surface.half_m))
-    s = np.abs(profile_of(results.config).amplitude(x_m=x_m, y_m=y_m))
+    s = np.minimum(np.abs(profile_of(results.config).amplitude(x_m=x_m, y_m=y_m)), 1.0)
     figure, axes = style.subplots(height_in=3.2)
-    look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL, "extend": "max"}
+    look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL}
     filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, **look)
     outside = surface.reach(x_m, y_m)
     axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")

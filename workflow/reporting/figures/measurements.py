@@ -39,5 +39,5 @@ def measurements(results: Results) -> Figure:
         panel.set_xlabel("computed force (N)")
         panel.grid(True)
     verdict = results.summary("measurements/summary.json")["verdict"]
-    style.add_note(figure, *wrap(verdict, LONGEST_LINE), results.beyond)
+    style.add_note(figure, *wrap(f"χ² test: {verdict}.", LONGEST_LINE), results.beyond)
     return figure

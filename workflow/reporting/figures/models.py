@@ -16,7 +16,6 @@ from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import ROUND_COLUMNS, WHERE_COLUMNS
 
-AUGMENTATION = "augmentation"
 LAYERS: dict[str, dict[str, Any]] = {
     "simulation": {"color": style.VERMILLION, "label": "simulation"},
     "control": {"color": "white", "label": "control point"},
@@ -48,7 +47,7 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The design (black, with the letters of its patterns, + if added) on the screen (white)."""
     screen = results.scenes("screen")
     optimal = results.design("two_factor")
-    labels = optimal["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
+    labels = optimal["origin"].str.replace(" and ", ", ").replace("augmentation", "+")
     points = parts.plane_table(optimal, layer="design").assign(label=labels)
     data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
     figure, axes = style.subplots()
@@ -60,7 +59,7 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
     parts.set_up_plane(axes, screen)
     parts.label_points(axes, points, labels=points["label"])
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
-    note = "Letters: a point's patterns; +: added by best augmentation."
+    note = "Letters: a point's locally optimal patterns; +: added by augmentation."
     style.add_note(figure, note, results.beyond)
     return figure, data
 
@@ -92,7 +91,7 @@ def _without_anything(text: str) -> Figure:
 def model_errors(results: Results, space: str) -> Figure:
     """A panel for each model: errors on the validation sample, larger ones over smaller ones."""
     table = results.table(f"models/{space}.csv", "model", "parameters", "validation_error")
-    judged = table[table["validation_error"].notna()]
+    judged = table.dropna(subset="validation_error").sort_values("validation_error", kind="stable")
     if judged.empty:
         return _without_anything("no model has an error on these points")
     data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")

@@ -33,8 +33,7 @@ def overview(results: Results) -> Figure:
     errors = results.validation("two_factor_design", "error_map")
     force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
     captions = {
-        "Simulate": f"{force_n:.3f} N, numerical error "
-        f"{rounded_up(error_n / force_n + fit.profile_uncertainty)} of it",
+        "Simulate": f"{force_n:.3f} N, numerical error {rounded_up(error_n / force_n)} of it",
         "Fit": f"{len(screen)} simulations, error {percent(fit.global_error)}",
         "Design": f"{len(design)} points instead of {len(screen)}",
         "Validate": f"{errors['points']:.0f} simulations, largest error "

@@ -186,7 +186,7 @@ def add_space(
     figure: Figure,
     *,
     bottom: float = 0.0,
-    labels: Sequence[str] = (*PLANE.values(), r"force $\eta$ (N)"),
+    labels: Sequence[str] = (*PLANE.values(), "mean force $F$ (N)"),
     azimuth_deg: float = -132,
     pads: tuple[float, float] = (-5, -2),
     ticks: int = 5,

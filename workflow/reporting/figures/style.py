@@ -86,8 +86,8 @@ def read_style(file: Path) -> dict[Any, Any]:
     settings = dict(mpl.rc_params_from_file(file, use_default_template=False))
     log.removeFilter(keep)
     for problem in problems:
-        told = problem.getMessage().strip().splitlines()[0]
-        raise InputError(f"{file}: not a style file of matplotlib: {told}")
+        reason = problem.getMessage().strip().splitlines()[0]
+        raise InputError(f"{file}: not a style file of matplotlib: {reason}")
     return settings
 
 

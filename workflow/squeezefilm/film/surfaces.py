@@ -37,7 +37,7 @@ class Disc:
     @property
     def text(self) -> str:
         """Return the surface's shape with its size."""
-        return f"{self.radius_m * 1e3:.2f} mm disc"
+        return f"disc of radius {self.radius_m * 1e3:.2f} mm"
 
     def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Relative distance of points from the centre: 0 at the centre, 1 on the edge."""
