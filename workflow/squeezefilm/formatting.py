@@ -28,8 +28,6 @@ LABELS = {
     "inertia": "gas inertia",
     "thermal": "thermal effects",
     "bearing": "Couette term",
-    "gap that is shaped at rest": "non-uniform gap",
-    "vibration in two phases": "two quadrature components",
     "edge_loss": "edge inflow loss",
     "flow_factor": "slip beyond first order",
     "epsilon": "excursion ratio",
