@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from films import PISTON, film
-from scipy.special import iv
 from test_outlines import WAVE, curved, ellipse_mm
 
 from squeezefilm.film.pad import GapShape
@@ -23,7 +22,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.solver import solve
 from verification.disc import Disc, resolved_second_order
-from verification.published.linear_film import depth_averaged
+from verification.published.linear_film import depth_averaged, disc_response
 
 BOTH = {"inertia": "included", "thermal": "included"}
 
@@ -98,19 +97,16 @@ def test_a_small_motion_has_the_linear_theory_s_force(reynolds, sigma):
         outputs=("harmonics",),
         tolerance=1e-4,
     )
-    flow, _ = depth_averaged(reynolds, prandtl=0.0, heat_capacity_ratio=1.4)
-    z = np.sqrt(1j * scene.sigma / flow) / 2
-    response = 1 - 2 * iv(1, z) / (z * iv(0, z))
+    factors = depth_averaged(reynolds, prandtl=0.0, heat_capacity_ratio=1.4)
     force = complex(found.outputs.value["force_in_phase"], found.outputs.value["force_quadrature"])
     ours = -force / (scene.force_scale_n * scene.epsilon)
-    assert ours == pytest.approx(response, rel=2e-5)
+    assert ours == pytest.approx(disc_response(sigma, factors), rel=2e-5)
 
 
 @pytest.mark.parametrize(("sigma", "reynolds"), [(20.0, 4.0), (100.0, 10.0), (600.0, 20.0)])
 def test_a_disc_that_resolves_the_profile_lies_within_the_estimate(sigma, reynolds):
-    """T16's theory of second order; without inertia it is 5/4 of the spring."""
-    z = np.sqrt(1j * sigma) / 2
-    spring = (1 - 2 * iv(1, z) / (z * iv(0, z))).real
+    """Second-order theory; without inertia it is 5/4 of the spring."""
+    spring = disc_response(sigma).real
     assert resolved_second_order(sigma, 1e-5) == pytest.approx(1.25 * spring, rel=1e-5)
     scene = ellipse(reynolds, epsilon=1e-3, sigma=sigma)
     resolved = resolved_second_order(sigma, scene.modified_reynolds)

@@ -110,3 +110,13 @@ def test_depth_averaging_is_as_the_docs_show_it_and_of_no_other_terms(repository
     monkeypatch.setattr(comparison, "depth_averaged", exact)
     with pytest.raises(RunError, match="first harmonic at Re 4, σ 1: "):
         list(comparison.depth_averaging((4.0,), (1.0,)))
+    reasons = iter(["not converged: GMRES; no force"] * 4 + ["not supported: a piston"])
+
+    def fail(*_: object, **how: object) -> None:
+        raise RunError(next(reasons))
+
+    monkeypatch.setattr(comparison, "_quantities", fail)
+    rows = list(comparison.depth_averaging((4.0,), (1.0,)))
+    assert all(np.isnan(row.solver) and "GMRES" in row.status for row in rows)
+    with pytest.raises(RunError, match="a piston"):
+        list(comparison.depth_averaging((4.0,), (1.0,)))

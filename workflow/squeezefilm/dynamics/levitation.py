@@ -213,7 +213,10 @@ def trustworthy(
 def _at_the_load(
     scene: Scene, low: float, high: float, *, load_n: float, how: dict[str, Any]
 ) -> Levitation:
-    """The gap of one equation, without its budget: sought with rough forces, then refined."""
+    """The gap of one equation, without its budget: sought with rough forces, then refined.
+
+    A gap outside the limits of validity stays rough.
+    """
     tolerance = how["tolerance"]
     rough = how | {"tolerance": max(tolerance, ROUGH_TOLERANCE)}
 
@@ -224,14 +227,15 @@ def _at_the_load(
     h0_m = _root(excess, low, high)
     values, (status,) = falls(_at(scene, h0_m), "h0_m", **rough)
     slope = float(_known(values[2, 0], h0_m, status))
-    for _ in range(MOST_STEPS):
-        step_m = excess(h0_m, how) / slope
-        h0_m += step_m
-        if abs(step_m) <= tolerance * h0_m:
-            break
-        if not abs(step_m) <= STEP * h0_m:
-            raise RunError(f"load: the gap near {h0_m:.4g} m was not found to the tolerance")
-    values, (status,) = falls(_at(scene, h0_m), "h0_m", **how)
+    if not exceeded(replace(scene, h0_m=h0_m)):  # else no gap is given, and these numbers show why
+        for _ in range(MOST_STEPS):
+            step_m = excess(h0_m, how) / slope
+            h0_m += step_m
+            if abs(step_m) <= tolerance * h0_m:
+                break
+            if not abs(step_m) <= STEP * h0_m:
+                raise RunError(f"load: the gap near {h0_m:.4g} m was not found to the tolerance")
+        values, (status,) = falls(_at(scene, h0_m), "h0_m", **how)
     force_n, error_n, stiffness, stiffness_error = _known(values[:, 0], h0_m, status).tolist()
     return Levitation(
         scene=replace(scene, h0_m=h0_m),

@@ -302,13 +302,14 @@ def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple
     import pyopencl as cl
 
     if _of_pocl(context.devices[0]):
+        if shutil.which("ld") is None:
+            raise InputError(
+                "PoCL links kernels by the linker ld, which is not on the PATH: install a C "
+                "compiler (Debian and Ubuntu: apt install gcc)"
+            )
+        # The guard of the header that builtins.cl stands for.
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
     texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
-    if _of_pocl(context.devices[0]) and shutil.which("ld") is None:
-        raise InputError(
-            "PoCL links kernels by the linker ld, which is not on the PATH: install a C compiler "
-            "(Debian and Ubuntu: apt install gcc)"
-        )
     processor = known_processor(context.devices[0])
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")

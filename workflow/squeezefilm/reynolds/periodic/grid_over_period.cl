@@ -62,6 +62,8 @@ typedef struct {
     const Film film_copy = *(whole_film), *const film = &film_copy;
 
 #define ARRAY(film, name) ((film)->values + (film)->row->name)
+/* One of the two arrays along x and along y. */
+#define ON_AXIS(axis, name) ((axis) == 0 ? ARRAY(film, name##_x) : ARRAY(film, name##_y))
 
 /* A matrix as GMRES takes it, at `room`, which is moved on; itself if that is no other type. */
 static constant_vector taken(matrix values, int count, vector *room)

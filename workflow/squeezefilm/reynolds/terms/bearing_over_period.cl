@@ -5,12 +5,11 @@
 static void response_bearing(const Grid *g, const Film *film, field mass, field work, field out)
 {
 #ifdef HAS_outline
-    matrix turns[2] = {ARRAY(film, turn_x), ARRAY(film, turn_y)};
     for (int axis = 0; axis < 2; axis++) {
-        along_axis(g, axis, axis ? ARRAY(film, derivative_y) : ARRAY(film, derivative_x),
-                   NODES_TO_SLOPES, mass, work, 0);
+        matrix turn = ON_AXIS(axis, turn);
+        along_axis(g, axis, ON_AXIS(axis, derivative), NODES_TO_SLOPES, mass, work, 0);
         FOR_EACH_POINT(g, row, t, i)
-            ((field4)out)[i] -= film->row->bearing * turns[axis][row] * ((matrix4)work)[i];
+            ((field4)out)[i] -= film->row->bearing * turn[row] * ((matrix4)work)[i];
         SYNC;
     }
 #else

@@ -14,7 +14,7 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
 
-SHAPED, TWO_PHASES = "non-uniform gap", "two quadrature components"
+NON_UNIFORM, TWO_COMPONENTS = "non-uniform gap", "two quadrature components"
 # Two preconditioners pay where the widest gap at rest is so many times the narrowest, and nothing
 # else has a share in the film: they were no better for pads that slide or are no rectangles, and
 # worse with inertia. They are for diffusivities inside of those, by this share of the way from the
@@ -28,7 +28,7 @@ LEAST_REST = 1e-3
 
 @dataclass(frozen=True)
 class AnyGap(Term):
-    """``label`` says in which way the gap is not the plain one.
+    """``label`` names in which ways the film differs from a uniform gap that moves in phase.
 
     Its numbers: the least gap over h0 in a period, and what the gap at rest is over h0 more than 1
     for each metre that it is wider than h0; of its preconditioners where it is shaped at rest.
@@ -44,14 +44,15 @@ class AnyGap(Term):
     OVER_PERIOD = "terms/gap_over_period.cl"
     IN_SINGLE = True
     IN_EXPANSIONS = True
-    ABSENT = Simplification(SHAPED, "it is uniform at rest and moves in phase")
+    ABSENT = Simplification(NON_UNIFORM, "it is uniform at rest and moves in phase")
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:
         shaped, complex_ = not scene.pad.gap.flat, scene.actuator.profile.is_complex
         if not (shaped or complex_):
             return None
-        both = ", ".join(label for label, has in ((SHAPED, shaped), (TWO_PHASES, complex_)) if has)
+        kinds = {NON_UNIFORM: shaped, TWO_COMPONENTS: complex_}
+        both = ", ".join(label for label, has in kinds.items() if has)
         if not shaped:
             return cls(both)
         more = scene.bearing_number or scene.gas.inertia == "included"

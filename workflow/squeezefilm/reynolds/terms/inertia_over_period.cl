@@ -25,35 +25,19 @@ typedef struct {
 static Direction direction_of(const Film *film, int axis)
 {
     Direction d;
-    if (axis == 0) {
-        d.values = ARRAY(film, flux_values_x);
-        d.slope = ARRAY(film, flux_slope_x);
-        d.along = ARRAY(film, flux_along_x);
-        d.nodes = ARRAY(film, flux_nodes_x);
-        d.divergence = ARRAY(film, flux_divergence_x);
-        d.across = ARRAY(film, flux_across_y);
-        d.rim = ARRAY(film, flux_rim_y);
-        d.to_end = ARRAY(film, flux_to_end_y);
-        d.amplitude = ARRAY(film, flux_amplitude_x);
+    d.values = ON_AXIS(axis, flux_values);
+    d.slope = ON_AXIS(axis, flux_slope);
+    d.along = ON_AXIS(axis, flux_along);
+    d.nodes = ON_AXIS(axis, flux_nodes);
+    d.divergence = ON_AXIS(axis, flux_divergence);
+    d.across = ON_AXIS(1 - axis, flux_across);
+    d.rim = ON_AXIS(1 - axis, flux_rim);
+    d.to_end = ON_AXIS(1 - axis, flux_to_end);
+    d.amplitude = ON_AXIS(axis, flux_amplitude);
 #ifdef HAS_outline
-        d.over_area = ARRAY(film, flux_over_area_x);
-        d.bend = ARRAY(film, flux_bend_x);
+    d.over_area = ON_AXIS(axis, flux_over_area);
+    d.bend = ON_AXIS(axis, flux_bend);
 #endif
-    } else {
-        d.values = ARRAY(film, flux_values_y);
-        d.slope = ARRAY(film, flux_slope_y);
-        d.along = ARRAY(film, flux_along_y);
-        d.nodes = ARRAY(film, flux_nodes_y);
-        d.divergence = ARRAY(film, flux_divergence_y);
-        d.across = ARRAY(film, flux_across_x);
-        d.rim = ARRAY(film, flux_rim_x);
-        d.to_end = ARRAY(film, flux_to_end_x);
-        d.amplitude = ARRAY(film, flux_amplitude_y);
-#ifdef HAS_outline
-        d.over_area = ARRAY(film, flux_over_area_y);
-        d.bend = ARRAY(film, flux_bend_y);
-#endif
-    }
     return d;
 }
 

@@ -1,6 +1,5 @@
-/* Heat (thermal.py): what the gas' rise of temperature moves. Newton's steps know of it what is linear in
- * the motion, with a lag as at rest; the rest is too small to ask for
- * more than a step or two. */
+/* Heat (thermal.py): what the gas' rise of temperature moves. Newton's steps take what is linear in the
+ * motion, with a lag as at rest; the rest is so small that it needs no more than a step or two. */
 
 #define THERMAL_FIELDS 9
 
@@ -13,9 +12,6 @@
 #define TIMES_AREA(row)
 #define OVER_AREA_ON(axis, i)
 #endif
-
-/* An array of the points that velocities along an axis have (spectral.py). */
-#define ON_AXIS(axis, name) ((axis) == 0 ? ARRAY(film, name##_x) : ARRAY(film, name##_y))
 
 /* out += factor · S in over one row, with the skew S = root d/dT root. */
 static void add_skew(const Grid *g, matrix root, matrix in, double factor, field4 out)
