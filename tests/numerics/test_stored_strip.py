@@ -39,7 +39,9 @@ def test_inertia_by_one_mode_is_as_good_as_is_said(reynolds, most):
     assert 0.6 * most < error[here].max() < most
 
 
-@pytest.mark.parametrize(("reynolds", "most"), [(1.8, 3e-4), (3.6, 1.2e-3), (7.2, 3.4e-3), (10, 6.2e-3)])
+@pytest.mark.parametrize(
+    ("reynolds", "most"), [(1.8, 3e-4), (3.6, 1.2e-3), (7.2, 3.4e-3), (10, 6.2e-3)]
+)
 def test_heat_by_one_mode_is_as_good_as_is_said(reynolds, most):
     """As the docs say: its effect within 0.03 % of the force up to Re 1.8 and 0.6 % at Re 10."""
     by_mode = TABLE["one_mode_of_heat"] - TABLE["one_mode"]

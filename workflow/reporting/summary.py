@@ -165,7 +165,7 @@ def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterat
     for name in ("inertia", "thermal"):
         if gas[name] != "none" and not all(name in simplifications for simplifications in without):
             chosen = "" if gas[name] == "included" else " where needed"
-            yield f"{EFFECTS[name]}{chosen}"
+            yield f"{label_of(name)}{chosen}"
 
 
 def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
