@@ -154,7 +154,7 @@ def test_a_profile_that_passes_against_a_march_along_it(
         grid = Grid(nx=24, ny=40, nt=12, fold_x=False, fold_y=False)
         films = []
         for each in first_order.line(scene):
-            problems = problems_of([each], grid, tolerance=1e-9)
+            problems = problems_of([each], grid)
             states = solve_batch([each], grid, tolerance=1e-9, device=choose_device())
             films.append(Fields(problems, grid, states.overpressure))
         orders = first_order.by_passing(films, np.array([-1e-3 * sigma]))

@@ -61,7 +61,7 @@ def on_nodes(scene: Scene, *, points: int, instants: int) -> WithUnknowns:
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     assert state.status[0] == 0
-    problems = problems_of([scene], grid, tolerance=1e-10)
+    problems = problems_of([scene], grid)
     fields = WithUnknowns(problems, grid, state.overpressure)
     fields.unknowns = state.unknowns[0]
     return fields

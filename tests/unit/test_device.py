@@ -62,14 +62,12 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
         return text
 
     monkeypatch.setattr(Path, "read_text", compiled_wrongly)
-    monkeypatch.setattr(self_test, "PROVED", {})
-    device._kernel.cache_clear()
-    device._program.cache_clear()
+    caches = (device.kernel, device._program, self_test._wrong)
     try:
+        [each.cache_clear() for each in caches]
         message = refused("doctor")
     finally:
-        device._kernel.cache_clear()
-        device._program.cache_clear()
+        [each.cache_clear() for each in caches]
     assert "fails its self-test" in message
     assert "inertia: " in message
     assert "slip: " not in message.replace("inertia and slip", "")

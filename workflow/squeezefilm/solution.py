@@ -102,11 +102,6 @@ class Solutions(Sequence[Solution]):
                 column[row] = getattr(solution, name)
         return found
 
-    def put(self, rows: np.ndarray, solutions: Solutions) -> None:
-        """Put the solutions of some scenes in their places."""
-        for name, column in self.columns.items():
-            column[rows] = solutions.columns[name]
-
     def __len__(self) -> int:
         return len(self.status)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from math import pi, sqrt
 from operator import attrgetter
-from typing import Any, NamedTuple, overload
+from typing import Any, overload
 
 import numpy as np
 
@@ -238,25 +238,38 @@ def rows_alike(values: np.ndarray) -> list[np.ndarray]:
     return np.split(np.argsort(which, kind="stable"), ends)
 
 
-class Places(NamedTuple):
-    """The pad's positions among scenes of one film, each once: x_m, y_m, shape (positions,)."""
+@dataclass(frozen=True, eq=False)
+class Places:
+    """The pad's positions among scenes of one film, each once: x_m, y_m, shape (positions,).
+
+    Those of the same positions are equal, so that what is known of them can be kept.
+    """
 
     under: PadProfile
     x_m: np.ndarray
     y_m: np.ndarray
 
-    @property
-    def key(self) -> tuple[PadProfile, bytes, bytes]:
-        """Equal for the same positions, to keep what is known of them by."""
+    @cached_property
+    def _key(self) -> tuple[PadProfile, bytes, bytes]:
         return self.under, self.x_m.tobytes(), self.y_m.tobytes()
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Places) and self._key == other._key
 
     def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's real and, of a complex one, imaginary part at points across the pad.
 
         Shape (parts, positions, points).
         """
-        s = self.under.amplitude(x, y, x_m=self.x_m[:, None], y_m=self.y_m[:, None])
+        s = self.amplitude(x, y)
         return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
+
+    def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The profile's s at points across the pad, shape (positions, points)."""
+        return self.under.amplitude(x, y, x_m=self.x_m[:, None], y_m=self.y_m[:, None])
 
     def some(self, rows: Rows) -> Places:
         return Places(self.under, self.x_m[rows], self.y_m[rows])
@@ -410,7 +423,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         places, which = self.places
-        moves, rises_m = _moves(*places.key), _rises_m(places.under.pad)
+        moves, rises_m = _moves(places), _rises_m(places.under.pad)
         parts = []
         for some in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
             rest = 1 + rises_m / self.h0_m[some, None]
@@ -440,8 +453,7 @@ def _rises(pad: Pad) -> tuple[float, float, float, float]:
 
 
 @lru_cache(maxsize=64)
-def _moves(under: PadProfile, x_m: bytes, y_m: bytes) -> np.ndarray:
+def _moves(places: Places) -> np.ndarray:
     """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
-    x, y = (each.ravel() for each in net(under.pad))
-    at_x_m, at_y_m = (np.frombuffer(each)[:, None] for each in (x_m, y_m))
-    return np.abs(under.amplitude(x, y, x_m=at_x_m, y_m=at_y_m))
+    x, y = (each.ravel() for each in net(places.under.pad))
+    return np.abs(places.amplitude(x, y))

@@ -297,7 +297,7 @@ def alike(solved: Solved, *, numbers: int) -> Iterator[Solved]:
 def fields_of(scenes: Sequence[Scene], solutions: Sequence[Solution], *, grid: int = -1) -> Fields:
     """The films of ``alike`` scenes, by default on the finer grid."""
     states = [solution.states[grid] for solution in solutions]
-    problems = problems_of(scenes, states[0].grid, tolerance=0.0)
+    problems = problems_of(scenes, states[0].grid)
     return Fields(problems, states[0].grid, np.stack([each.unknowns[0] for each in states]))
 
 

@@ -147,12 +147,12 @@ def _growths(
 def _equation(scene: Scene) -> object:
     """All that a scene's dimensionless equation depends on."""
     scenes = Scenes.of([scene])
-    return numbers_table(scenes, terms_of(scene)).tobytes(), scenes.places[0].key
+    return numbers_table(scenes, terms_of(scene)).tobytes(), scenes.places[0]
 
 
 def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:
     """The residual of other scenes at the pressure of these."""
-    problems = problems_of(scenes, films.grid, tolerance=films.problems.tolerance)
+    problems = problems_of(scenes, films.grid)
     return residual(Fields(problems, films.grid, films.overpressure[films.inner]))
 
 

@@ -152,7 +152,7 @@ def by_sliding(scenes: list[Scene], grid: Grid, *, device: Device) -> tuple[np.n
     """
 
     def solved(some: list[Scene]) -> Fields:
-        problems = problems_of(some, grid, tolerance=STATE_TOLERANCE)
+        problems = problems_of(some, grid)
         states = solve_batch(some, grid, tolerance=STATE_TOLERANCE, device=device)
         failed = (states.status != 0)[:, None, None, None]
         return Fields(problems, grid, np.where(failed, np.nan, states.overpressure))

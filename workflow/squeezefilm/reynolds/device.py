@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.errors import InputError
+from squeezefilm.lazy import cl
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 # Compiled kernels of a job on a cluster are kept on its node, compiled once for all jobs there. The
@@ -49,28 +50,6 @@ RECORD_BYTES = 1024
 
 
 @dataclass(frozen=True)
-class ArrayPool:
-    """Host arrays that launches are done with, for the next ones.
-
-    The system clears the pages of new memory, which takes a tenth of the time of a batch.
-    """
-
-    free: list[np.ndarray] = field(default_factory=list)
-
-    def acquire(self, count: int) -> np.ndarray:
-        """An array of so many doubles, or more, as whoever had it before has left it."""
-        if count > LARGEST_POOLED:
-            return aligned(count)
-        array = self.free.pop() if self.free else aligned(LEAST_POOLED)
-        return array if array.size >= count else aligned(count)
-
-    def release(self, *arrays: np.ndarray) -> None:
-        for array in arrays:
-            if array.size <= LARGEST_POOLED and len(self.free) < MOST_POOLED:
-                self.free.append(array)
-
-
-@dataclass(frozen=True)
 class Device:
     """An OpenCL device with a queue, and how the solver spreads over it.
 
@@ -84,7 +63,7 @@ class Device:
         memory_bytes: the device's own memory.
         processor: whether it is one, and not an accelerator.
         rooms: the buffer that kernels work in, kept from launch to launch.
-        arrays: host arrays, kept from launch to launch.
+        arrays: host arrays that launches are done with, for the next ones.
     """
 
     context: Any
@@ -97,7 +76,7 @@ class Device:
     processor: bool = True
     register_bytes: int = 32
     rooms: list[Any] = field(default_factory=list, compare=False)
-    arrays: ArrayPool = field(default_factory=ArrayPool, compare=False)
+    arrays: list[np.ndarray] = field(default_factory=list, compare=False)
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
@@ -110,8 +89,6 @@ class Device:
 
     def sent(self, values: np.ndarray) -> Any:
         """A buffer that holds a copy of ``values``."""
-        import pyopencl as cl
-
         flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
         return cl.Buffer(self.context, flags, hostbuf=values)
 
@@ -121,27 +98,17 @@ class Device:
         A device that works in the host's memory, like a processor, gets the array itself, which
         must then come from ``aligned`` if kernels read it in vectors.
         """
-        import pyopencl as cl
-
         kind = cl.mem_flags.USE_HOST_PTR if self._in_host_memory else cl.mem_flags.COPY_HOST_PTR
         return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | kind, hostbuf=values)
 
     def fetch(self, values: np.ndarray, buffer: Any, *, after: Any) -> None:
         """Wait for the event of a kernel and bring a shared buffer's contents into its array."""
-        import pyopencl as cl
-
         if not self._in_host_memory:
             cl.enqueue_copy(self.transfers, values, buffer, wait_for=[after])
             return
+        where = (0, values.shape, values.dtype)
         mapped, _ = cl.enqueue_map_buffer(
-            self.transfers,
-            buffer,
-            cl.map_flags.READ,
-            0,
-            values.shape,
-            values.dtype,
-            wait_for=[after],
-            is_blocking=True,
+            self.transfers, buffer, cl.map_flags.READ, *where, wait_for=[after]
         )
         mapped.base.release(self.transfers)
 
@@ -156,13 +123,26 @@ class Device:
         All kernels get the same one, for the queue runs them one after the other, and it is kept:
         new memory is expensive, the system clears its pages first.
         """
-        import pyopencl as cl
-
         size = 8 * (numbers + PADDING)
         if not self.rooms or self.rooms[0].size < size:
             self.rooms.clear()
             self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
         return self.rooms[0]
+
+    def host_array(self, count: int) -> np.ndarray:
+        """An array of so many doubles, or more, as whoever had it before has left it.
+
+        The system clears the pages of new memory, which takes a tenth of the time of a batch.
+        """
+        if count > LARGEST_POOLED:
+            return aligned(count)
+        array = self.arrays.pop() if self.arrays else aligned(LEAST_POOLED)
+        return array if array.size >= count else aligned(count)
+
+    def release(self, *arrays: np.ndarray) -> None:
+        """Let the next launches have some host arrays."""
+        small = [array for array in arrays if array.size <= LARGEST_POOLED]
+        self.arrays.extend(small[: MOST_POOLED - len(self.arrays)])
 
     @cached_property
     def _in_host_memory(self) -> bool:
@@ -193,8 +173,6 @@ def choose_device(
 
 @cache
 def _choose_device(wanted: str, work_items: int | None) -> Device:
-    import pyopencl as cl
-
     found = []
     rejected = []
     for device in list_devices():
@@ -232,8 +210,6 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
 
 def list_devices() -> list[Any]:
     """All OpenCL devices of all platforms; an installation without a platform has none."""
-    import pyopencl as cl
-
     try:
         return [device for platform in cl.get_platforms() for device in platform.get_devices()]
     except cl.LogicError:
@@ -259,14 +235,8 @@ def describe(device: Device) -> dict[str, Any]:
     }
 
 
-def kernel(
-    device: Device,
-    name: str,
-    *,
-    sources: tuple[str, ...],
-    header: str = "",
-    defines: tuple[str, ...] = (),
-) -> Any:
+@cache
+def kernel(device: Device, name: str, *, sources: tuple[str, ...], header: str = "") -> Any:
     """A kernel of a program made of a text and some files of this folder, joined in order.
 
     The number of work-items per group and that of numbers in a register are always defined. Kernels
@@ -277,8 +247,10 @@ def kernel(
         f"DOUBLE_LANES={device.lanes(8)}",
         f"FLOAT_LANES={device.lanes(4)}",
     )
-    defines = (*sizes, *defines)
-    return _kernel(device.context, name, header, sources, defines)
+    made = cl.Kernel(_program(device.context, header, sources, sizes), name)
+    types = [made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args)]
+    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(each)) for each in types])
+    return made
 
 
 def _of_pocl(device: Any) -> bool:
@@ -286,21 +258,7 @@ def _of_pocl(device: Any) -> bool:
 
 
 @cache
-def _kernel(
-    context: Any, name: str, header: str, sources: tuple[str, ...], defines: tuple[str, ...]
-) -> Any:
-    import pyopencl as cl
-
-    made = cl.Kernel(_program(context, header, sources, defines), name)
-    types = [made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args)]
-    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(each)) for each in types])
-    return made
-
-
-@cache
 def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
-    import pyopencl as cl
-
     if _of_pocl(context.devices[0]):
         if shutil.which("ld") is None:
             raise InputError(
@@ -325,11 +283,8 @@ def known_processor(device: Any) -> str:
     From then on PoCL knows it under that name. Programs are to be built with it among their
     options, for PoCL keeps those of all processors that it does not know under one name.
     """
-    if not _of_pocl(device):
-        return ""
-    if not device.version.strip().endswith(f"-{UNKNOWN}") or platform.machine() != "x86_64":
-        return ""
-    if not CPU_INFO.exists():
+    unknown = _of_pocl(device) and device.version.strip().endswith(f"-{UNKNOWN}")
+    if not (unknown and platform.machine() == "x86_64" and CPU_INFO.exists()):
         return ""
     name = level(_flags())
     rename(device.int_ptr, name)

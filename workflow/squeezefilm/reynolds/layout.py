@@ -99,10 +99,12 @@ def rows_of(
     names, whole = zip(*columns, strict=True)
     kind, places = _row_type(names, numbers.dtype)
     table = np.empty((*tolerance.shape, kind.itemsize // 8), dtype=np.int64)
-    for place, values in zip(places, whole, strict=False):
+    for place, values in zip(places, whole, strict=True):
         table[:, :, place] = values
     reals = table.view(np.float64)
-    reals[..., places[-1]] = numbers.view(np.float64).reshape(len(numbers), 1, -1)
+    reals[..., -1 - numbers.itemsize // 8 : -1] = numbers.view(np.float64).reshape(
+        len(numbers), 1, -1
+    )
     reals[..., -1] = tolerance
     return kind, table.reshape(-1, table.shape[-1])
 
@@ -110,14 +112,8 @@ def rows_of(
 @lru_cache(maxsize=64)
 def _row_type(
     whole: tuple[tuple[str, ...], ...], numbers: np.dtype[Any]
-) -> tuple[np.dtype[Any], list[slice | list[int]]]:
-    """The rows' type, and where among their plain numbers each of ``whole`` lies, then numbers."""
+) -> tuple[np.dtype[Any], list[list[int]]]:
+    """The rows' type, and where among their plain numbers those of ``whole`` lie."""
     names = list(dict.fromkeys(name for some in whole for name in some))
     kinds = [*((name, np.int64) for name in names), *numbers.descr, ("tolerance", np.float64)]
-    places: list[slice | list[int]] = []
-    for some in whole:
-        found = [names.index(name) for name in some]
-        together = found == list(range(found[0], found[0] + len(found)))
-        places.append(slice(found[0], found[0] + len(found)) if together else found)
-    places.append(slice(len(names), len(names) + numbers.itemsize // 8))
-    return np.dtype(kinds), places
+    return np.dtype(kinds), [[names.index(name) for name in some] for some in whole]

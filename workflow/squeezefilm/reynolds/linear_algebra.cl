@@ -24,47 +24,34 @@ typedef __global const double *matrix;
 typedef __global double4 *field4;
 typedef __global const double4 *matrix4;
 
-/* Sum of one number per work-item, known to all of them; the order of the sum is fixed. Global memory
- * is in step afterwards too: the next loop may share a field among the items in another way. */
-static double sum_over_group(double part, __local double *scratch)
-{
-#if WORK_ITEMS == 1
-    return part;
-#else
-    scratch[get_local_id(0)] = part;
-    SYNC;
-    for (int span = WORK_ITEMS / 2; span > 0; span /= 2) {
-        if (get_local_id(0) < span)
-            scratch[get_local_id(0)] += scratch[get_local_id(0) + span];
-        SYNC;
-    }
-    const double sum = scratch[0];
-    SYNC;
-    return sum;
-#endif
-}
-
 /* The larger number, or what is none if either is: it must not get lost. */
 static double greater(double a, double b) { return a > b || a != a ? a : b; }
 
-static double max_over_group(double part, __local double *scratch)
+/* Sum or largest of one number per work-item, known to all of them; the order of the sum is fixed.
+ * Global memory is in step afterwards too: the next loop may share a field among the items in another
+ * way. */
+static double over_group(double part, int largest, __local double *scratch)
 {
 #if WORK_ITEMS == 1
     return part;
 #else
-    scratch[get_local_id(0)] = part;
+    const int item = get_local_id(0);
+    scratch[item] = part;
     SYNC;
     for (int span = WORK_ITEMS / 2; span > 0; span /= 2) {
-        if (get_local_id(0) < span)
-            scratch[get_local_id(0)] =
-                greater(scratch[get_local_id(0)], scratch[get_local_id(0) + span]);
+        if (item < span) {
+            const double other = scratch[item + span];
+            scratch[item] = largest ? greater(scratch[item], other) : scratch[item] + other;
+        }
         SYNC;
     }
-    const double most = scratch[0];
+    const double all = scratch[0];
     SYNC;
-    return most;
+    return all;
 #endif
 }
+static double sum_over_group(double part, __local double *scratch) { return over_group(part, 0, scratch); }
+static double max_over_group(double part, __local double *scratch) { return over_group(part, 1, scratch); }
 
 static double sum_of(double4 v) { return (v.x + v.y) + (v.z + v.w); }
 

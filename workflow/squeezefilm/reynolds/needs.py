@@ -19,7 +19,6 @@ from squeezefilm.film.outline import Outline
 from squeezefilm.film.profiles import landmarks_of
 from squeezefilm.film.scene import (
     Film,
-    PadProfile,
     Places,
     Rows,
     Scene,
@@ -73,26 +72,6 @@ class Needs:
     def __len__(self) -> int:
         return len(self.scenes)
 
-    def __getitem__(self, rows: np.ndarray) -> Needs:
-        place = np.full(len(self), -1)
-        place[rows] = np.arange(len(rows))
-        profiles: list[tuple[Rows, SampledProfiles, np.ndarray]] = []
-        for of_film, sampled, at in self.profiles:
-            found = place[of_film]
-            if isinstance(of_film, slice):
-                profiles.append((of_film, sampled, at[rows]))
-            elif (found >= 0).any():
-                profiles.append((found[found >= 0], sampled, at[found >= 0]))
-        return Needs(
-            scenes=self.scenes[rows],
-            kinds=self.kinds,
-            kind=self.kind[rows],
-            fold_x=self.fold_x[rows],
-            fold_y=self.fold_y[rows],
-            uniform=self.uniform[rows],
-            profiles=profiles,
-        )
-
     @property
     def terms(self) -> Terms:
         """The terms of scenes that all have the same."""
@@ -121,28 +100,20 @@ class Needs:
         rows = np.concatenate([rows for rows, _, _ in self.profiles])
         return joined_samples(found)[np.argsort(rows)]
 
-    def position(self, row: int) -> tuple[SampledProfiles, int]:
-        """The profile under one scene's pad: the positions sampled, and which of them it is."""
-        for rows, sampled, at in self.profiles:
-            of_film = np.arange(len(self))[rows]
-            if (found := np.flatnonzero(of_film == row)).size:
-                return sampled, int(at[found[0]])
-        raise IndexError(row)
-
     def simplifications(self, row: int) -> tuple[Simplification, ...]:
         """Return the simplifications of one scene: symmetry, and terms that are zero."""
         folds = zip(HALVES, (self.fold_x[row], self.fold_y[row]), strict=True)
         return *(half for half, fold in folds if fold), *absent_terms(self.kinds[self.kind[row]])
 
-    def simplification_texts(self) -> list[str]:
+    def simplification_texts(self) -> np.ndarray:
         """The same of each scene, for a table."""
-        return self.once("simplifications", self._joined_simplifications)
 
-    def _joined_simplifications(self) -> list[str]:
-        code = 4 * self.kind + 2 * self.fold_x + self.fold_y
-        first, which = distinct(code)
-        texts = ["; ".join(part.what for part in self.simplifications(row)) for row in first]
-        return [texts[each] for each in which.tolist()]
+        def texts() -> np.ndarray:
+            first, which = distinct(4 * self.kind + 2 * self.fold_x + self.fold_y)
+            texts = ["; ".join(part.what for part in self.simplifications(row)) for row in first]
+            return np.array(texts, dtype=object)[which]
+
+        return self.once("simplifications", texts)
 
 
 def needs_of(scenes: Scenes | Sequence[Scene] | Scene) -> Needs:
@@ -250,12 +221,11 @@ class SampledProfiles:
             self._at[share] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
         return self._at[share]
 
-    def feature_m(self, position: int) -> float:
-        """Width of what the coarsest samples miss most at a position, at half of its height."""
-        first = self._samples[0]
+    def feature_m(self) -> float:
+        """Width of what the coarsest samples of a single position miss most, at half its height."""
+        first, place, pad = self._samples[0], self.places, self.places.under.pad
         assert first is not None
-        place, pad = self.places.some(slice(position, position + 1)), self.places.under.pad
-        x, y = first.worst[position]
+        x, y = first.worst[0]
         angle = np.pi / 4 * np.arange(8)
         way_m = pad.length_x_m * np.geomspace(1e-6, 1, 300)
         values = place.parts(
@@ -264,7 +234,7 @@ class SampledProfiles:
         )
         here = place.parts(np.array([x]), np.array([y]))
         changed = np.abs(values - here).max(axis=(0, 1)).reshape(300, 8)
-        far = (changed >= first.missed[position] * self._largest[position] / 2).any(axis=1)
+        far = (changed >= first.missed[0] * self._largest[0] / 2).any(axis=1)
         return float(2 * way_m[np.argmax(far) if far.any() else -1])
 
     def _sample(self, level: int, rows: np.ndarray) -> None:
@@ -308,14 +278,10 @@ class SampledProfiles:
 
 def sampled_profiles(places: Places) -> SampledProfiles:
     """The profile under the pad at each position; kept where these are few."""
-    if len(places.x_m) > MOST_KEPT:
-        return SampledProfiles(places)
-    return _kept(*places.key)
+    return (_kept if len(places.x_m) <= MOST_KEPT else SampledProfiles)(places)
 
 
-@lru_cache(maxsize=256)
-def _kept(under: PadProfile, x_m: bytes, y_m: bytes) -> SampledProfiles:
-    return SampledProfiles(Places(under, np.frombuffer(x_m), np.frombuffer(y_m)))
+_kept = lru_cache(maxsize=256)(SampledProfiles)
 
 
 def joined_samples(parts: Sequence[Samples]) -> Samples:

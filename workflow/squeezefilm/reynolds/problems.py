@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from squeezefilm.film.scene import PadProfile, Places, Scene, Scenes
+from squeezefilm.film.scene import Places, Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Packed, packed
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of_each
@@ -34,7 +34,6 @@ class Problems:
             how many metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends
             and mirror images included, shape (places, parts, nodes along x, nodes along y).
         places: row of ``parts`` that each scene has.
-        tolerance: relative error of the force that an iteration may leave.
     """
 
     numbers: np.ndarray
@@ -42,10 +41,9 @@ class Problems:
     aspect: float
     parts: np.ndarray
     places: np.ndarray
-    tolerance: float
 
 
-def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
+def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid) -> Problems:
     """Scenes of one pad shape and like terms on one grid.
 
     Raises:
@@ -60,7 +58,6 @@ def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: floa
         aspect=aspect_of(scenes),
         parts=np.concatenate(parts),
         places=places,
-        tolerance=tolerance,
     )
 
 
@@ -138,7 +135,7 @@ def profiles_at(
 
     def find(places: Places) -> tuple[Packed, np.ndarray]:
         few = len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 <= MOST_KEPT
-        return (_kept_profiles if few else _profiles)(*places.key, in_space, terms)
+        return (_kept_profiles if few else _profiles)(places, in_space, terms)
 
     found, which = _at_places(scenes, find)
     if len(found) == 1:
@@ -147,12 +144,9 @@ def profiles_at(
     return fields, which, np.concatenate([means for _, means in found])[which]
 
 
-def _profiles(
-    under: PadProfile, x_m: bytes, y_m: bytes, grids: tuple[Grid, ...], terms: Terms
-) -> tuple[Packed, np.ndarray]:
-    places = Places(under, np.frombuffer(x_m), np.frombuffer(y_m))
-    parts = [_gap_parts(places, grid) for grid in grids]
-    aspect = under.pad.length_y_m / under.pad.length_x_m
+def _profiles(places: Places, grids: tuple[Grid, ...], terms: Terms) -> tuple[Packed, np.ndarray]:
+    parts, pad = [_gap_parts(places, grid) for grid in grids], places.under.pad
+    aspect = pad.length_y_m / pad.length_x_m
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
     return packed(fields), mean_parts(parts[-1], grids[-1])

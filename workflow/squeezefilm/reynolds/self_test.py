@@ -6,6 +6,7 @@ one small grid each, by the kernel that solves all others, and compared with sel
 """
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 from squeezefilm.errors import InputError
@@ -104,7 +105,7 @@ def check_device(device: Device) -> None:
     Raises:
         InputError: naming the films that it gives otherwise, and by how much.
     """
-    if wrong := _wrong(device.context, device):
+    if wrong := _wrong(device):
         raise InputError(
             f"{device.name} fails its self-test: forces of stored films differ by more than "
             f"{CLOSENESS:g}, relative ({wrong}). Its driver compiles the solver's kernel wrongly; "
@@ -112,17 +113,13 @@ def check_device(device: Device) -> None:
         )
 
 
-PROVED: dict[object, str] = {}
-
-
-def _wrong(context: object, device: Device) -> str:
-    """The films that a device gives otherwise, asked once for each context."""
-    if context not in PROVED:
-        stored = pd.read_csv(TABLE, index_col="film")["mean_overpressure"]
-        difference = (pd.Series(forces(device))[stored.index] / stored - 1).abs()
-        wrong = difference[~(difference <= CLOSENESS)]
-        PROVED[context] = "; ".join(f"{name}: {value:.1e}" for name, value in wrong.items())
-    return PROVED[context]
+@cache
+def _wrong(device: Device) -> str:
+    """The films that a device gives otherwise."""
+    stored = pd.read_csv(TABLE, index_col="film")["mean_overpressure"]
+    difference = (pd.Series(forces(device))[stored.index] / stored - 1).abs()
+    wrong = difference[~(difference <= CLOSENESS)]
+    return "; ".join(f"{name}: {value:.1e}" for name, value in wrong.items())
 
 
 def main() -> None:

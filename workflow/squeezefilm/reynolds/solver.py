@@ -94,21 +94,19 @@ def _solve(
     needs = needs_of(scenes)
     plans = plans_of(needs, tolerance=tolerance, method=method)
     report(len(plans))
-
-    def periodic(needs: Needs) -> Solutions:
+    if len(plans) == len(scenes):
+        solutions = Solutions.of_method(method, len(scenes))
+    else:
+        rest = np.delete(np.arange(len(scenes)), list(plans)) if plans else slice(None)
         chosen = device or choose_device()
         if not chosen.processor:
             check_device(chosen)
         how = {"device": chosen, "keep_states": keep_states, "report": report}
         try:
-            return solve_periodic(needs, tolerance=tolerance, **how)  # type: ignore[arg-type]
+            solutions = solve_periodic(needs, rest, tolerance=tolerance, **how)  # type: ignore[arg-type]
         except Exception:
             chosen.queue.finish()  # kernels under way write into arrays that this sets free
             raise
-
-    if not plans:
-        return periodic(needs)
-    solutions = Solutions.of_method(method, len(scenes))
     scale_n = np.broadcast_to(scenes.force_scale_n, len(scenes))
     for row, plan in plans.items():
         if isinstance(plan, str):
@@ -122,9 +120,6 @@ def _solve(
         if isfinite(plan.error):
             solutions.force_n[row] = plan.mean * scale_n[row]
             solutions.force_error_n[row] = plan.error * scale_n[row]
-    rest = np.delete(np.arange(len(scenes)), list(plans))
-    if rest.size:
-        solutions.put(rest, periodic(needs[rest]))
     return solutions
 
 
@@ -138,16 +133,11 @@ def plans_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Plan]:
 
     By row, of those that are not solved by the periodic method.
     """
-    unseen: dict[int, Plan] = {**unseen_profiles(needs, tolerance=tolerance)}
-    plans, seen, some = unseen, np.arange(len(needs)), needs
-    if unseen:
-        seen = np.delete(seen, list(unseen))
-        some = needs[seen]
+    plans: dict[int, Plan] = {**unseen_profiles(needs, tolerance=tolerance)}
     if method != "periodic":
-        found = composite(some, tolerance=tolerance, worth=method == "auto")
-        plans = unseen | {int(seen[at]): each for at, each in found.items()}
+        plans |= composite(needs, tolerance=tolerance, worth=method == "auto", but=plans)
     if method == "composite":
-        return {int(seen[at]): reason for at, reason in not_derived_for(some).items()} | plans
+        return not_derived_for(needs) | plans
     return needs.once("on grids", lambda: _refused_on_grids(needs)) | plans
 
 

@@ -330,15 +330,10 @@ class Around:
     @cached_property
     def _images(self) -> tuple[np.ndarray, np.ndarray]:
         """The unknown whose value each node has, and −1 where mirrors between are odd in number."""
-        n, full = self.points, self.full_points
-        index, sign = np.arange(full), np.ones(full)
-        if self.lengthwise:
-            sign = np.where(index < full - 1 - index, sign, -sign)
-            index = np.minimum(index, full - 1 - index)
-        if self.crosswise:
-            # Mirrored about the end of the sector.
-            sign = np.where(index < n, sign, -sign)
-            index = np.where(index < n, index, 2 * n - 1 - index)
+        index, sign = np.arange(self.full_points), np.ones(self.full_points)
+        for image in self.mirrored:
+            sign = np.where(index < image[index], sign, -sign)
+            index = np.minimum(index, image[index])
         return index, sign
 
     @property
@@ -352,9 +347,12 @@ class Around:
             if has
         ]
 
-    def at(self, places: np.ndarray) -> np.ndarray:
-        """Matrix from the unknowns to some places (m,), shape (m, n)."""
-        return self._fold(self.to_points(places))
+    def at(self, places: np.ndarray, *, odd: bool = False) -> np.ndarray:
+        """Matrix from the unknowns to some places (m,), shape (m, n).
+
+        ``odd`` is for a function that changes its sign at each mirror.
+        """
+        return self._fold(self.to_points(places), odd=odd)
 
     @property
     def _all(self) -> Period:
@@ -370,10 +368,6 @@ class Around:
     def slope(self, *, odd: bool) -> np.ndarray:
         """First derivative at the unknowns of a function that mirrors keep, or change in sign."""
         return self._fold(self.derivative[: self.points], odd=odd)
-
-    def at_odd(self, places: np.ndarray) -> np.ndarray:
-        """``at`` for a function that changes its sign at each mirror."""
-        return self._fold(self.to_points(places), odd=True)
 
 
 around = lru_cache(maxsize=64)(Around)
@@ -477,7 +471,7 @@ class AroundPoints:
         return {**values, **ends, "slope": even, "across": even, "along": odd, "divergence": odd}
 
     def carried_to(self, finer: AroundPoints) -> np.ndarray:
-        return self.axis.at_odd(finer.axis.nodes)
+        return self.axis.at(finer.axis.nodes, odd=True)
 
 
 @lru_cache(maxsize=64)

@@ -21,7 +21,7 @@ to strips at any ε. Layers with inertia are known up to Re = 10 and excursions 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import wraps
 from math import inf, isfinite, log10
@@ -286,13 +286,16 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
     return ""
 
 
-def composite(needs: Needs, *, tolerance: float, worth: bool) -> dict[int, Expanded]:
+def composite(
+    needs: Needs, *, tolerance: float, worth: bool, but: Collection[int] = ()
+) -> dict[int, Expanded]:
     """The scenes' forces by the composite expansion, by row: the edge layer's alone where that
     holds the tolerance, else with the exact second order in ε where the gap is even at rest.
 
     Args:
         worth: to have those alone that hold the tolerance, of scenes whose periodic state should
             take longer.
+        but: scenes that are not to be expanded.
     """
     if worth and not _may_pay(needs.scenes, tolerance):
         return {}
@@ -300,7 +303,7 @@ def composite(needs: Needs, *, tolerance: float, worth: bool) -> dict[int, Expan
     if worth:
         by_layer, by_second = _pay(needs, tolerance)
     known = np.ones(len(needs), dtype=bool)
-    known[list(not_derived_for(needs))] = False
+    known[[*but, *not_derived_for(needs)]] = False
     tried = np.flatnonzero(known & by_layer)
     found = expanded(edge_layer_expansion, needs, tried, tolerance=tolerance)
     flat = needs.scenes.column(lambda film: film.pad.gap.flat)

@@ -133,8 +133,8 @@ def expand_with_inertia(films: Films) -> Expansion:
     """The high-squeeze limit and its edge layer's correction, with inertia and without slip."""
     gap_square = wide(films.epsilon) ** 2 * films.s**2
     over_gap = films.gradient(gap_square)
-    rim = edge_layer.rim_values(films.epsilon[:, None] * films.rim, films.reynolds)
-    at_rim = films.from_rim(rim.rise)
+    at_rim, d, g, h = edge_layer.rim_values(films.epsilon[:, None] * films.rim, films.reynolds)
+    at_rim = films.from_rim(at_rim)
     curvature = films.laplacian(at_rim)
     rate_square = wide(films.reynolds / 10) ** 2
 
@@ -166,8 +166,8 @@ def expand_with_inertia(films: Films) -> Expansion:
     chi = fixed_point(from_adjoint, films.solve(weight))
     layer, gross = layer_correction(
         films,
-        d=rim.d,
-        change=rim.g * films.epsilon[:, None] * films.slope + rim.h * films.inward(rise),
+        d=d,
+        change=g * films.epsilon[:, None] * films.slope + h * films.inward(rise),
         influence=-films.on_rim(1 - gap_square * beta) * films.inward(chi),
     )
     return Expansion(density=density, layer=layer, gross=gross)

@@ -45,7 +45,6 @@ answers linearly: far inside, ψ is changed by a multiple of either.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -98,26 +97,17 @@ def _series() -> np.ndarray:
     return np.linalg.solve(chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
 
 
-@dataclass(frozen=True)
-class RimValues:
-    """The layer's functions at points of the rim, each of one shape; NaN beyond the table.
-
-    rise: ψ² − 1; d: ∫₀^∞ ⟨P − ψ/H⟩ dξ; g, h: ψ² is changed by (g ∂a/∂n + h ∂ψ²/∂n)/√σ, n inward.
-    """
-
-    rise: np.ndarray
-    d: np.ndarray
-    g: np.ndarray
-    h: np.ndarray
-
-
 def largest(reynolds: np.ndarray | float) -> np.ndarray:
     """The largest excursion ratio of the table: 0.9 without inertia, 0.4 at Re = 10."""
     return 0.9 / (1 + np.asarray(reynolds, dtype=float) / 8)
 
 
-def rim_values(a: np.ndarray, reynolds: np.ndarray) -> RimValues:
-    """The functions at excursion ratios ``a``, shape (B, …), of films with ``reynolds``, (B,)."""
+def rim_values(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
+    """ψ² − 1, d, g and h at excursion ratios ``a``, (B, …), of films with ``reynolds``, (B,).
+
+    They have the shape (4, B, …) and are NaN beyond the table. ψ² is changed by
+    (g ∂a/∂n + h ∂ψ²/∂n)/√σ, n inward.
+    """
     reynolds = np.asarray(reynolds, dtype=float)
     films = a.reshape(len(reynolds), -1)
     most = largest(reynolds)[:, None]
@@ -131,7 +121,7 @@ def rim_values(a: np.ndarray, reynolds: np.ndarray) -> RimValues:
     values = np.einsum("bka,bma->kbm", series, powers)
     ratio = np.where(inside, films, np.nan)
     scaled = values * np.stack([ratio**2, ratio**2, ratio, ratio**2])
-    return RimValues(*scaled.reshape(4, *a.shape))
+    return np.asarray(scaled.reshape(4, *a.shape))
 
 
 @lru_cache(maxsize=1)

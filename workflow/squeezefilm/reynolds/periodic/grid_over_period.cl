@@ -119,41 +119,24 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     return g;
 }
 
-/* Products along the axes; in time out[row][:] = in[row][:] times `transposed` (nt, nt). */
+/* Products along the axes; in time out[row][:] = in[row][:] times `transposed` (nt, nt). Along x or y they
+ * are by matrices that commute with mirroring, by their parts where the axis has its image in it. No
+ * barrier stands in a branch: PoCL copies all that comes behind one. */
 #define ALONG_AXES(type)                                                                          \
-    OF_BOTH_TYPES void along_x(const Grid *g, __global const type *a, __global const type *in,    \
-                               __global type *out, int add)                                       \
-    {                                                                                             \
-        multiply(a, g->nx, g->nx, in, out, g->ny * g->nt, 1, add);                                \
-    }                                                                                             \
-    OF_BOTH_TYPES void along_y(const Grid *g, __global const type *a, __global const type *in,    \
-                               __global type *out, int add)                                       \
-    {                                                                                             \
-        multiply(a, g->ny, g->ny, in, out, g->nt, g->nx, add);                                    \
-    }                                                                                             \
     OF_BOTH_TYPES void along_t(const Grid *g, __global const type *transposed,                    \
                                __global const type *in, __global type *out, int add)              \
     {                                                                                             \
         multiply(in, g->rows, g->nt, transposed, out, g->nt, 1, add);                             \
     }                                                                                             \
-    /* The same by matrices that commute with mirroring, where the axis has its image in it. No   \
-     * barrier stands in a branch: PoCL copies all that comes behind one. */                      \
-    OF_BOTH_TYPES void mirrored_x(const Grid *g, int whole, __global const type *a,               \
-                                  __global const type *in, __global type *out, int kind, int add) \
+    OF_BOTH_TYPES void along_axis(const Grid *g, int axis, int whole, __global const type *a,     \
+                                  int kind, __global const type *in, __global type *out, int add) \
     {                                                                                             \
+        const int n = axis == 0 ? g->nx : g->ny;                                                  \
+        const int columns = axis == 0 ? g->ny * g->nt : g->nt, panels = axis == 0 ? 1 : g->nx;    \
         if (whole)                                                                                \
-            mirrored_product(a, g->nx / 2, in, out, g->ny * g->nt, 1, kind, add);                 \
+            mirrored_product(a, n / 2, in, out, columns, panels, kind, add);                      \
         else                                                                                      \
-            product(a, g->nx, g->nx, in, out, g->ny * g->nt, 1, add);                             \
-        SYNC;                                                                                     \
-    }                                                                                             \
-    OF_BOTH_TYPES void mirrored_y(const Grid *g, __global const type *a,                          \
-                                  __global const type *in, __global type *out, int kind, int add) \
-    {                                                                                             \
-        if (g->whole_y)                                                                           \
-            mirrored_product(a, g->ny / 2, in, out, g->nt, g->nx, kind, add);                     \
-        else                                                                                      \
-            product(a, g->ny, g->ny, in, out, g->nt, g->nx, add);                                 \
+            product(a, n, n, in, out, columns, panels, add);                                      \
         SYNC;                                                                                     \
     }                                                                                             \
     /* out = Δ in. */                                                                             \
@@ -161,8 +144,8 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
                                  __global const type *in_y, __global const type *in,              \
                                  __global type *out)                                              \
     {                                                                                             \
-        mirrored_x(g, g->whole_x, in_x, in, out, NODES_TO_NODES, 0);                              \
-        mirrored_y(g, in_y, in, out, NODES_TO_NODES, 1);                                          \
+        along_axis(g, 0, g->whole_x, in_x, NODES_TO_NODES, in, out, 0);                           \
+        along_axis(g, 1, g->whole_y, in_y, NODES_TO_NODES, in, out, 1);                           \
     }
 ALONG_AXES(double)
 #ifdef SINGLE
@@ -201,13 +184,7 @@ static void by_each(const Grid *g, constant_vector matrices, constant_vector in,
 static void by_one(const Grid *g, constant_vector of_x, constant_vector of_y, int kind,
                    constant_vector in, vector out)
 {
-    const int n = g->around ? g->nx : g->ny, columns = g->around ? g->ny * g->nt : g->nt;
-    const int panels = g->around ? 1 : g->nx;
-    if (g->around && g->whole_modes_x)
-        mirrored_product(of_x, n / 2, in, out, columns, panels, kind, 0);
-    else
-        product(g->around ? of_x : of_y, n, n, in, out, columns, panels, 0);
-    SYNC;
+    along_axis(g, !g->around, g->around && g->whole_modes_x, g->around ? of_x : of_y, kind, in, out, 0);
 }
 
 static void to_modes_in_space(const Grid *g, vector values, vector modal)
@@ -226,15 +203,15 @@ static void from_modal(const Grid *g, constant_vector modal, vector in_time, vec
 /* modal = (to_modes_x ⊗ to_modes_y) modal; `values` is overwritten. */
 static void to_modes_in_space(const Grid *g, vector values, vector modal)
 {
-    mirrored_x(g, g->whole_modes_x, g->linear.to_modes_x, modal, values, NODES_TO_MODES, 0);
-    mirrored_y(g, g->linear.to_modes_y, values, modal, NODES_TO_MODES, 0);
+    along_axis(g, 0, g->whole_modes_x, g->linear.to_modes_x, NODES_TO_MODES, modal, values, 0);
+    along_axis(g, 1, g->whole_y, g->linear.to_modes_y, NODES_TO_MODES, values, modal, 0);
 }
 
 /* values = (modes_x ⊗ modes_y ⊗ time_modes) modal, by way of `in_time`, which is in modes in time. */
 static void from_modal(const Grid *g, constant_vector modal, vector in_time, vector values)
 {
-    mirrored_x(g, g->whole_modes_x, g->linear.modes_x, modal, values, MODES_TO_NODES, 0);
-    mirrored_y(g, g->linear.modes_y, values, in_time, MODES_TO_NODES, 0);
+    along_axis(g, 0, g->whole_modes_x, g->linear.modes_x, MODES_TO_NODES, modal, values, 0);
+    along_axis(g, 1, g->whole_y, g->linear.modes_y, MODES_TO_NODES, values, in_time, 0);
     along_t(g, g->linear.time_modes, in_time, values, 0);
 }
 
@@ -297,14 +274,8 @@ static void carry_field(const Grid *g, const Film *film, __global const Row *coa
     multiply(in_y, g->ny, ny, (matrix)film->work_b, fine, g->nt, g->nx, 0);
 }
 
-/* mirrored_x or mirrored_y, in one call: compilers that inline it have half as much to do. */
-static void along_axis(const Grid *g, int axis, matrix a, int kind, field in, field out, int add)
+/* Along an axis as the state has it: what terms take. */
+OF_BOTH_TYPES void along_axis(const Grid *g, int axis, matrix a, int kind, field in, field out, int add)
 {
-    const int n = axis == 0 ? g->nx : g->ny, whole = axis == 0 ? g->whole_x : g->whole_y;
-    const int columns = axis == 0 ? g->ny * g->nt : g->nt, panels = axis == 0 ? 1 : g->nx;
-    if (whole)
-        mirrored_product(a, n / 2, (matrix)in, out, columns, panels, kind, add);
-    else
-        product(a, n, n, (matrix)in, out, columns, panels, add);
-    SYNC;
+    along_axis(g, axis, axis == 0 ? g->whole_x : g->whole_y, a, kind, (matrix)in, out, add);
 }

@@ -12,6 +12,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.lazy import cl
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING, Device, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import (
@@ -234,8 +235,6 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     Raises:
         InputError: where compiling the kernel would take so long that it looks like a fault.
     """
-    import pyopencl as cl
-
     terms = batches[0].terms
     if device.loops_over_items and own_fields(terms):
         raise InputError(
@@ -324,7 +323,7 @@ def _inputs(batches: Sequence[Batch], device: Device) -> _Inputs:
         kind, table = rows_of(columns, numbers=numbers, tolerance=tolerance)
         spans.append(of_batch)
         rows.append(table)
-    arrays = device.arrays.acquire(end + PADDING), device.arrays.acquire(size + PADDING)
+    arrays = device.host_array(end + PADDING), device.host_array(size + PADDING)
     results, values = arrays[0][: end + PADDING], arrays[1][: size + PADDING]
     np.concatenate(parts, out=values[:size])
     for batch, ((_, _, state_at, _), *_) in zip(batches, spans, strict=True):

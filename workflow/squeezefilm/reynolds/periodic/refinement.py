@@ -239,28 +239,29 @@ def _joined(groups: Sequence[Group]) -> Group:
 
 def solve_periodic(
     needs: Needs,
+    rows: Rows = slice(None),
     *,
     tolerance: float,
     device: Device,
     keep_states: bool = False,
     report: Callable[[int], object] = lambda solved: None,
 ) -> Solutions:
-    """The periodic state of each scene; the arguments are those of ``solver.solve``."""
-    count = len(needs)
-    solutions = Solutions.of_method("periodic", count)
-    solutions.simplifications[:] = needs.simplification_texts()
+    """The periodic state of each scene, or of those in ``rows``; see ``solver.solve``."""
+    solutions = Solutions.of_method("periodic", len(needs))
+    solutions.simplifications[rows] = needs.simplification_texts()[rows]
     refinement = Refinement(
         needs=needs,
         solutions=solutions,
         tolerance=tolerance,
         room=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS)),
         keep_states=keep_states,
-        change=np.full((2, count), np.nan),
-        failures=np.zeros(count, dtype=np.int64),
+        change=np.full((2, len(needs)), np.nan),
+        failures=np.zeros(len(needs), dtype=np.int64),
     )
-    room = refinement.room
-    for group in first_grids(needs, tolerance=tolerance, room=room, kept=keep_states):
+    room, count = refinement.room, 0
+    for group in first_grids(needs, rows, tolerance=tolerance, room=room, kept=keep_states):
         refinement.wait(group)
+        count += len(group.rows)
     size = min(max(-(-count // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
     flying: deque[tuple[list[Group], Launch]] = deque()
     while refinement.waiting or flying:
@@ -272,7 +273,7 @@ def solve_periodic(
         landed = zip(groups, landing.batches, landing.states(), strict=True)
         report(sum(refinement.accept_or_refine(*each) for each in landed))
         # Other launches may have the arrays, as no one looks at the states any more.
-        device.arrays.release(*landing.inputs.arrays)
+        device.release(*landing.inputs.arrays)
     return solutions
 
 

@@ -17,7 +17,7 @@ from squeezefilm.film.outline import Outline
 from squeezefilm.film.scene import Film, Rows, Scenes, rows_alike
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
-from squeezefilm.reynolds.needs import MOST_KEPT, Needs
+from squeezefilm.reynolds.needs import MOST_KEPT, Needs, needs_of
 from squeezefilm.reynolds.terms import Terms, layer_stiffness_of, numbers_of, unknown_fields
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
@@ -90,7 +90,12 @@ class Group:
 
 
 def first_grids(
-    needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS, kept: bool = False
+    needs: Needs,
+    rows: Rows = slice(None),
+    *,
+    tolerance: float,
+    room: float = MOST_UNKNOWNS,
+    kept: bool = False,
 ) -> Iterator[Group]:
     """Scenes with the grids of their first launch.
 
@@ -98,10 +103,11 @@ def first_grids(
     first of the latter are about a share of the tolerance.
 
     Args:
+        rows: which of the scenes; default all.
         room: most unknowns of a grid that the device has memory for.
         kept: whether states are, of which quantities ask for more than the force does.
     """
-    for kind, film, rows in _alike(needs):
+    for kind, film, alike in _alike(needs, rows):
         terms, pad = needs.kinds[kind], film.pad
         outline, aspect = pad.smooth_outline, pad.length_y_m / pad.length_x_m
         share, step = FIRST_SHARE, FOURS
@@ -109,11 +115,10 @@ def first_grids(
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
             share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
-        columns = _points(needs, rows, film, tolerance=tolerance, share=share, step=step)
-        numbers = np.arange(len(needs))[rows]
+        columns = _points(needs, alike, film, tolerance=tolerance, share=share, step=step)
+        numbers = np.arange(len(needs))[alike]
         for some in rows_alike(CODE @ columns):
-            each = columns[:, some[0]].tolist()
-            grids = _sequence(*each, outline, room, step)
+            grids = _sequence(tuple(columns[:, some[0]].tolist()), outline, room, step)
             yield Group(numbers[some], grids, terms, aspect)
 
 
@@ -145,29 +150,31 @@ def _unseen_profiles(needs: Needs, tolerance: float) -> dict[int, str]:
 def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
     if not missed < inf:
         return "the profile has no finite value at some place under the pad"
-    sampled, position = needs.position(row)
+    ((_, sampled, _),) = needs_of(needs.scenes[row]).profiles
     pad = sampled.places.under.pad
     side_m = max(pad.length_x_m, pad.length_y_m)
     apart_m = pi / 2 * side_m / (MOST_SPACE + 1)
     return (
-        f"the profile has a feature about {1e6 * sampled.feature_m(position):.2g} µm wide under "
+        f"the profile has a feature about {1e6 * sampled.feature_m():.2g} µm wide under "
         f"the pad: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
         f"{1e6 * apart_m:.2g} µm apart, does not resolve it to {share:.1g} of the largest "
         "amplitude, as this tolerance needs"
     )
 
 
-def _alike(needs: Needs) -> Iterator[tuple[int, Film, Rows]]:
-    """Scenes of like terms, outlines and aspects, and the film of one of them."""
+def _alike(needs: Needs, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
+    """Some scenes by like terms, outlines and aspects, and the film of one of them."""
     films = needs.scenes.films
     if len(needs.kinds) == len(films) == 1:
-        yield 0, films[0], slice(None)
+        yield 0, films[0], rows
         return
     pads = [(film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m) for film in films]
     different = list(dict.fromkeys(pads))
     which = np.array([different.index(each) for each in pads])[needs.scenes.film_index]
-    for rows in rows_alike(needs.kind * len(different) + which):
-        yield int(needs.kind[rows[0]]), films[needs.scenes.film_index[rows[0]]], rows
+    numbers, code = np.arange(len(needs))[rows], needs.kind * len(different) + which
+    for some in rows_alike(code[rows]):
+        first = numbers[some[0]]
+        yield int(needs.kind[first]), films[needs.scenes.film_index[first]], numbers[some]
 
 
 def _points(
@@ -245,29 +252,22 @@ def _nodes_around(digits: float, width: np.ndarray, outline: Outline) -> np.ndar
 
 @lru_cache(maxsize=4096)
 def _sequence(
-    nx: float,
-    ny: float,
-    nt: float,
-    fold_x: float,
-    fold_y: float,
-    nodes_x: float,
-    nodes_y: float,
-    outline: Outline | None,
-    room: float,
-    step: int,
+    points: tuple[float, ...], outline: Outline | None, room: float, step: int
 ) -> tuple[Grid, ...]:
-    """A grid, one that starts it, if that pays, and the finer one that tells its error.
+    """A grid of some points, as of ``_points``, one that starts it, if that pays, and a finer one.
 
-    It is as much coarser than asked for as it takes for a finer one to have room.
+    The finer one tells the grid's error. The grid is as much coarser than asked for as it takes for
+    a finer one to have room.
     """
+    nx, ny, nt, fold_x, fold_y, *nodes = points
     first = Grid(int(nx), int(ny), int(nt), bool(fold_x), bool(fold_y), outline)
     while (finer := finer_grid(first, room=room, step=step)) is None:
-        if not first.sees(nodes_x, nodes_y):
+        if not first.sees(*nodes):
             break
         first = _coarser(first, step)
     start = start_grid(first, step)
     # What does not see the profile is no guess.
-    starts = [start] if start and start.sees(nodes_x, nodes_y) else []
+    starts = [start] if start and start.sees(*nodes) else []
     return *starts, first, *([finer] if finer else [])
 
 

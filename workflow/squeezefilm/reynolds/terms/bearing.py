@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.inertia import flux_matrices
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
 from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
 
@@ -36,7 +36,7 @@ class Bearing(Term):
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         if grid.outline is None:
             return {"derivative_x": grid.x.derivative[1:-1, 1:-1]}
-        along, turn = Inertia().matrices(grid, aspect=aspect), np.asarray(grid.turn(grid.x.nodes))
+        along, turn = flux_matrices(grid, aspect=aspect), np.asarray(grid.turn(grid.x.nodes))
         return {
             "derivative_x": along["flux_across_x"],
             "derivative_y": along["flux_across_y"],

@@ -13,7 +13,7 @@ static void response_bearing(const Grid *g, const Film *film, field mass, field 
         SYNC;
     }
 #else
-    along_x(g, ARRAY(film, derivative_x), mass, work, 0);
+    multiply(ARRAY(film, derivative_x), g->nx, g->nx, (matrix)mass, work, g->ny * g->nt, 1, 0);
     subtract(out, film->row->bearing, work, g->count4);
 #endif
 }

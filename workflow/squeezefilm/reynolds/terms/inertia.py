@@ -60,8 +60,31 @@ LEAST_ROOT_SIGMA = 4.0
 NEGLIGIBLE = 1e-14
 
 
+class VelocityTerm(Term):
+    """A term of the gas' velocities, along each axis on its flux points and the other's nodes."""
+
+    MOST_WORK = 1e11  # ten to twenty seconds of one core
+
+    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+        return flux_matrices(grid, aspect=aspect)
+
+    def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
+        along_x, along_y = _points(grid)
+        return {
+            "flux_amplitude_x": along_x.from_all_nodes @ parts[..., grid.y.inner],
+            "flux_amplitude_y": parts[:, :, grid.x.inner] @ along_y.from_all_nodes.T,
+        }
+
+    def refused_on_grid(self, scene: Scene) -> str:
+        if scene.gas.rarefaction == "fukui-kaneko":
+            which = "fukui-kaneko, only with viscous flow or first-order slip"
+            return f"not supported: {self.label} with {which}"
+        moves = scene.bearing_number != 0
+        return f"not supported: {self.label} with a sliding pad" if moves else ""
+
+
 @dataclass(frozen=True)
-class Inertia(Term):
+class Inertia(VelocityTerm):
     label: str = "inertia"
 
     NAME = "inertia"
@@ -73,7 +96,6 @@ class Inertia(Term):
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 10
     ESTIMATE_MARGIN = 2.0
-    MOST_WORK = 1e11  # ten to twenty seconds of one core
     IN_EXPANSIONS = True
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
@@ -97,26 +119,6 @@ class Inertia(Term):
             "waves_per_node": np.maximum(RESOLVED / waves, DAMPED / lag),
         }
 
-    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        matrices = [
-            points.matrices(length)
-            for points, length in zip(_points(grid), grid.lengths(aspect), strict=True)
-        ]
-        if grid.outline:
-            matrices = [each | bent for each, bent in zip(matrices, _bends(grid), strict=True)]
-        return {
-            f"flux_{name}_{axis}": matrix
-            for axis, of_axis in zip("xy", matrices, strict=True)
-            for name, matrix in of_axis.items()
-        }
-
-    def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
-        along_x, along_y = _points(grid)
-        return {
-            "flux_amplitude_x": along_x.from_all_nodes @ parts[..., grid.y.inner],
-            "flux_amplitude_y": parts[:, :, grid.x.inner] @ along_y.from_all_nodes.T,
-        }
-
     def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
         layered = (sigma > THIN_LAYER_SIGMA) | (steepness(scene) > STIFF)
         return np.where(layered, LAYER_STIFFNESS, 1.0)
@@ -125,26 +127,29 @@ class Inertia(Term):
         layered = (scene.sigma > LAYERED_SIGMA) & (steepness(scene) > STEEPENING)
         return np.where(layered, SIZE_SHARE, 0.0)
 
-    def refused_on_grid(self, scene: Scene) -> str:
-        return not_derived(self.label, scene)
-
     def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
         pairs = zip("xy", _points(coarse), _points(fine), strict=True)
         return {f"carry_flux_{axis}": its.carried_to(finer) for axis, its, finer in pairs}
 
 
-def not_derived(label: str, scene: Scene) -> str:
-    """Return the reason why inertia or heat is not derived for a scene, or an empty text."""
-    if scene.gas.rarefaction == "fukui-kaneko":
-        return (
-            f"not supported: {label} with fukui-kaneko, only with viscous flow or first-order slip"
-        )
-    return f"not supported: {label} with a sliding pad" if scene.bearing_number != 0 else ""
-
-
 def steepness(scene: OperatingPoints) -> Any:
     """A velocity in a thick layer, about, over that of sound."""
     return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
+
+
+def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
+    """The matrices of velocities along each axis (spectral.py), by their names in the kernels."""
+    matrices = [
+        points.matrices(length)
+        for points, length in zip(_points(grid), grid.lengths(aspect), strict=True)
+    ]
+    if grid.outline:
+        matrices = [each | bent for each, bent in zip(matrices, _bends(grid), strict=True)]
+    return {
+        f"flux_{name}_{axis}": matrix
+        for axis, of_axis in zip("xy", matrices, strict=True)
+        for name, matrix in of_axis.items()
+    }
 
 
 def _points(grid: Grid) -> list[Any]:

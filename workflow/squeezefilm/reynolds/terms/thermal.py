@@ -31,8 +31,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, Inertia, not_derived
-from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, VelocityTerm
+from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -49,7 +49,7 @@ def temperature_jump(scene: OperatingPoints) -> Any:
 
 
 @dataclass(frozen=True)
-class Thermal(Term):
+class Thermal(VelocityTerm):
     label: str = "thermal effects"
 
     NAME = "thermal"
@@ -59,7 +59,6 @@ class Thermal(Term):
     OWN_FIELDS = 9
     # Of 50 random films at 1e-4 one, at ε Re = 2, was 2.6 times as far off as its grids were apart.
     ESTIMATE_MARGIN = 3.0
-    MOST_WORK = Inertia.MOST_WORK
 
     @classmethod
     def of(cls, scene: Scene) -> Thermal | None:
@@ -75,13 +74,6 @@ class Thermal(Term):
             "jump_lags": JUMP_LAGS * temperature_jump(scene),
         }
 
-    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        """Velocities lie where inertia has them."""
-        return Inertia().matrices(grid, aspect=aspect)
-
-    def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
-        return Inertia().profile_fields(parts, grid)
-
     def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
         rate = grid.t.derivative
         lags = numbers["thermal_lag"][:, None, None] * rate + np.eye(grid.nt)
@@ -91,4 +83,4 @@ class Thermal(Term):
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.polytropic_exponent != 1:
             return "not supported: gas.thermal with another gas.polytropic_exponent than 1"
-        return not_derived(self.label, scene)
+        return super().refused_on_grid(scene)
