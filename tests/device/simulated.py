@@ -35,7 +35,7 @@ def means(device: Device, kernel: str) -> list[float]:
     grids = [Grid(points, 4, 8, *shape) for points in (4, 8)]
     scenes = Scenes.of(_two(scene))
     batch = Batch(scenes, terms_of(scene), grids, [TOLERANCE] * 2)
-    (states,) = launch([batch], device=device).states()
+    (states,) = launch([batch], device=device).states(device)
     return np.concatenate([state.mean for state in states]).tolist()
 
 

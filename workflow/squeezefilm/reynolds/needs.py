@@ -8,7 +8,7 @@ pad's positions are sampled at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, TypeVar
@@ -77,11 +77,13 @@ class Needs:
         """The terms of scenes that all have the same."""
         return self.kinds[self.kind[0]]
 
-    def alike(self) -> Iterator[tuple[np.ndarray, Scene, Terms]]:
-        """Scenes of one film and like terms: which they are, the first of them, the terms."""
-        code = self.scenes.film_index * len(self.kinds) + self.kind
-        for rows in rows_alike(code):
-            yield rows, self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]
+    def reasons(self, why: Callable[[Scene, Terms], str]) -> dict[int, str]:
+        """Reasons that follow from a scene's film and terms, by row; none where they are empty."""
+        found: dict[int, str] = {}
+        for rows in rows_alike(self.scenes.film_index * len(self.kinds) + self.kind):
+            if reason := why(self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]):
+                found |= dict.fromkeys(rows.tolist(), reason)
+        return found
 
     def once(self, name: str, of: Callable[..., Result], *arguments: Any) -> Result:
         """Return a value that follows from films and profiles alone, kept by position."""
@@ -141,7 +143,7 @@ def _needs_of(scenes: Scenes) -> Needs:
     profiles = []
     for film, rows, some in scenes.of_each_film():
         places, at = some.places
-        sampled = sampled_profiles(places)
+        sampled = (_kept if len(places.x_m) <= MOST_KEPT else SampledProfiles)(places)
         gap, outline = film.pad.gap, film.pad.smooth_outline
         fold_x[rows] = sampled.even_x[at] & (gap.tilt_x_m == 0 and (not outline or outline.even_x))
         fold_y[rows] = sampled.even_y[at] & (gap.tilt_y_m == 0 and (not outline or outline.even_y))
@@ -274,11 +276,6 @@ class SampledProfiles:
                 far = _mirrored(self.places.some(rows[closer]), along_x=axis_ == 2)
                 even[rows[closer]] = far <= same[closer]
         self.uniform[rows] = (_largest(s - 1, between - 1) < SYMMETRIC) & (len(s) == 1)
-
-
-def sampled_profiles(places: Places) -> SampledProfiles:
-    """The profile under the pad at each position; kept where these are few."""
-    return (_kept if len(places.x_m) <= MOST_KEPT else SampledProfiles)(places)
 
 
 _kept = lru_cache(maxsize=256)(SampledProfiles)

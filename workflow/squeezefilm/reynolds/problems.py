@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from typing import Any, TypeVar
 
 import numpy as np
@@ -96,12 +97,10 @@ def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
     numbers = numbers_of(scenes, terms)
     widths = (len(value) if isinstance(value, tuple) else 0 for value in numbers.values())
     kind = _kind_of_numbers(tuple(zip(numbers, widths, strict=True)))
+    each = [value if isinstance(value, tuple) else (value,) for value in numbers.values()]
     table = np.empty((len(scenes), kind.itemsize // 8))
-    column = 0
-    for value in numbers.values():
-        for each in value if isinstance(value, tuple) else (value,):
-            table[:, column] = each
-            column += 1
+    for column, values in enumerate(chain.from_iterable(each)):
+        table[:, column] = values
     return table.view(kind)[:, 0]
 
 

@@ -138,16 +138,7 @@ def plans_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Plan]:
         plans |= composite(needs, tolerance=tolerance, worth=method == "auto", but=plans)
     if method == "composite":
         return not_derived_for(needs) | plans
-    return needs.once("on grids", lambda: _refused_on_grids(needs)) | plans
-
-
-def _refused_on_grids(needs: Needs) -> dict[int, Plan]:
-    """The scenes whose terms the periodic state does not have, and why: by their films alone."""
-    refused: dict[int, Plan] = {}
-    for rows, scene, terms in needs.alike():
-        if reason := refused_on_grid(scene, terms):
-            refused |= dict.fromkeys(rows.tolist(), reason)
-    return refused
+    return needs.once("on grids", needs.reasons, refused_on_grid) | plans
 
 
 @dataclass(frozen=True)

@@ -263,11 +263,8 @@ def not_derived_for(needs: Needs) -> dict[int, str]:
     """The scenes of whose force there is no expansion, and why."""
     scenes = needs.scenes
     still = np.flatnonzero(scenes.epsilon == 0).tolist()
-    reasons = dict.fromkeys(still, "the composite expansion is derived for a surface that vibrates")
-    for rows, scene, terms in needs.alike():
-        if reason := _not_derived(scene, terms):
-            reasons |= dict.fromkeys(rows.tolist(), reason)
-    return reasons
+    reason = "the composite expansion is derived for a surface that vibrates"
+    return dict.fromkeys(still, reason) | needs.reasons(_not_derived)
 
 
 def _not_derived(scene: Scene, terms: Terms) -> str:
@@ -417,14 +414,13 @@ def _reynolds(scenes: Scenes) -> np.ndarray:
 
 def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
-    complex_ = scenes.films[scenes.film_index[0]].actuator.profile.is_complex
-    flat = scenes.films[scenes.film_index[0]].pad.gap.flat
-    amplitude = np.empty((len(scenes), *x.shape), dtype=complex if complex_ else float)
+    like = scenes.films[scenes.film_index[0]]
+    kind = complex if like.actuator.profile.is_complex else float
+    amplitude = np.empty((len(scenes), *x.shape), dtype=kind)
     rest = np.empty((len(scenes), *x.shape))
     for film, rows, some in scenes.of_each_film():
         places, at = some.places
-        parts = places.parts(x.ravel(), y.ravel()).reshape(-1, len(places.x_m), *x.shape)
-        amplitude[rows] = (parts[0] + 1j * parts[1] if complex_ else parts[0])[at]
+        amplitude[rows] = places.amplitude(x.ravel(), y.ravel()).reshape(-1, *x.shape)[at]
         rest[rows] = 1 + film.pad.gap.rise_m(x, y) / some.h0_m[:, None, None]
     return films_of(
         scenes.epsilon,
@@ -433,5 +429,5 @@ def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
         aspect=scenes.aspect,
         slip=6 * scenes.slip_knudsen,
         reynolds=_reynolds(scenes),
-        rest=None if flat else rest,
+        rest=None if like.pad.gap.flat else rest,
     )

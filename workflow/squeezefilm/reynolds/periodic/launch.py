@@ -172,32 +172,48 @@ def solve_batch(
     """
     scenes = Scenes.of(scenes)
     batch = Batch(scenes, terms_of_all(scenes), [grid], [tolerance])
-    return launch([batch], device=device).states()[0][0]
+    return launch([batch], device=device).states(device)[0][0]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Launch:
-    """Batches that the device is solving; ``done`` is the kernel's event."""
+    """Batches that the device is solving, and their arrays, as periodic.cl describes them.
+
+    Attributes:
+        kind: the rows' type.
+        results: room for what the device says of the scenes, and their first guesses. It begins
+            with what is said in rows; kernels read states in vectors.
+        spans: on each grid of each batch, where the means in time of its scenes begin, one behind
+            the other, and the size of each, then of their states, ABSENT and 0 where these do not
+            come back.
+        arrays: what ``values`` and ``results`` are the beginnings of, of the device's pool.
+        buffer: the device's of ``results``.
+        done: the kernel's event.
+    """
 
     batches: Sequence[Batch]
-    device: Device
-    inputs: _Inputs
-    buffer: Any
-    done: Any
+    begins: np.ndarray
+    kind: np.dtype[Any]
+    rows: np.ndarray
+    values: np.ndarray
+    results: np.ndarray
+    spans: Sequence[Sequence[tuple[int, int, int, int]]]
+    arrays: Sequence[np.ndarray]
+    buffer: Any = None
+    done: Any = None
 
-    def states(self) -> list[list[States]]:
+    def states(self, device: Device) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
-        results = self.inputs.results
-        self.device.fetch(results, self.buffer, after=self.done)
+        device.fetch(self.results, self.buffer, after=self.done)
         numbers = SAID.itemsize // 8
-        said = results[: len(self.inputs.rows) * numbers].reshape(-1, numbers).view(SAID)[:, 0]
+        said = self.results[: len(self.rows) * numbers].reshape(-1, numbers).view(SAID)[:, 0]
         states: list[list[States]] = []
         first = 0
-        for batch, spans in zip(self.batches, self.inputs.spans, strict=True):
+        for batch, spans in zip(self.batches, self.spans, strict=True):
             count, stages = len(batch.scenes), len(batch.grids)
             of_batch = []
             for stage, (grid, (*_, at, size)) in enumerate(zip(batch.grids, spans, strict=True)):
-                unknowns = results[at : at + count * size].reshape(count, -1, *grid.shape)
+                unknowns = self.results[at : at + count * size].reshape(count, -1, *grid.shape)
                 of_scenes = said[first + stage : first + count * stages : stages]
                 of_batch.append(States(unknowns, of_scenes))
             states.append(of_batch)
@@ -242,62 +258,40 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
             f"{device.work_items} items for many minutes: take one item, as a processor is given "
             "where none are asked for"
         )
-    inputs = _inputs(batches, device)
+    launched = _prepared(batches, device)
     single = in_single(terms)
     periodic_state = kernel(
         device,
         "periodic_state",
         sources=sources_of(terms, single=single),
-        header=_header(terms, inputs.kind, single=single),
+        header=_header(terms, launched.kind, single=single),
     )
-    (flow_terms,) = inputs.kind["flow"].shape
+    (flow_terms,) = launched.kind["flow"].shape
     sizes = [_workspace_size(grid, terms, flow_terms) for batch in batches for grid in batch.grids]
     workspace_size = -(-max(sizes) // 8) * 8
-    scenes = len(inputs.begins) - 1
+    scenes = len(launched.begins) - 1
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
-    buffer, values = device.shared(inputs.results), device.shared(inputs.values)
-    done = periodic_state(
+    launched.buffer = device.shared(launched.results)
+    launched.done = periodic_state(
         device.queue,
         (groups * device.work_items,),
         (device.work_items,),
         scenes,
         MOST_NEWTON,
-        device.sent(inputs.begins),
-        device.sent(inputs.rows),
-        values,
-        buffer,
+        device.sent(launched.begins),
+        device.sent(launched.rows),
+        device.shared(launched.values),
+        launched.buffer,
         device.sent(np.zeros(1, dtype=np.int32)),
         device.room(workspace_size * groups),
         workspace_size,
         cl.LocalMemory(8 * device.work_items),
     )
     device.queue.flush()
-    return Launch(batches, device, inputs, buffer, done)
+    return launched
 
 
-@dataclass(frozen=True)
-class _Inputs:
-    """A launch's arrays, as periodic.cl describes them.
-
-    kind: the rows' type.
-    results: room for what the device says of the scenes, and their first guesses. It begins with
-        what is said in rows; kernels read states in vectors.
-    spans: on each grid of each batch, where the means in time of its
-        scenes begin, one behind the other, and the size of each, then of their states, ABSENT and
-        0 where these do not come back.
-    arrays: what the last two are the beginnings of, of the device's pool.
-    """
-
-    begins: np.ndarray
-    kind: np.dtype[Any]
-    rows: np.ndarray
-    values: np.ndarray
-    results: np.ndarray
-    spans: Sequence[Sequence[tuple[int, int, int, int]]]
-    arrays: Sequence[np.ndarray]
-
-
-def _inputs(batches: Sequence[Batch], device: Device) -> _Inputs:
+def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = [len(batch.grids) for batch in batches for _ in range(len(batch.scenes))]
     begins = np.array([0, *accumulate(stages)], dtype=np.int32)
@@ -330,7 +324,7 @@ def _inputs(batches: Sequence[Batch], device: Device) -> _Inputs:
         if batch.guess is not None:
             results[state_at : state_at + batch.guess.size] = batch.guess.ravel()
     table = rows[0] if len(rows) == 1 else np.concatenate(rows)
-    return _Inputs(begins, kind, table, values, results, spans, arrays)
+    return Launch(batches, begins, kind, table, values, results, spans, arrays)
 
 
 def _spans(batch: Batch, end: int) -> tuple[list[tuple[int, int, int, int]], int]:

@@ -151,18 +151,16 @@ class Refinement:
                 reasons.setdefault(k, f"{reason}: {text}" if with_error else reason)
 
         begun = np.zeros(len(rows), dtype=bool)
-        if any([states.status.any() for states in stages[-2:]]):
-            failed = [states.status != 0 for states in stages[-2:]]
-            begun = self._begin_again(group, failed[-1], finer)
-            hopeless = (failed[-1] | (finer is None)) & ~begun
-            for stage in range(-1, -1 - len(failed), -1):
-                which = failed[stage] & hopeless
-                self._write_grid(rows[which], grids[stage])
-                for status in np.unique(stages[stage].status[which]):
-                    those = which & (stages[stage].status == status)
-                    end(those, f"{STATUS[status]} ({_size(grids[stage])})")
+        statuses = [states.status for states in stages[-2:]]
+        unknown = np.logical_or.reduce(statuses)
+        if unknown.any():
+            begun = self._begin_again(group, statuses[-1] != 0, finer)
+            hopeless = ((statuses[-1] != 0) | (finer is None)) & ~begun
+            for each, status in zip(grids[:-3:-1], statuses[::-1], strict=True):
+                self._write_grid(rows[(status != 0) & hopeless], each)
+                for ending in range(1, len(STATUS)):
+                    end((status == ending) & hopeless, f"{STATUS[ending]} ({_size(each)})")
             # What no coarser grid describes, a finer one may.
-            unknown = np.logical_or.reduce(failed)
             error[unknown] = np.inf
             self.change[:, rows[unknown]] = np.nan
         negative = ~(said["lowest"] > 0)
@@ -188,15 +186,11 @@ class Refinement:
         waiting[good] = False
         if np.count_nonzero(waiting):
             most_work = min((term.MOST_WORK for term in terms), default=np.inf)
-            dear = solutions.work[rows] > most_work
+            over, limit = waiting & (solutions.work[rows] > most_work), "within the work limit"
             if finer is None:
-                reason = f"not converged: tolerance not reached on the finest grid ({_size(grid)})"
-                end(waiting, reason, with_error=True)
-            elif dear.any():
-                reason = (
-                    f"not converged: tolerance not reached within the work limit ({_size(grid)})"
-                )
-                end(waiting & dear, reason, with_error=True)
+                over, limit = waiting, "on the finest grid"
+            reason = f"not converged: tolerance not reached {limit} ({_size(grid)})"
+            end(over, reason, with_error=True)
             waiting[list(reasons)] = False
             if finer and waiting.any():
                 guess = stages[-1].unknowns[waiting]
@@ -270,10 +264,10 @@ def solve_periodic(
             batches = [refinement.batch(group) for group in groups]
             flying.append((groups, launch(batches, device=device)))
         groups, landing = flying.popleft()
-        landed = zip(groups, landing.batches, landing.states(), strict=True)
+        landed = zip(groups, landing.batches, landing.states(device), strict=True)
         report(sum(refinement.accept_or_refine(*each) for each in landed))
         # Other launches may have the arrays, as no one looks at the states any more.
-        device.release(*landing.inputs.arrays)
+        device.release(*landing.arrays)
     return solutions
 
 

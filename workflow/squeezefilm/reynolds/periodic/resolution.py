@@ -264,7 +264,8 @@ def _sequence(
     while (finer := finer_grid(first, room=room, step=step)) is None:
         if not first.sees(*nodes):
             break
-        first = _coarser(first, step)
+        nx, ny = (step * (5 * points // (6 * step)) for points in (first.nx, first.ny))
+        first = replace(first, nx=nx, ny=ny, nt=max(LEAST_TIME, 4 * (5 * first.nt // 24)))
     start = start_grid(first, step)
     # What does not see the profile is no guess.
     starts = [start] if start and start.sees(*nodes) else []
@@ -317,12 +318,6 @@ def profile_fall(
     if len(needs) > MOST_KEPT:
         return fall(rows)
     return needs.once("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
-
-
-def _coarser(grid: Grid, step: int) -> Grid:
-    nx, ny = (step * (5 * points // (6 * step)) for points in (grid.nx, grid.ny))
-    nt = 4 * (5 * grid.nt // 24)
-    return replace(grid, nx=nx, ny=ny, nt=max(LEAST_TIME, nt))
 
 
 @lru_cache(maxsize=4096)
