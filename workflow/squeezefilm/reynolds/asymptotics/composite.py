@@ -28,7 +28,7 @@ from math import inf, isfinite, log10
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.scene import Scene, Scenes, rows_alike
 from squeezefilm.reynolds.asymptotics import core
 from squeezefilm.reynolds.asymptotics.core import Expansion, SecondOrder
 from squeezefilm.reynolds.asymptotics.films import (
@@ -389,14 +389,13 @@ def expanded(
         np.maximum(expansion_points(tolerance=tolerance, sigma=each), at_least)
         for each, at_least in zip((sigma, sigma * scenes.aspect**2), nodes.T, strict=True)
     ]
-    # Of one kind of films: fields real or complex, gaps even at rest or not, with inertia or not.
+    # Films of one kind together: fields real or complex, gaps even at rest or not, inertia or not.
     fields = 4 * (scenes.gas.inertia == "included") + scenes.column(
         lambda film: 2 * film.actuator.profile.is_complex + film.pad.gap.flat
     )
-    code = np.stack([*points, np.broadcast_to(fields, len(rows))], axis=1)
     results = {}
-    for nx, ny, kind in np.unique(code, axis=0).tolist():
-        group = np.flatnonzero((code == (nx, ny, kind)).all(axis=1))
+    for group in rows_alike(8 * (points[0] + 2**20 * points[1]) + fields):
+        nx, ny = (int(each[group[0]]) for each in points)
         for start in range(0, len(group), BATCH):
             some = group[start : start + BATCH]
             forces = expand(_films(scenes[some], nx=nx, ny=ny))

@@ -244,6 +244,24 @@ static double4 gap_at(const Grid *g, const Film *film, int row, int t)
     return 1.0 + beyond_even(g, film, film->amplitude, row, t);
 }
 
+/* Coefficient of first-order slip, 6 Kn. */
+static double slip_of(const Film *film)
+{
+    return FLOW_TERMS == 2 ? film->row->flow[FLOW_TERMS - 1] : 0.0;
+}
+
+/* −V over the pressure's slope, with V as of inertia.py. */
+static double4 mobility(const Film *film, double4 gap, double4 density)
+{
+    return gap * (gap + slip_of(film) / density) / film->sigma;
+}
+
+/* Re ρ H²/10 with what slip makes of it. */
+static double4 lag_of(const Film *film, double4 gap, double4 density)
+{
+    return film->row->lag * gap * (density * gap + slip_of(film) / 1.5);
+}
+
 /* 1/G² at four instants, for a gap that is shaped at rest. */
 static double4 over_rest_squared(const Film *film, int i)
 {

@@ -272,7 +272,6 @@ def _sequence(
     return *starts, first, *([finer] if finer else [])
 
 
-@lru_cache(maxsize=4096)
 def start_grid(grid: Grid, step: int) -> Grid | None:
     """A coarse grid whose state is a cheap first guess on ``grid``; None where it is small already.
 

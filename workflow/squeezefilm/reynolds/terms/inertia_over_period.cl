@@ -56,20 +56,7 @@ static field scratch_field(const Grid *g, const Film *film, int which)
     return film->own_work + (2 * STATE_FIELDS + 2 * CHANGE_FIELDS + which) * g->count;
 }
 
-/* Coefficient of first-order slip, 6 Kn. */
-static double slip_of(const Film *film) { return FLOW_TERMS == 2 ? film->row->flow[1] : 0.0; }
-
-/* −V over the pressure's slope. */
-static double4 mobility(const Film *film, double4 gap, double4 density)
-{
-    return gap * (gap + slip_of(film) / density) / film->sigma;
-}
-
-/* Re ρ H²/10 with what slip makes of it, and its derivative to the density. */
-static double4 lag_of(const Film *film, double4 gap, double4 density)
-{
-    return film->row->lag * gap * (density * gap + slip_of(film) / 1.5);
-}
+/* Derivative of lag_of to the density. */
 static double4 lag_slope(const Film *film, double4 gap) { return film->row->lag * gap * gap; }
 
 /* The velocity across each direction, `which` of STATE_FIELDS or a scratch field: that along the

@@ -90,7 +90,6 @@ static void warm(const Grid *g, const Film *film, field warmth, field root, fiel
 /* Velocities along each axis at its points, and on the nodes. */
 static void set_velocities(const Grid *g, const Film *film, field u, field nodal, field pressure)
 {
-    const double slip = FLOW_TERMS == 2 ? film->row->flow[1] : 0.0;
     for (int axis = 0; axis < 2; axis++, u += g->count, nodal += g->count) {
         matrix amplitude = ON_AXIS(axis, flux_amplitude);
         field4 u4 = (field4)u;
@@ -100,7 +99,7 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
         {
             const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);
             const double4 density = 1.0 + ((matrix4)pressure)[i];
-            u4[i] *= -gap * (gap + slip / density) / film->sigma;
+            u4[i] *= -mobility(film, gap, density);
 #if UNKNOWN_FIELDS > 1 /* what it falls short by inertia */
             u4[i] -= ((matrix4)(film->own + axis * g->count))[i];
 #endif
@@ -117,7 +116,6 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     field first = nodal + 2 * g->count, second = first + g->count;
     field third = second + g->count, fourth = third + g->count;
     const double sigma = film->sigma, kappa = film->row->viscosity_exponent;
-    const double slip = FLOW_TERMS == 2 ? film->row->flow[1] : 0.0;
     /* τ_b over the square of the speed. */
     const double cooling = film->row->heating * sigma / 20.0;
     warm(g, film, warmth, first, second, third, fourth);
@@ -154,11 +152,11 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
             const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);
             const double4 density = 1.0 + pressure[i];
             const double4 own = ((matrix4)u)[i], hot = warmer[i], cold = cooler[i];
-            const double4 lag = film->row->lag * gap * (density * gap + slip / 1.5);
             const double4 lighter = 6.0 / 5.0 * hot - 9.0 / 14.0 * cold;
             const double4 thicker = 3.0 / 5.0 * hot - 3.0 / 7.0 * cold;
             const double4 beside =
-                lag * (9.0 / 7.0 * (hot - cold) * ((matrix4)fourth)[i] +
+                lag_of(film, gap, density) *
+                    (9.0 / 7.0 * (hot - cold) * ((matrix4)fourth)[i] +
                        own * ((matrix4)work)[i] / 7.0) -
                 own * (lighter + kappa * thicker);
             pressure[i] = -sigma * gap * density * beside;
