@@ -10,9 +10,7 @@ from physics_facts import (
     SPRING_AT_20,
     SPRING_AT_CUT_OFF,
 )
-from physics_facts import (
-    piston_response as double_series,
-)
+from physics_facts import piston_response as double_series
 
 from squeezefilm.errors import RunError
 from verification.numpy_periodic import chebyshev_grid
