@@ -110,7 +110,7 @@ def _design_values(results: Results) -> Values:
     screen, design = results.forces("screen"), results.design("two_factor")
     fit = results.fit("two_factor_design")
     judged = results.validation("two_factor_design", "screen")
-    summary = results.searches()
+    summary = results.summary("designs/two_factor.json")
     scalings, own = summary["scalings"], summary["scaling"]
     patterns = scalings[own]
     excess = max(pattern["objective_excess"] for pattern in patterns)

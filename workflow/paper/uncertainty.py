@@ -8,7 +8,6 @@ tell it. What is plausible was set from what the paper states, with how many dig
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import deepcopy
-from dataclasses import dataclass, field
 from functools import reduce
 from operator import getitem
 from pathlib import Path
@@ -35,34 +34,9 @@ SEARCH_POINTS = 13
 PLAUSIBLE_POINTS = 5
 
 
-@dataclass(frozen=True)
-class Assumption:
-    """A number that the simulations take for granted.
-
-    Attributes:
-        places: where it stands in the configuration; ``point.hv_m`` for the point's own.
-        unit, scale: the unit it is shown in, and that in SI.
-        plausible: least and largest plausible value in SI; None for the point's two digits.
-        because: where that comes from.
-        search: least and largest value tried, as multiples of what is assumed, or plain values
-            where it is assumed to be ``rest``.
-        rest: the value at which the effect is absent; the study is then simulated without it.
-        switch: what else has to be set for the number to count.
-    """
-
-    name: str
-    places: Sequence[str]
-    unit: str
-    scale: float
-    because: str
-    search: tuple[float, float]
-    plausible: tuple[float, float] | None = None
-    rest: float | None = None
-    switch: Mapping[str, str] = field(default_factory=dict)
-
-
-_TABLE = Path(__file__).with_name("assumptions.yaml").read_text(encoding="utf-8")
-ASSUMPTIONS = tuple(Assumption(**entry) for entry in yaml.safe_load(_TABLE))
+Assumption = Mapping[str, Any]
+_TABLE = yaml.safe_load(Path(__file__).with_name("assumptions.yaml").read_text(encoding="utf-8"))
+ASSUMPTIONS = [{"plausible": None, "rest": None, "switch": {}} | entry for entry in _TABLE]
 
 
 def _differences(config: Config) -> Iterator[tuple[dict[str, Any], float, dict[str, float]]]:
@@ -126,9 +100,9 @@ def _rows(
         half_n: rounding error of the paper's force, by its digits.
     """
     sections: Any = study.sections
-    paper_n, assumed = begin["paper_n"], assumption.rest
+    paper_n, assumed = begin["paper_n"], assumption["rest"]
     if assumed is None:
-        *path, key = assumption.places[0].split(".")
+        *path, key = assumption["places"][0].split(".")
         if key not in (section := reduce(getitem, path, sections)):
             return
         assumed = float(section[key])
@@ -138,10 +112,10 @@ def _rows(
         scenes = {}
         for k, value in enumerate(values.tolist()):
             changed: Any = deepcopy(sections)
-            settings: dict[str, Any] = dict.fromkeys(assumption.places, value)
-            for place, setting in {**settings, **assumption.switch}.items():
+            settings: dict[str, Any] = dict.fromkeys(assumption["places"], value)
+            for place, setting in {**settings, **assumption["switch"]}.items():
                 *path, key = place.split(".")
-                if value != assumption.rest:
+                if value != assumption["rest"]:
                     reduce(getitem, path, changed)[key] = setting
             point = changed.pop("point")
             with suppress(InputError):
@@ -153,14 +127,15 @@ def _rows(
     def excess_n(value: float) -> float:
         return float(forces_n(np.array([value]))[0] - paper_n)
 
-    low, high = assumption.plausible or _rounding(assumed, assumption.scale)
+    low, high = assumption["plausible"] or _rounding(assumed, assumption["scale"])
     values = np.linspace(low, high, PLAUSIBLE_POINTS if high > low else 1)
     plausible = np.append(forces_n(values), begin["ours_n"])
     low_n, high_n = np.nanmin(plausible), np.nanmax(plausible)
     # From small to large, with that assumed among them.
-    values = np.linspace(*assumption.search, SEARCH_POINTS)
-    if assumption.rest is None:
-        tried = assumed * np.geomspace(*assumption.search, SEARCH_POINTS)
+    least, most = assumption["search"]
+    values = np.linspace(least, most, SEARCH_POINTS)
+    if assumption["rest"] is None:
+        tried = assumed * np.geomspace(least, most, SEARCH_POINTS)
         values = np.unique(np.append(tried, assumed))
     reached = forces_n(values)
     off = reached - paper_n
@@ -170,19 +145,19 @@ def _rows(
     explains = low_n <= paper_n + half_n and high_n >= paper_n - half_n
     yield {
         **begin,
-        "assumption": assumption.name,
-        "unit": assumption.unit,
-        "assumed": assumed / assumption.scale,
-        "plausible_lower": low / assumption.scale,
-        "plausible_upper": high / assumption.scale,
+        "assumption": assumption["name"],
+        "unit": assumption["unit"],
+        "assumed": assumed / assumption["scale"],
+        "plausible_lower": low / assumption["scale"],
+        "plausible_upper": high / assumption["scale"],
         "force_lower_n": low_n,
         "force_upper_n": high_n,
-        "needed": nearest / assumption.scale,
+        "needed": nearest / assumption["scale"],
         "needed_change_percent": 100 * (nearest / assumed - 1) if assumed else np.nan,
         "reached_lower_n": np.nanmin([*reached, *plausible]),
         "reached_upper_n": np.nanmax([*reached, *plausible]),
         "verdict": "explains" if explains else "cannot explain",
-        "because": assumption.because,
+        "because": assumption["because"],
     }
 
 

@@ -18,7 +18,7 @@ from reporting.results import Results
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, amplitude_for, read_fit
+from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read_fit
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import SPACES, check_columns
 from squeezefilm.models.prediction_interval import (
@@ -89,52 +89,52 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     scenes, no_force = forces[as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
     for name in results.config["comparison"][space]:
-        row, relative = _judged(results.candidate(space, name), factors, forces)
-        rows.append(row)
-        if relative is not None:
-            row["validation_failed"] = no_force
-            errors.append(scenes.assign(model=row["model"], relative_error=relative))
+        path = results.candidate(space, name)
+        values = read_json(path)
+        try:
+            row, relative = _judged(fit_of(values, place=path), factors, forces)
+        except InputError as error:
+            rows.append({"model": name, "note": str(values.get("not_supported", error))})
+            continue
+        rows.append(row | {"validation_failed": no_force})
+        errors.append(scenes.assign(model=name, relative_error=relative))
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(COUNTS, "Int64"))
     return table, pd.concat(errors[1:] or errors, ignore_index=True)
 
 
 def _judged(
-    path: Path, factors: Factors, forces: pd.DataFrame
-) -> tuple[dict[str, Any], np.ndarray | None]:
-    """A model's row, and its relative error at each point, unless it cannot be validated."""
-    values = read_json(path)
-    try:
-        fit = read_fit(path)
-        model = fit.force_model
-        if fit.interval is None:
-            raise InputError("not validated: fit it with a validation sample")
-        check_columns(model, factors)
-        predicted = model.evaluate(fit.theta, factors)
-        undefined = int(np.sum(~np.isfinite(predicted)))
-        if undefined:
-            raise InputError(f"undefined at {undefined} points of the validation sample")
-        errors = error_sizes(model_n=predicted, simulation_n=forces["force_n"])
-    except InputError as error:
-        reason = str(values.get("not_supported", error))
-        return {"model": values.get("model", path.stem), "note": reason}, None
+    fit: FittedModel, factors: Factors, forces: pd.DataFrame
+) -> tuple[dict[str, Any], np.ndarray]:
+    """A model's row, and its relative error at each point.
+
+    Raises InputError where it cannot be validated.
+    """
+    model = fit.force_model
+    if fit.interval is None:
+        raise InputError("not validated: fit it with a validation sample")
+    check_columns(model, factors)
+    predicted = model.evaluate(fit.theta, factors)
+    if undefined := int(np.sum(~np.isfinite(predicted))):
+        raise InputError(f"undefined at {undefined} points of the validation sample")
+    sizes = error_sizes(model_n=predicted, simulation_n=forces["force_n"])
     least = min(fit.interval.coverage, key=lambda region: region["coverage"])
     cross = fit.cross_validation
     row = {
-        "model": values["model"],
+        "model": fit.model,
         "parameters": len(fit.theta),
         "fit_points": fit.points,
         "fit_error": fit.global_error,
         "cv_error": np.nan if cross is None else cross["global_error"],
         "validation_points": len(forces),
-        "validation_error": errors["global_error"],
-        "validation_worst_relative": errors["largest_relative"],
-        "validation_worst_n": errors["largest_n"],
+        "validation_error": sizes["global_error"],
+        "validation_worst_relative": sizes["largest_relative"],
+        "validation_worst_n": sizes["largest_n"],
         "error_95_percent": 100 * np.median(fit.interval.error_n(predicted) / np.abs(predicted)),
         "coverage": fit.interval.mean_coverage,
         "coverage_min": least["coverage"],
         "coverage_min_region": f"{least['third']} third of the {QUANTITIES[least['quantity']]}",
         "expression": model.expression,
-        "about": model.about or values.get("about", ""),
+        "about": model.about or getattr(fit, "about", ""),
         "note": "",
     }
     return row, relative_errors(model_n=predicted, simulation_n=forces["force_n"])

@@ -16,6 +16,7 @@ from markupsafe import Markup
 from reporting.notes import five_digits, percent, rounded_up
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
+from squeezefilm.provenance import WORKFLOW
 
 VERDICTS = {
     "good": ("agrees", "passed", "solved"),
@@ -54,7 +55,7 @@ def markdown_table(table: pd.DataFrame) -> str:
 
 
 TEMPLATES = Environment(
-    loader=FileSystemLoader(Path(__file__).resolve().parents[1] / "report"),
+    loader=FileSystemLoader([WORKFLOW / "report", WORKFLOW / "reporting" / "explorer"]),
     # Markdown is escaped where it becomes HTML.
     autoescape=select_autoescape(["html", "rst"]),
     undefined=StrictUndefined,
@@ -66,7 +67,7 @@ TEMPLATES.filters |= {"percent": percent, "rounded_up": rounded_up, "table": mar
 
 
 def render(template: str, **values: Any) -> str:
-    """A template of ``report/`` with its values filled in."""
+    """A template of ``report/`` or of the explorer with its values filled in."""
     return TEMPLATES.get_template(template).render(**values)
 
 

@@ -94,10 +94,6 @@ class Results:
         """Any JSON file of the results."""
         return read_json(self.folder / file)
 
-    def searches(self) -> Mapping[str, Any]:
-        """The searches for the two-factor design: their number, and the patterns by scaling."""
-        return self.summary("designs/two_factor.json")
-
     def row(self, table: pd.DataFrame, name: str, file: str) -> pd.Series:
         """A row by its index, of a table read from a file."""
         if name not in table.index:

@@ -172,11 +172,6 @@ def code_of_plan(wildcards):
     return CODE["models" if wildcards.plan == "extrapolation" else "solver"]
 
 
-def keep_failed(wildcards):
-    """A scene of a validation sample that has no force counts as infinitely wrong."""
-    return wildcards.plan.startswith("validation_")
-
-
 def chunk_files(wildcards, kind):
     """The files of the chunks in which a plan is simulated; their number is known from the start."""
     chunks = CHUNKS[wildcards.plan]
@@ -189,19 +184,6 @@ def chunk_files(wildcards, kind):
 def validations(space):
     """Each fit of one of the paper's models, and each plan that it is judged on."""
     return expand("{fit}_on_{plan}", fit=FITS[space], plan=JUDGED_ON[space])
-
-
-def files_of_space(space):
-    """All that the plans, fits and validations of one of the paper's models leave."""
-    return [
-        *expand(
-            "<results>/simulations/{plan}/{name}.csv",
-            plan=[*JUDGED_ON[space], *FITS[space], f"validation_{space}"],
-            name=["scenes", "forces", "timings"],
-        ),
-        *expand("<results>/fits/{fit}{end}", fit=FITS[space], end=[".json", "_runs.csv"]),
-        *expand("<results>/validation/{pair}{end}", pair=validations(space), end=[".csv", ".json"]),
-    ]
 
 
 def results_folder(wildcards, output):
@@ -240,6 +222,11 @@ def listed(file, category, *, caption, **labels):
     """A page or a figure as the report lists it."""
     place = f"../report/captions/{caption}.rst"
     return report(f"<results>/{file}", category=category, labels=labels, caption=place)
+
+
+def pictures(place):
+    """The files of a figure, by its place among the results."""
+    return expand(f"<results>/{place}.{{format}}", format=["png", "svg"])
 
 
 def drawing(place):

@@ -5,7 +5,7 @@ rule design_two_factor:
     input:
         fit="<results>/fits/screen.json",
     output:
-        designs=["<results>/designs/two_factor.csv"],
+        design="<results>/designs/two_factor.csv",
         searches="<results>/designs/two_factor_searches.csv",
         summary="<results>/designs/two_factor.json",
     priority: 2
@@ -23,8 +23,8 @@ use rule design_two_factor as design_four_factor with:
     input:
         fit="<results>/fits/four_factor.json",
     output:
-        designs=expand("<results>/designs/four_factor{kind}.csv", kind=["", "_distinct"]),
-        searches="<results>/designs/four_factor_searches.csv",
+        paper="<results>/designs/four_factor.csv",
+        distinct="<results>/designs/four_factor_distinct.csv",
         summary="<results>/designs/four_factor.json",
     threads: cores_for(CONFIG["four_factor_design"]["searches"])
     params:

@@ -20,4 +20,4 @@ rule compare_measurements:
 rule measurements:
     input:
         rules.compare_measurements.output,
-        expand("<results>/figures/measurements.{format}", format=["png", "svg"]),
+        pictures("figures/measurements"),

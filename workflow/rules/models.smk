@@ -91,10 +91,7 @@ rule models:
         rules.recommend.output,
         [limit_tables(space) for space in FITS],
         [candidate_files(space) for space in FITS],
-        expand(
-            "<results>/models/{space}{end}",
-            space=FITS,
-            end=[".csv", ".html", "_errors.csv", "_errors.png", "_errors.svg"],
-        ),
+        expand(rules.compare.output, space=FITS),
+        [pictures(f"models/{space}_errors") for space in FITS],
     message:
         "Compared in results/{STUDY}/models; `squeezefilm recommend results/{STUDY}` names the best"

@@ -41,6 +41,6 @@ if SCAN:
         input:
             SMOOTHED,
             rules.smooth_profile.output,
-            expand("<results>/figures/profile.{format}", format=["png", "svg"]),
+            pictures("figures/profile"),
         message:
             "The measured profile is smooth, and its noise is weighed"

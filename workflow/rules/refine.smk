@@ -28,18 +28,8 @@ rule optimal_design:
 
 rule optimal:
     input:
-        expand(
-            "<results>/designs/optimal_{space}{end}",
-            space=FITS,
-            end=[
-                ".csv",
-                ".json",
-                "_plans.csv",
-                "_sensitivity.csv",
-                "_sensitivity.png",
-                "_sensitivity.svg",
-            ],
-        ),
+        expand(rules.optimal_design.output, space=FITS),
+        [pictures(f"designs/optimal_{space}_sensitivity") for space in FITS],
     message:
         "Designs are certified, and other plans compared with them"
 
@@ -88,10 +78,7 @@ rule refine_report:
 rule refine:
     input:
         [refined_files(space) for space in FITS],
-        expand(
-            "<results>/refine/{space}{file}",
-            space=FITS,
-            file=[".csv", ".html", "_figure.png", "_figure.svg"],
-        ),
+        expand(rules.refine_report.output, space=FITS),
+        [pictures(f"refine/{space}_figure") for space in FITS],
     message:
         "Models are refined until they are good enough, or their limit is known"

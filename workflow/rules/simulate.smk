@@ -43,7 +43,8 @@ rule simulate_plan:
     params:
         code=code_of_plan,
         study=lambda wildcards: sections("solver", "outputs", *FILM, *PLANS[wildcards.plan][0]),
-        keep_failed=keep_failed,
+        # A scene of a validation sample that has no force counts as infinitely wrong.
+        keep_failed=lambda wildcards: wildcards.plan.startswith("validation_"),
     message:
         "Simulate {wildcards.plan}"
     script:
@@ -95,7 +96,7 @@ rule merge:
         plan="|".join(DIVIDED) or "(?!)",
     params:
         code=CODE["solver"],
-        keep_failed=keep_failed,
+        keep_failed=lambda wildcards: wildcards.plan.startswith("validation_"),
     message:
         "Forces of {wildcards.plan}: every point solved?"
     script:
@@ -127,11 +128,3 @@ for plan, tables in FILM_TABLES.items():
             f"Tables of the films of {plan}: {', '.join(tables)}"
         script:
             "../scripts/film_tables.py"
-
-
-rule film_tables:
-    input:
-        rules.compile_kernels.output,
-        [getattr(rules, f"films_{plan}").output for plan in FILM_TABLES],
-    message:
-        "The tables of the films are made"

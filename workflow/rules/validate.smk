@@ -22,18 +22,17 @@ for space, plans in JUDGED_ON.items():
         script:
             "../scripts/validate.py"
 
-
-rule two_factor:
-    input:
-        files_of_space("two_factor"),
-        rules.design_two_factor.output,
-    message:
-        "The two-factor model is fitted, designed and validated"
-
-
-rule four_factor:
-    input:
-        files_of_space("four_factor"),
-        rules.design_four_factor.output,
-    message:
-        "The four-factor model is fitted, designed and validated"
+    rule:
+        name:
+            space
+        input:
+            expand(
+                "<results>/simulations/{plan}/{name}.csv",
+                plan=[*plans, *FITS[space], f"validation_{space}"],
+                name=["scenes", "forces", "timings"],
+            ),
+            expand("<results>/fits/{fit}{end}", fit=FITS[space], end=[".json", "_runs.csv"]),
+            getattr(rules, f"validate_{space}").output,
+            getattr(rules, f"design_{space}").output,
+        message:
+            f"The {space.replace('_', '-')} model is fitted, designed and validated"

@@ -4,13 +4,9 @@ from scripts.job import begin_with_study, write
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
-from squeezefilm.tables import write_table
 
 snakemake, config = begin_with_study()
-fit, output = read_fit(snakemake.input.fit), snakemake.output
+fit = read_fit(snakemake.input.fit)
 designs_of = {"two_factor": two_factor_designs, "four_factor": four_factor_designs}[fit.model]
 with naming(snakemake.input.fit):
-    designs, searches, summary = designs_of(fit, config, processes=snakemake.threads)
-for path, table in zip(output.designs, designs, strict=True):
-    write_table(table, path)
-write(output, searches=searches, summary=summary)
+    write(snakemake.output, **designs_of(fit, config, processes=snakemake.threads))

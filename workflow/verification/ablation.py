@@ -77,7 +77,7 @@ def ablation(
     rows = []
     for tolerance, (re_enabled, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        found, cpu_s = measure(call, repeats=repeats, long_seconds=np.inf)
+        found, (_, cpu_s, _) = measure(call, repeats=repeats, long_seconds=np.inf)
         error, stated = np.abs(found.force_n - exact), found.force_error_n
         row = {
             "re_enabled": re_enabled,

@@ -6,8 +6,8 @@ import re
 import resource
 import subprocess
 import sys
-import time
 from datetime import UTC, datetime
+from functools import partial
 from itertools import product
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import box_of
-from verification.work_precision import FILMS, work_precision
+from verification.work_precision import FILMS, measure, work_precision
 
 PAPER = "config/paper.yaml"
 USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
@@ -117,20 +117,14 @@ def batch_times() -> pd.DataFrame:
     study, rows = load(PAPER), []
     points = random_plan(points=BATCHES[-1][0], seed=1, **box_of(study.config).ranges)
     for (count, repeats), tolerance in product(BATCHES, (1e-4, 1e-6)):
-        scenes = study.scenes(points[:count])
-        solve(scenes, tolerance=tolerance)
-        clocks = time.perf_counter, time.process_time, time.thread_time
-        taken = []
-        for _ in range(repeats):
-            before = [clock() for clock in clocks]
-            solve(scenes, tolerance=tolerance)
-            taken.append([clock() - start for clock, start in zip(clocks, before, strict=True)])
-        wall, processor, host = 1e3 * np.median(taken, axis=0) / count
+        call = partial(solve, study.scenes(points[:count]), tolerance=tolerance)
+        _, times = measure(call, repeats=repeats, long_seconds=np.inf)
+        wall, processor, host = 1e3 * times / count
         rows.append((count, tolerance, wall, processor, host, processor - host))
     columns = ["scenes", "tolerance", "wall", "processor", "host", "kernels"]
     table = pd.DataFrame(rows, columns=columns)
-    times = {name: table[name].map("{:.3g}".format) for name in columns[2:]}
-    return table.assign(**times).rename(columns={name: f"{name} (ms a scene)" for name in times})
+    shown = {name: table[name].map("{:.3g}".format) for name in columns[2:]}
+    return table.assign(**shown).rename(columns={name: f"{name} (ms a scene)" for name in shown})
 
 
 def equal_error() -> pd.DataFrame:

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import ceil, log, sqrt
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -34,6 +33,7 @@ FILMS = (
 )
 SOLVER, BATCH = "solver", "solver, in a batch"
 Settings = dict[str, Any]
+CLOCKS = time.perf_counter, time.process_time, time.thread_time
 
 
 # A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status.
@@ -42,8 +42,8 @@ Answer = tuple[float, float, str]
 
 def measure(
     call: Callable[[], Any], *, repeats: int, long_seconds: float = 0.2
-) -> tuple[Any, float]:
-    """Return the result of a call and the median of its processor time in seconds.
+) -> tuple[Any, np.ndarray]:
+    """Return the result of a call, and medians of its wall, processor and main thread's time in s.
 
     It is warm: called once before, then so many times. A call that takes more than long_seconds is
     not repeated: its first run is what it takes, and what is done once (imports, compilation) does
@@ -51,12 +51,12 @@ def measure(
     """
     times = []
     for _ in range(repeats + 1):
-        wall, cpu = time.perf_counter(), time.process_time()
+        before = [clock() for clock in CLOCKS]
         result = call()
-        times.append(time.process_time() - cpu)
-        if time.perf_counter() - wall > long_seconds:
+        times.append([clock() - start for clock, start in zip(CLOCKS, before, strict=True)])
+        if times[-1][0] > long_seconds:
             break
-    return result, median(times[1:] or times)
+    return result, np.median(times[1:] or times, axis=0)
 
 
 def work_precision(
@@ -93,7 +93,7 @@ def work_precision(
         for method, (answer, path) in paths.items():
             for settings in path:
                 call = partial(answer, **settings)
-                (force, claimed, status), cpu_s = measure(call, repeats=repeats)
+                (force, claimed, status), (_, cpu_s, _) = measure(call, repeats=repeats)
                 row = {
                     "case": scene.point_id,
                     "method": method,

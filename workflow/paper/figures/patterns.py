@@ -20,7 +20,7 @@ _TITLES = {
 
 def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     """A panel for each scaling of the factors; a triangle of three dots for each search."""
-    summary, screen = results.searches(), results.scenes("screen")
+    summary, screen = results.summary("designs/two_factor.json"), results.scenes("screen")
     columns = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
     points = parts.in_micrometres(results.table("designs/two_factor_searches.csv", *columns))
     data = points[["scaling", "search", "pattern", "h0_um", "hv_um", "objective"]].sort_values(
@@ -78,7 +78,7 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     Its table has the layers design (the points) and ridge (equal hv/h0 through a point, within the
     space); where there are fewer patterns, the best being of order 0, a row of layer absent.
     """
-    screen, summary = results.scenes("screen"), results.searches()
+    screen, summary = results.scenes("screen"), results.summary("designs/two_factor.json")
     number, patterns = summary["searches"], summary["scalings"][summary["scaling"]]
     figure, axes = style.subplots()
     parts.set_up_plane(axes, screen, headroom=0.3)

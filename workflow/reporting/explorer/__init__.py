@@ -7,9 +7,7 @@ model.js what ``squeezefilm.models.fit_file`` does with it, modulation.js reads 
 """
 
 import json
-import re
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -22,7 +20,6 @@ from squeezefilm.models.fit_file import FittedModel, fit_of
 from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
-HERE = Path(__file__).parent
 FILM = ["h0_m", "hv_m"]
 KINDS = {"_distinct": "distinct points", "_design": "design points"}
 """Points that a model is fitted to, by the end of their plan's name."""
@@ -55,33 +52,25 @@ def explorer_page(
             not_available[name] = str(values["not_supported"])
         else:
             models[f"{name} on four_factor"] = fit_of(values, place=path), "four_factor"
-    start = config["extrapolation"]
     data = {
         "fits": [_fit(name, fit, plan) for name, (fit, plan) in models.items()],
         "not_available": not_available,
         "plans": list(forces),
         "simulations": [
-            [index, *(float(value) for value in row)]
+            [index, *row]
             for index, table in enumerate(forces.values())
-            for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].itertuples(index=False)
+            for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].to_numpy(float).tolist()
         ],
         "position": form_of(next(iter(forces.values()))),
         "inertia": inertia(config),
         "modulation": _modulation(results),
-        "start": {name: start[name] for name in ("h0_m", "hv_m", "force_n")},
+        "start": {name: config["extrapolation"][name] for name in ("h0_m", "hv_m", "force_n")},
     }
     # In full double precision, and so that no text ends the script it stands in.
     shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
-    parts = {"LIBRARY": drawing_library, "DATA": shown, "STUDY": config["study"]}
-    parts["SHEET"] = render("style.css")
-    parts["MODELS"] = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
-
-    def part(marker: re.Match[str]) -> str:
-        """Return the text for a marker: one of the parts, else a file."""
-        name = marker[1]
-        return parts[name] if name in parts else (HERE / name).read_text(encoding="utf-8")
-
-    return re.sub(r"\{\{([\w.]+)\}\}", part, (HERE / "page.html").read_text(encoding="utf-8"))
+    code = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
+    texts = {"library": drawing_library, "models": code, "data": shown}
+    return render("explorer.html", study=config["study"], **texts)
 
 
 def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:

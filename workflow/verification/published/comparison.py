@@ -5,11 +5,10 @@ from the exact solution, and of the Reynolds equation without inertia and heat f
 solution is compared with: absolute values, relative, of complex numbers and fields too.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from itertools import product
-from math import isnan, nan, pi
+from math import nan, pi
 from pathlib import Path
 from typing import Any
 
@@ -62,32 +61,13 @@ RAREFIED_FLOW = {0.01: 3.060, 0.1: 2.033, 1.0: 1.539, 10.0: 2.768, 100.0: 17.693
 SLIDER_GAPS_M, SLIDER_LENGTH_M, SLIDER_WIDTHS_M = (66e-6, 10e-6), 0.1, (0.5, 1.0)
 
 
-@dataclass(kw_only=True)
-class Row:
-    """One number; NaN where a kind of value or deviation does not exist.
+COLUMNS = (
+    *("source", "case", "quantity", "modified_reynolds", "sigma", "published", "exact", "solver"),
+    *("exact_deviation", "solver_deviation", "viscous_deviation", "status"),
+)
 
-    Deviations are those of its numbers where nothing else is given. ``status`` is ``ok``, or why
-    there is no value of the solver.
-    """
-
-    source: str
-    case: str
-    quantity: str
-    modified_reynolds: float = nan
-    sigma: float = nan
-    published: float = nan
-    exact: float = nan
-    solver: float = nan
-    exact_deviation: float = nan
-    solver_deviation: float = nan
-    viscous_deviation: float = nan
-    status: str = "ok"
-
-    def __post_init__(self) -> None:
-        if isnan(self.exact_deviation):
-            self.exact_deviation = abs(self.exact / self.published - 1)
-        if isnan(self.solver_deviation):
-            self.solver_deviation = abs(self.solver / self.exact - 1)
+Row = dict[str, Any]
+"""One number: what it has of COLUMNS."""
 
 
 def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
@@ -100,7 +80,21 @@ def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
         *radial_films(),
         *depth_averaging(reynolds, sigma, device),
     ]
-    return pd.DataFrame([asdict(row) for row in rows])
+    return tabulated(rows)
+
+
+def tabulated(rows: Iterable[Row]) -> pd.DataFrame:
+    """Rows as a table, NaN where a kind of value or deviation does not exist.
+
+    Deviations are those of a row's numbers where nothing else is given. ``status`` is ``ok``, or
+    why there is no value of the solver.
+    """
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    own = {
+        "exact_deviation": abs(table["exact"] / table["published"] - 1),
+        "solver_deviation": abs(table["solver"] / table["exact"] - 1),
+    }
+    return table.fillna(pd.DataFrame(own)).fillna({"status": "ok"})
 
 
 def plate(device: Device | None = None) -> Iterator[Row]:
@@ -125,10 +119,10 @@ def inclined_slider(device: Device | None = None) -> Iterator[Row]:
     scenes = [each.scene((wide_m + narrow_m) / 2, 0.0) for each in films]
     one, other = _quantities(scenes, "moments", "extremes", tolerance=1e-7, device=device)
     p0_pa, force_n = gas.ambient_pressure_pa, other["force"] - one["force"]
-    ours = slider.Slider(
-        largest=1 + other["gauge_pressure_max"] / p0_pa,
-        load=force_n / (scenes[1].force_scale_n - scenes[0].force_scale_n),
-        centre=0.5 - (other["moment_y"] - one["moment_y"]) / force_n / length_m,
+    ours = (
+        1 + other["gauge_pressure_max"] / p0_pa,
+        force_n / (scenes[1].force_scale_n - scenes[0].force_scale_n),
+        0.5 - (other["moment_y"] - one["moment_y"]) / force_n / length_m,
     )
     stored = pd.read_csv(HERE / "slider.csv", comment="#")
     cells = slider.of_cells(stored["x"].to_numpy(), stored["pressure_pa"].to_numpy() / p0_pa)
@@ -164,7 +158,7 @@ def radial_films() -> Iterator[Row]:
             ]
             deviation = np.linalg.norm(np.array(found) - pressure, axis=1)
             deviation /= np.linalg.norm(pressure)
-            yield Row(
+            yield dict(
                 source="Honzík et al.",
                 case=f"{kind}, {1e6 * gap_m:.0f} µm, {1e-3 * frequency_hz:.0f} kHz",
                 quantity=RADIAL.format(distance),
@@ -200,7 +194,7 @@ def depth_averaging(
         if abs(ours / parabolic - 1) >= SAME:
             raise RunError(f"first harmonic at Re {re:g}, σ {s:g}: {ours:.9g}, not {parabolic:.9g}")
         resolved = response(s, factors=exact(re, **gas))
-        yield Row(
+        yield dict(
             source="depth averaging",
             case="disc: " * (shape == "ellipse")
             + ("inertia and thermal effects" if thermal == "included" else "inertia"),
@@ -216,7 +210,7 @@ def depth_averaging(
 
 
 def _valued(quantity: str, published: float, exact: float, solver: float, **row: Any) -> Row:
-    return Row(quantity=quantity, published=published, exact=exact, solver=solver, **row)
+    return dict(quantity=quantity, published=published, exact=exact, solver=solver, **row)
 
 
 def _quantities(

@@ -4,8 +4,6 @@ Between a pad at rest and a surface that moves, (H³ P P′ − Λ H P)′ = 0 a
 (Harrison 1913): an equation of first order in which one constant, the flow, is to be determined.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.integrate import solve_bvp
 
@@ -16,21 +14,17 @@ PLACES = 200_001
 """Among which the largest pressure is taken."""
 
 
-class Slider(NamedTuple):
-    """Largest pressure over p0, load over p0 and area, centre of pressure over the length.
+Slider = tuple[float, float, float]
+"""Largest pressure over p0, load over p0 and area, centre of pressure over the length.
 
-    The centre is counted from the end where the surface enters.
-    """
-
-    largest: float
-    load: float
-    centre: float
+The centre is counted from the end where the surface enters.
+"""
 
 
 def of_cells(x: np.ndarray, pressure: np.ndarray) -> Slider:
     """Largest pressure, load and centre of pressures over p0 in equal cells along the length."""
     load = np.mean(pressure - 1)
-    return Slider(float(pressure.max()), float(load), float(np.mean(x * (pressure - 1)) / load))
+    return float(pressure.max()), float(load), float(np.mean(x * (pressure - 1)) / load)
 
 
 def exact(scene: Scene) -> Slider:
@@ -53,4 +47,4 @@ def exact(scene: Scene) -> Slider:
     if not found.success:
         raise RunError(f"exact slider: {found.message}")
     pressure, load, moment = found.sol(np.linspace(0, 1, PLACES))
-    return Slider(float(pressure.max()), float(load[-1]), float(moment[-1] / load[-1]))
+    return float(pressure.max()), float(load[-1]), float(moment[-1] / load[-1])

@@ -37,8 +37,8 @@ TWO_FACTOR_LEVELS, FOUR_FACTOR_LEVELS = 181, 7
 """Levels per factor of the grid on which the optimum to compare with is sought."""
 
 
-PaperDesigns = tuple[list[pd.DataFrame], pd.DataFrame, dict[str, Any]]
-"""Designs as tables, every point of every search, and the patterns found, ready for JSON."""
+PaperDesigns = dict[str, pd.DataFrame | dict[str, Any]]
+"""Designs as tables, of two factors every point of every search, and the patterns, for JSON."""
 
 
 def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
@@ -64,23 +64,22 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
         "scalings": summary,
         "d_efficiency": d_efficiency(determinant.derivatives(points), optimal),
     }
-    return [design], pd.concat(searches, ignore_index=True), about
+    found = pd.concat(searches, ignore_index=True)
+    return {"design": design, "searches": found, "summary": about}
 
 
 def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
     settings, box = config["four_factor_design"], box_of(config)
     criterion, scene = _criterion(fit, box), coordinates("scene", box)
     distinct = replace(criterion, apart=scene, separation=settings["separation"])
-    designs, searches, summary = [], [], {}
+    designs, summary = {}, {}
     for form, each in {"paper": criterion, "distinct": distinct}.items():
         best = exchange_design(each, len(fit.theta), levels=FOUR_FACTOR_LEVELS)
-        patterns, table, summary[form] = _patterns(
+        patterns, _, summary[form] = _patterns(
             form, each, best, settings, ratio=("h0_m", "hv_m"), processes=processes
         )
-        searches.append(table)
-        designs.append(plan(_factors(patterns[0].design.points, box)).assign(origin=form))
-    about = {"searches": settings["searches"], "forms": summary}
-    return designs, pd.concat(searches, ignore_index=True), about
+        designs[form] = plan(_factors(patterns[0].design.points, box)).assign(origin=form)
+    return designs | {"summary": {"searches": settings["searches"], "forms": summary}}
 
 
 def _criterion(fit: FittedModel, box: Box) -> Criterion:
