@@ -109,12 +109,11 @@ class Criterion:
 class Design:
     """A design found by a search: its points, shape (N, k), in the factors' own units.
 
-    value is the criterion's, inverse_determinant the part (11) of it.
+    value is the criterion's.
     """
 
     points: Array
     value: float
-    inverse_determinant: float
 
 
 def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
@@ -189,8 +188,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
         if fell < 1e-11:
             break
     found = designs(best)
-    determinant = float(inverse_determinant(criterion.derivatives(found)))
-    return Design(_sorted(found, box), float(criterion.value(found)), determinant)
+    return Design(_sorted(found, box), float(criterion.value(found)))
 
 
 def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:

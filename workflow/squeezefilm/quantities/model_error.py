@@ -77,12 +77,7 @@ class Effect(NamedTuple):
 
     def below(self, percent: float) -> bool:
         """Return whether it is known to be smaller; not where it is unknown or no first order."""
-        return self.usable and self.upper_percent < percent
-
-    @property
-    def upper_percent(self) -> float:
-        """The most that it may change; NaN where that is not known."""
-        return abs(self.percent) + self.remainder_percent
+        return self.usable and abs(self.percent) + self.remainder_percent < percent
 
     @property
     def off_percent(self) -> float:

@@ -199,10 +199,8 @@ def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> Fitt
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
     """A run as a table's row, a column for each parameter."""
     row = asdict(fit)
-    for start, key in (("parameter", "theta"), ("search_parameter", "search_theta")):
-        values = zip(model.parameter_names, row.pop(key), strict=True)
-        row |= {f"{start}_{name}": value for name, value in values}
-    return row
+    theta = zip(model.parameter_names, row.pop("theta"), strict=True)
+    return row | {f"parameter_{name}": value for name, value in theta}
 
 
 def errors_on(

@@ -249,12 +249,7 @@ def designs_of_fit(
     summary = {
         "model": study.model.name,
         "theta": study.thetas[0].tolist(),
-        "parameter_vectors": len(study.thetas),
-        "candidates": len(study.everywhere),
-        "scenes_among_them": len(study.grid),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
-        "d_efficiency": dict(zip(table["plan"], table["d_efficiency"], strict=True)),
-        "d_efficiency_lower": dict(zip(table["plan"], table["d_efficiency_lower"], strict=True)),
         "parameter_ranges": [each.to_dict() for each in study.ranges],
         "parameter_ranges_note": RANGES_NOTE,
     }

@@ -130,7 +130,6 @@ def _patterns(
             "count": len(pattern.members),
             "objective": pattern.design.value,
             "objective_excess": pattern.design.value - patterns[0].design.value,
-            "inverse_determinant": pattern.design.inverse_determinant,
             "d_efficiency": d_efficiency(criterion.derivatives(pattern.design.points), optimal),
             "points": _factors(pattern.design.points, box).to_dict("records"),
         }

@@ -13,7 +13,7 @@ from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import fit_of
 from squeezefilm.models.fitting import RANGES_NOTE, Fit, parameter_ranges
 from squeezefilm.models.force_model import ExpressionModel, check_columns
-from squeezefilm.models.prediction_interval import error_by_region, in_words
+from squeezefilm.models.prediction_interval import error_by_region
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import as_in
 from squeezefilm.studies.solver_settings import device_of, solver_settings
@@ -148,8 +148,7 @@ def refine(
         "estimated": {key: _finite(getattr(last, key)) for key in ROUND_COLUMNS[1:]},
         "settings": dict(settings),
         "errors_mapped_by": source,
-        "error_by_region": by_region.to_dict("records"),
-        "error_by_region_text": in_words(by_region),
+        "error_by_region_text": by_region,
     }
     return tables, fit.to_dict(), verdict
 
