@@ -141,20 +141,17 @@ def fit_values(
     known = bool(np.isfinite(held_out).all())
     sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
     missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
-    fitted_n = model.evaluate(fit.theta, factors)
     return {
         **asdict(fit),
         "about": model.about,
         "expression": model.expression,
         "parameters": list(model.parameter_names),
         "parameter_units": list(model.parameter_units),
-        "force_unit": "N",
         "ranges": {
             name: [float(np.min(values)), float(np.max(values))]
             for name in (*model.factor_names, *position, *model.column_names)
             for values in [factors.column(name)]
         },
-        "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
         "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
         "error_scale": list(error_scale(missed_n, force_n)),
         "profile_uncertainty": uncertainty,

@@ -141,12 +141,10 @@ def refine(
         "mean_force_n": outcome.scale_n,
         "theta_of_all_points": outcome.hindsight.tolist(),
         "simulations": last.simulations,
-        "fitted_points": len(last.design),
         "verification_points": settings["verification"],
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
         "required": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": {key: _finite(getattr(last, key)) for key in ROUND_COLUMNS[1:]},
-        "settings": dict(settings),
         "errors_mapped_by": source,
         "error_by_region_text": by_region,
     }
@@ -227,11 +225,6 @@ def _fit_values(
         "points": len(last.design),
         "parameter_ranges": [each.to_dict() for each in ranges],
         "parameter_ranges_note": RANGES_NOTE,
-        "error": {
-            "held_out_global": last.global_error,
-            "held_out_global_upper": last.global_upper,
-            "verification_points": len(space.pool.verification),
-        },
     }
 
 
