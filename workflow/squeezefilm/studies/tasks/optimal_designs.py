@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import grid
 from squeezefilm.designs.optimal import (
     ContinuousDesign,
+    Gradients,
     exchange,
     log_determinant,
     maximin_design,
@@ -29,7 +31,6 @@ from squeezefilm.solution import CARTESIAN
 from squeezefilm.studies.space import Space, plan
 from squeezefilm.studies.tasks.physics_limits import with_physics
 
-EVERY = slice(None)
 MAP_LINES = 31
 """Lines of the sensitivity's map along each factor."""
 
@@ -63,12 +64,13 @@ class FittedSpace:
         self.grid = self.space.grid(most, distinct=True)
         self.everywhere = self.space.grid(most, distinct=False)
 
-    def derivatives(self, points: np.ndarray, *, layers: slice = slice(0, 1)) -> np.ndarray:
-        """dη/dθ at points for some of the parameter vectors, shape (K, n, p)."""
+    def derivatives(self, points: np.ndarray, *, every: bool = False) -> np.ndarray:
+        """dη/dθ at points for the fit, or for every parameter vector, shape (K, n, p)."""
         names, position = list(self.space.box.names), self.space.position
         table = plan(pd.DataFrame(points, columns=names), position=position)
+        thetas = self.thetas if every else self.thetas[:1]
         factors = factors_of(with_physics(self.model, table, self.config))
-        return np.array([self.model.gradient(theta, factors) for theta in self.thetas[layers]])
+        return np.array([self.model.gradient(theta, factors) for theta in thetas])
 
 
 def optimal_designs(
@@ -79,10 +81,10 @@ def optimal_designs(
     settings is the section ``optimal`` of a study, existing a table of scenes to add to: they are
     the first of the augmented design.
     """
-    maximin = maximin_design(study.derivatives(study.everywhere, layers=EVERY))
+    maximin = maximin_design(study.derivatives(study.everywhere, every=True))
     designs = {
-        "local": _anywhere(study, slice(0, 1)),
-        "bayesian": _anywhere(study, EVERY),
+        "local": _anywhere(study, study.derivatives),
+        "bayesian": _anywhere(study, partial(study.derivatives, every=True)),
         "maximin": maximin.on(study.everywhere),
     }
     derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
@@ -106,14 +108,10 @@ def optimal_designs(
     return designs
 
 
-def _anywhere(study: FittedSpace, layers: slice) -> ContinuousDesign:
+def _anywhere(study: FittedSpace, gradients: Gradients) -> ContinuousDesign:
     """The best weights on the grid; and off it, where derivatives cost no physics and the whole
     box can be simulated.
     """
-
-    def gradients(points: np.ndarray) -> np.ndarray:
-        return study.derivatives(points, layers=layers)
-
     if not study.model.column_names and study.space.allowed(grid(study.space.box, levels=2)).all():
         return optimal_in_box(gradients, study.space.box, study.everywhere, gap=1e-8)
     return optimal_weights(gradients(study.everywhere)).on(study.everywhere)
@@ -146,7 +144,7 @@ def efficiencies(
 
     The lower bound does not need the best design; others are points of the space, by their names.
     """
-    candidates, local = study.derivatives(study.everywhere, layers=EVERY), designs["local"]
+    candidates, local = study.derivatives(study.everywhere, every=True), designs["local"]
     best = np.array([optimal_weights(layer).log_det[0] for layer in candidates])
     # Off the grid the best design may be a little better than on it.
     own = study.derivatives(local.points)[0]
@@ -156,7 +154,7 @@ def efficiencies(
     plans = {**designs, **{name: _equal(points) for name, points in others.items()}}
     for name, design in plans.items():
         points, weights = design.points, design.weights
-        derivatives = study.derivatives(points, layers=EVERY)
+        derivatives = study.derivatives(points, every=True)
         logs = log_determinant(derivatives, weights)
         efficiency = np.minimum(np.exp((logs - best) / study.thetas.shape[1]), 1.0)
         level = sensitivity(derivatives[0], reference, weights=weights)
