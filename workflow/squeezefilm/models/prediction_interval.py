@@ -260,29 +260,23 @@ def measured_interval(
         calibration_points=int(np.sum(~ranking)),
         mean_coverage=float(inside[ranking].mean()),
         coverage=tuple(
-            region | {"coverage": float(inside[ranking][mask].mean())}
-            for region, mask in regions(factors.take(ranking))
+            {"quantity": name, "third": third, "coverage": float(inside[ranking][mask].mean())}
+            for name, third, mask in regions(factors.take(ranking))
         ),
         profile_uncertainty=profile_uncertainty,
     )
 
 
-def regions(factors: Factors) -> Iterator[tuple[dict[str, Any], NDArray[np.bool_]]]:
-    """Each third of each quantity that varies, with a mask of its points, shape (n,).
+def regions(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
+    """Each quantity that varies with each of its thirds and a mask of its points, shape (n,).
 
     A quantity's range is cut at its terciles over the points, which fill the space evenly.
     """
     for name in ("h0_m", "hv_m", "epsilon", *factors.position):
         values = factors.column(name)
-        if not len(values) or np.ptp(values) == 0:
-            continue
-        part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
-        for index, third in enumerate(THIRDS):
-            inside = part == index
-            if inside.any():
-                least, largest = float(values[inside].min()), float(values[inside].max())
-                about = {"quantity": name, "third": third, "least": least, "largest": largest}
-                yield about, inside
+        if len(values) and np.ptp(values) > 0:
+            part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
+            yield from ((name, third, part == k) for k, third in enumerate(THIRDS) if k in part)
 
 
 def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
@@ -296,10 +290,10 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
     if not squares.sum() > 0:
         raise InputError("error by region: no error is known, or all are zero")
     worst: dict[str, tuple[float, str]] = {}
-    for region, inside in regions(factors):
-        share, name = float(squares[inside].sum() / squares.sum()), region["quantity"]
+    for name, third, inside in regions(factors):
+        share = float(squares[inside].sum() / squares.sum())
         if share > worst.get(name, (0.0, ""))[0]:
-            worst[name] = share, f"{region['third']} third of the {QUANTITIES[name]}"
+            worst[name] = share, f"{third} third of the {QUANTITIES[name]}"
     ordered = sorted(worst.values(), key=lambda each: -each[0])[:2]
     return "; ".join(
         f"{share:.0%} of the squared error lies in the {where}" for share, where in ordered

@@ -25,7 +25,7 @@ from squeezefilm.designs.optimal import (
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel
-from squeezefilm.models.fitting import RANGES_NOTE, local_fit, parameter_ranges
+from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
 from squeezefilm.solution import CARTESIAN
 from squeezefilm.studies.space import Space, plan
@@ -54,11 +54,10 @@ class FittedSpace:
             raise InputError(f"the model {fit.model} has no parameters; nothing is to be designed")
         force_n = forces["force_n"].to_numpy()
         theta = local_fit(self.model, factors, force_n, np.array(fit.theta))
-        self.ranges = parameter_ranges(self.model, factors, force_n, theta)
-        lower = [(each.theta_lower, each.lower) for each in self.ranges]
-        upper = [(each.theta_upper, each.upper) for each in self.ranges]
-        ends = [vector for vector, end in (*lower, *upper) if np.isfinite(end)]
-        self.thetas = np.array([theta, *ends])
+        ranges = parameter_ranges(self.model, factors, force_n, theta)
+        lower = [each.theta_lower for each in ranges if np.isfinite(each.lower)]
+        upper = [each.theta_upper for each in ranges if np.isfinite(each.upper)]
+        self.thetas = np.array([theta, *lower, *upper])
         self.space = Space.of(config, centred=self.model.is_centred)
         most = config["optimal"]["candidates"]
         self.grid = self.space.grid(most, distinct=True)
@@ -248,8 +247,6 @@ def designs_of_fit(
         "model": study.model.name,
         "theta": study.thetas[0].tolist(),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
-        "parameter_ranges": [each.to_dict() for each in study.ranges],
-        "parameter_ranges_note": RANGES_NOTE,
     }
     points = [_table(study, *each, existing) for each in designs.items()]
     return {

@@ -26,7 +26,6 @@ from squeezefilm.tables import (
     FORCE_COLUMNS,
     LIMIT_COLUMNS,
     ROUND_COLUMNS,
-    WHERE_COLUMNS,
 )
 
 TYPICAL = 1000
@@ -35,13 +34,8 @@ CLOSE = 0.3
 """The physics limit maps a model's error if it leaves less than this share of it unexplained."""
 
 
-TABLES = {
-    "rounds": ROUND_COLUMNS,
-    "forces": FORCE_COLUMNS,
-    "limits": LIMIT_COLUMNS,
-    "where": WHERE_COLUMNS,
-}
-"""What a refinement leaves as tables, with the columns that each has at least."""
+TABLES = ("rounds", "forces", "limits", "where")
+"""What a refinement leaves as tables."""
 
 
 class SimulatedSpace:
@@ -111,9 +105,8 @@ def refine(
         check_columns(model, pool.factors)
     except InputError as error:
         print(error)
-        tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
         reason = about | {"not_supported": str(error)}
-        return tables, reason, reason
+        return dict.fromkeys(TABLES, pd.DataFrame(columns=["status"])), reason, reason
     bound = config["fit"]["bounds"][-1]
     outcome = Sequential(model, pool, settings, simulated.simulate, bound=bound).run(_print_round)
     print(f"{outcome.verdict}: {outcome.reason}")
