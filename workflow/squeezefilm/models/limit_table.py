@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
-from squeezefilm.models.data import Array, Factors
+from squeezefilm.models.data import SLACK, Array, Factors
 from squeezefilm.solution import form_of
 
 AXES = ("h0_m", "epsilon_square")
@@ -62,10 +62,13 @@ class LimitTable(BaseModel):
 
     def complete(self, factors: Factors) -> Factors:
         """The factors with the limits' columns; NaN outside the table."""
-        named = Factors({**factors.columns, "epsilon_square": factors.epsilon**2}, factors.position)
-        inside = ~np.any(list(named.outside(self.axes).values()), axis=0)
+        values = {**factors.columns, "epsilon_square": factors.epsilon**2}
+        inside = ~np.any(list(Factors(values).outside(self.axes).values()), axis=0)
+        if "phi_deg" in self.axes:  # every direction is the same at the centre
+            at_centre = factors.phi_r_m <= SLACK * self.axes["phi_r_m"][1]
+            values["phi_deg"] = np.where(at_centre, self.axes["phi_deg"][0], factors.phi_deg)
         low, high = np.array(list(self.axes.values())).T[:, :, None]
-        at, half = np.array([named.column(axis) for axis in self.axes]), (high - low) / 2
+        at, half = np.array([values[axis] for axis in self.axes]), (high - low) / 2
         places = np.clip((at - (high + low) / 2) / np.where(half > 0, half, np.inf), -1.0, 1.0)
         columns = {
             name: np.where(inside, factors.epsilon**2 * _sums(table, places), np.nan)
