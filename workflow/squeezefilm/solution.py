@@ -240,7 +240,7 @@ class Outputs:
         found: Mapping[str, tuple[float, float]],
         missing: Mapping[str, str],
     ) -> Outputs:
-        """What was asked for of numbers with their errors, and of the reasons for missing ones."""
+        """Return what was asked for of numbers with errors, and of reasons for missing ones."""
         names = [name for output in asked for name in OUTPUTS[output] if name in found]
         return cls(
             asked=asked,

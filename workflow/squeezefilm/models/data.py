@@ -98,8 +98,9 @@ class Factors:
         return Factors({name: each[index] for name, each in self.columns.items()}, self.position)
 
     def outside(self, ranges: Mapping[str, tuple[float, float]]) -> dict[str, NDArray[np.bool_]]:
-        """Where factors lie beyond their ranges, a mask of shape (n,) for each; no direction does
-        at the centre, where all are the same.
+        """Return masks of the points beyond the range of each factor, shape (n,).
+
+        At the centre no direction is, for all are the same there.
         """
         masks = {}
         for name, (low, high) in ranges.items():
