@@ -12,7 +12,6 @@ from squeezefilm.config.loading import Config
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fitting import fit_model
 from squeezefilm.models.force_model import get_model
-from squeezefilm.models.limit_table import MOST_NODES
 from squeezefilm.models.prediction_interval import error_sizes
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import random_plan
@@ -122,4 +121,4 @@ def test_a_table_of_limits_has_gaps_and_positions_enough(
     changed = {name: paper[name] | values for name, values in sections.items()}
     table = limits.limit_table_of(Config(path=paper.path, sections=paper.sections | changed))
     assert table.largest_relative_error < error
-    assert len(table.coefficients["limit_n"]) <= MOST_NODES
+    assert len(table.coefficients["limit_n"]) <= limits.MOST_NODES

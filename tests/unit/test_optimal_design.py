@@ -7,7 +7,7 @@ import pytest
 
 from squeezefilm.designs.box import Box, grid
 from squeezefilm.designs.optimal import exchange, maximin_design, optimal_in_box, optimal_weights
-from squeezefilm.designs.paper_design import Criterion, exchange_design, search_design
+from squeezefilm.designs.paper_design import Criterion, search_design
 from squeezefilm.errors import InputError
 
 
@@ -45,13 +45,8 @@ def test_known_designs_are_found_off_the_grid(gradients, limits, points):
     np.testing.assert_allclose(design.points[order, 0], points, atol=1e-5 * span)
     np.testing.assert_allclose(design.weights, 1 / len(points), atol=1e-6)
     assert design.efficiency_bound > 1 - 1e-7
-    # By the paper's search, and by the exchange that it is checked with.
-    criterion = Criterion(gradients, box)
-    for found in (
-        search_design(criterion, len(points), seed=1),
-        exchange_design(criterion, len(points), levels=40),
-    ):
-        np.testing.assert_allclose(np.sort(found.points[:, 0]), points, atol=1e-5 * span)
+    found = search_design(Criterion(gradients, box), len(points), seed=1)
+    np.testing.assert_allclose(np.sort(found.points[:, 0]), points, atol=1e-5 * span)
 
 
 def test_the_maximin_design_is_best_for_the_worst_vector():

@@ -5,13 +5,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.film.symmetry import Mirrors
-from squeezefilm.studies.plans import (
-    four_factor_plan,
-    plan_sizes,
-    random_plan,
-    scenes_of,
-    sweep_pieces,
-)
+from squeezefilm.studies.plans import plan_sizes, random_plan, scenes_of, sweep_pieces
 from squeezefilm.studies.space import pad_positions, space_filling
 
 
@@ -29,7 +23,7 @@ def test_the_four_factor_plan_has_13_positions_with_5_points(paper):
     assert len(positions) == len(set(positions)) == 13
     assert positions[0] == (0.0, 0.0)
     design = pd.DataFrame({"h0_m": 5e-6, "hv_m": [1e-6, 1.2e-6, 1.4e-6, 1.6e-6, 2e-6]})
-    plan = four_factor_plan(design, positions=positions)
+    plan = scenes_of("four_factor", paper, design=design)
     assert len(plan) == 65 == plan_sizes(paper)["four_factor"]
     assert not plan.drop(columns="point_id").duplicated().any()
 

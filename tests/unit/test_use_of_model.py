@@ -4,7 +4,6 @@ import json
 import math
 import shutil
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -143,12 +142,12 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     arguments = ["amplitude-for", str(path), "--force=0.5N", "--h0=5um:6um:3", "--phi-r=1mm"]
     found = table_of([*arguments, "--phi=20deg"], tmp_path)
     assert len(found) == 3
-    factors = Factors.of(**{c: found[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")})
+    given = {c: found[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")}
     fit = read_fit(path)
-    force = get_model(name).evaluate(THETA[name], fit.complete(factors))
+    force = get_model(name).evaluate(THETA[name], fit.complete(Factors.of(**given)))
     np.testing.assert_allclose(force, 0.5, rtol=1e-10)
     # An amplitude larger by its error gives a force larger by the model's.
-    more = replace(factors, hv_m=factors.hv_m + found["hv_error_95_m"].to_numpy())
+    more = Factors.of(**given | {"hv_m": found["hv_m"] + found["hv_error_95_m"]})
     rise = get_model(name).evaluate(THETA[name], fit.complete(more)) - force
     np.testing.assert_allclose(rise, 2e-3 + 0.01 * 0.5, rtol=3e-2)
 

@@ -30,9 +30,10 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
     surface = pad - scene.h0_m * scene.gap(x, middle, phase).T
     values = np.full(surface.shape, np.nan)
     with suppress(RunError):
-        values = pressure(
+        overpressure, _ = pressure(
             scene, x=x, y=middle[:1], instants=TIMES, tolerance=TOLERANCE, device=device
-        ).values[:, 0]
+        )
+        values = overpressure[:, 0]
     shape = np.ones_like(surface)
     return pd.DataFrame(
         {

@@ -228,22 +228,20 @@ class Outputs:
         """``ok``, or what is missing and why."""
         return "; ".join(f"{name}: {reason}" for name, reason in self.missing.items()) or "ok"
 
-    def only(self, asked: tuple[str, ...]) -> Outputs:
-        """Return the outputs that were asked for."""
-        names = {name for output in asked for name in OUTPUTS[output]}
-        return Outputs(
+    @classmethod
+    def of(
+        cls,
+        asked: tuple[str, ...],
+        found: Mapping[str, tuple[float, float]],
+        missing: Mapping[str, str],
+    ) -> Outputs:
+        """Return what was asked for of numbers with errors, and of reasons for missing ones."""
+        names = [name for output in asked for name in OUTPUTS[output] if name in found]
+        return cls(
             asked=asked,
-            value={name: each for name, each in self.value.items() if name in names},
-            error={name: each for name, each in self.error.items() if name in names},
-            missing={name: why for name, why in self.missing.items() if name in asked},
-        )
-
-    def beside(self, other: Outputs) -> Outputs:
-        """Both together."""
-        return Outputs(
-            value={**self.value, **other.value},
-            error={**self.error, **other.error},
-            missing={**self.missing, **other.missing},
+            value={name: found[name][0] for name in names},
+            error={name: found[name][1] for name in names},
+            missing={name: why for name, why in missing.items() if name in asked},
         )
 
     def columns(self) -> dict[str, float | str]:

@@ -284,7 +284,7 @@ class Film:
             device=self.device,
         )
         across = np.linspace(0.0, 1.0, places)
-        found = pressure(
+        overpressure, change = pressure(
             scene, x=across, y=across, instants=instants, tolerance=tolerance, device=self.device
         )
         phase = 2 * np.pi * np.arange(instants) / instants
@@ -292,8 +292,8 @@ class Film:
         ambient, pad, axes = scene.gas.ambient_pressure_pa, scene.pad, ("phase", "y", "x")
         field = xarray.Dataset(
             {
-                "gauge_pressure": (axes, ambient * found.values),
-                "gap": (axes, np.where(np.isnan(found.values), np.nan, gap_m)),
+                "gauge_pressure": (axes, ambient * overpressure),
+                "gap": (axes, np.where(np.isnan(overpressure), np.nan, gap_m)),
             },
             coords={
                 "phase": np.degrees(phase),
@@ -310,7 +310,7 @@ class Film:
                 "frequency_hz": scene.actuator.frequency_hz,
                 "ambient_pressure_pa": ambient,
                 "inertia": scene.gas.inertia,
-                "change_pa": ambient * found.change,
+                "change_pa": ambient * change,
                 "comment": "change_pa: most that a pressure changed by in the last refinement",
             },
         )

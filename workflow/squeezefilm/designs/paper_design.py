@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
 from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
-from squeezefilm.designs.optimal import Gradients, exchange, log_determinant
+from squeezefilm.designs.optimal import Gradients, log_determinant
 from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
 
@@ -24,8 +24,6 @@ SINGULAR = 1e100
 """Value of a criterion where parameters cannot be told apart or points coincide."""
 
 POPULATION, GENERATIONS = 100, 60
-EXCHANGES = 4
-"""Starts of the exchange that a search is checked by."""
 KICKS = 2
 KICK = 0.05
 """Descents from a design kicked by so much, in unit factors, before a search is believed."""
@@ -109,12 +107,11 @@ class Criterion:
 class Design:
     """A design found by a search: its points, shape (N, k), in the factors' own units.
 
-    value is the criterion's, inverse_determinant the part (11) of it.
+    value is the criterion's.
     """
 
     points: Array
     value: float
-    inverse_determinant: float
 
 
 def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
@@ -189,8 +186,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
         if fell < 1e-11:
             break
     found = designs(best)
-    determinant = float(inverse_determinant(criterion.derivatives(found)))
-    return Design(_sorted(found, box), float(criterion.value(found)), determinant)
+    return Design(_sorted(found, box), float(criterion.value(found)))
 
 
 def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:
@@ -215,24 +211,6 @@ def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, s
         distances = np.where(equal, inverse_distances(box.to_unit(trials)), np.inf)
         points = trials[int(np.argmin(distances))] if equal.any() else points
     return replace(design, points=_sorted(points, box))
-
-
-def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design:
-    """The best design found on a fine grid, by exchange of points, then refined off the grid.
-
-    By the determinant alone, with the separation where one is set, from a grid of so many levels
-    per factor (see `exact`). It shares no step with search_design but the last refinement, and
-    so serves to check it. Raises InputError where every start ended in a singular design.
-    """
-    candidates = grid(criterion.box, levels)
-    found = exchange(
-        criterion.derivatives(candidates),
-        points,
-        coordinates=criterion.apart and criterion.apart(candidates),
-        separation=criterion.separation,
-        starts=EXCHANGES,
-    )
-    return descend(criterion, candidates[found])
 
 
 def _with_slopes(function: Callable[[Array], Array], unit: Array) -> tuple[Array, Array]:

@@ -8,8 +8,9 @@ amplitude of the surface kept.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import product
 from math import isfinite, nan, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -287,8 +288,7 @@ def _root(excess: Callable[[float], float], low: float, high: float) -> float:
         raise RunError(f"load: the gap was not found between {low:.4g} and {high:.4g} m") from error
 
 
-@dataclass(frozen=True)
-class Resonance:
+class Resonance(NamedTuple):
     """Free vertical motion of a mass on a film.
 
     Attributes:
@@ -398,27 +398,25 @@ def levitations(
     """
     rows = []
     with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
-        for scene in scenes:
-            for load_n in loads_n:
-                row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
-                try:
-                    found = levitate(scene, load_n=load_n, **how)
-                    more_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
-                    found = replace(found, h0_error_m=found.h0_error_m + more_m)
-                    notes = [*found.notes]
-                    row |= scene_row(found.scene) | budget_row(found.budget)
-                    row |= {"budget_status": found.budget.status, "h0_noise_m": more_m}
-                    row |= {name: of(found) for name, of in COLUMNS.items()}
-                    if mass_kg is not None:
-                        moving = resonance(found, mass_kg=mass_kg)
-                        row["resonance_hz"] = moving.frequency_hz
-                        row["damping_ratio"] = moving.damping_ratio
-                        notes += [moving.reason] * bool(moving.reason)
-                    row |= {"status": "ok", "note": "; ".join(notes)}
-                except (InputError, RunError) as error:
-                    row["status"] = str(error).removeprefix("load: ")
-                rows.append(row)
-                bar.update(1)
+        for scene, load_n in product(scenes, loads_n):
+            row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
+            try:
+                found = levitate(scene, load_n=load_n, **how)
+                more_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
+                found = replace(found, h0_error_m=found.h0_error_m + more_m)
+                notes = [*found.notes]
+                row |= scene_row(found.scene) | budget_row(found.budget)
+                row |= {"budget_status": found.budget.status, "h0_noise_m": more_m}
+                row |= {name: of(found) for name, of in COLUMNS.items()}
+                if mass_kg is not None:
+                    frequency_hz, damping_ratio, reason = resonance(found, mass_kg=mass_kg)
+                    row |= {"resonance_hz": frequency_hz, "damping_ratio": damping_ratio}
+                    notes += [reason] * bool(reason)
+                row |= {"status": "ok", "note": "; ".join(notes)}
+            except (InputError, RunError) as error:
+                row["status"] = str(error).removeprefix("load: ")
+            rows.append(row)
+            bar.update(1)
     columns = ["load_n", "hv_m", *COLUMNS, "status", "note"]
     columns += ["resonance_hz", "damping_ratio"] if mass_kg is not None else []
     return pd.DataFrame(rows) if whole else pd.DataFrame(rows).reindex(columns=columns)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -29,25 +29,21 @@ FACTORS = {
 COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
 """What an expression calls the results of physics that stand in a table, and their columns."""
 POSITION = (*POLAR, *CARTESIAN)
+SLACK = 1e-9
+"""Relative slack at the limits of a range, for round-off."""
 
 
 @dataclass(frozen=True)
 class Factors:
-    """The factors of n experiments, each an array of shape (n,).
+    """The factors of n experiments and results of physics at these points.
 
-    h0_m: mean gap; hv_m: vibration amplitude at the centre; phi_r_m, phi_deg: polar position
-    of the pad's centre (both zero where the pad is centred), x_m, y_m the same in Cartesian
-    form; columns: results of physics at these points, by the names of their columns; position: the
-    form in which positions were given.
+    columns: by their names, each of shape (n,): h0_m, the mean gap, and hv_m, the vibration
+    amplitude at the centre, with epsilon, their ratio; the position of the pad's centre in polar
+    (phi_r_m, phi_deg, phi_rad) and Cartesian form (x_m, y_m); results of physics. They are
+    attributes too. position: the form in which positions were given.
     """
 
-    h0_m: Array
-    hv_m: Array
-    phi_r_m: Array
-    phi_deg: Array
-    x_m: Array
-    y_m: Array
-    columns: Mapping[str, Array] = field(default_factory=dict)
+    columns: Mapping[str, Array]
     position: tuple[str, str] = POLAR
 
     @classmethod
@@ -78,36 +74,41 @@ class Factors:
             named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
         else:
             named |= cartesian(named["phi_r_m"], named["phi_deg"])
-        rest = {name: named.pop(name) for name in others if name not in form}
-        return cls(**named, columns=rest, position=form)
+        named["phi_rad"] = np.radians(named["phi_deg"])
+        named["epsilon"] = named["hv_m"] / named["h0_m"]
+        return cls(named, form)
 
-    @property
-    def epsilon(self) -> Array:
-        """Excursion ratio hv/h0, shape (n,)."""
-        return self.hv_m / self.h0_m
-
-    @property
-    def phi_rad(self) -> Array:
-        """Direction of the pad's centre in radians, shape (n,)."""
-        return np.radians(self.phi_deg)
+    def __getattr__(self, name: str) -> Array:
+        if name not in vars(self).get("columns", ()):
+            raise AttributeError(name)
+        return self.columns[name]
 
     def column(self, name: str) -> Array:
         """A factor, or a result of physics, by the name of its column, shape (n,).
 
         Raises InputError where the points do not have it.
         """
-        if name in self.columns:
-            return self.columns[name]
-        if name in FACTORS.values():
-            return np.asarray(getattr(self, name))
-        raise InputError(f"{name}: the points lack this column of the physics limits")
+        if name not in self.columns:
+            raise InputError(f"{name}: the points lack this column of the physics limits")
+        return self.columns[name]
 
     def take(self, which: ArrayLike) -> Factors:
         """Some of the points, by a mask or by indices."""
         index = np.asarray(which)
-        own = {name: getattr(self, name)[index] for name in ("h0_m", "hv_m", *POSITION)}
-        columns = {name: v[index] for name, v in self.columns.items()}
-        return Factors(**own, columns=columns, position=self.position)
+        return Factors({name: each[index] for name, each in self.columns.items()}, self.position)
+
+    def outside(self, ranges: Mapping[str, tuple[float, float]]) -> dict[str, NDArray[np.bool_]]:
+        """Return masks of the points beyond the range of each factor, shape (n,).
+
+        At the centre no direction is, for all are the same there.
+        """
+        masks = {}
+        for name, (low, high) in ranges.items():
+            values, slack = self.column(name), SLACK * max(abs(low), abs(high))
+            masks[name] = (values < low - slack) | (values > high + slack)
+            if name == "phi_deg":
+                masks[name] &= self.phi_r_m > SLACK * ranges["phi_r_m"][1]
+        return masks
 
     def __len__(self) -> int:
         return len(self.h0_m)

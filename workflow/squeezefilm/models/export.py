@@ -13,10 +13,10 @@ from string import Template
 
 from squeezefilm.errors import InputError
 from squeezefilm.formulas import Expression, Operation, fold
-from squeezefilm.models.data import COLUMNS, FACTORS, POSITION
+from squeezefilm.models.data import COLUMNS, FACTORS, POSITION, SLACK
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel
-from squeezefilm.models.limit_table import SLACK, LimitTable
+from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import QUANTITIES
 from squeezefilm.solution import CARTESIAN, POLAR, form_of
 

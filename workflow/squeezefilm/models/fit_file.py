@@ -32,7 +32,7 @@ from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validities
-from squeezefilm.models.data import Array, Factors
+from squeezefilm.models.data import COLUMNS, Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
@@ -146,8 +146,9 @@ class FittedModel(BaseModel):
         if self.symmetry is None:
             return factors
         given = {name: factors.column(name) for name in self.symmetry.position}
-        place = self.symmetry.represent(**given)
-        return Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, **place, **factors.columns)
+        kept = ("h0_m", "hv_m", *COLUMNS.values())
+        kept_columns = {name: each for name, each in factors.columns.items() if name in kept}
+        return Factors.of(**kept_columns, **self.symmetry.represent(**given))
 
     @property
     def needed_table(self) -> LimitTable | None:

@@ -66,8 +66,8 @@ class Fit:
     """A fitted model and how it was found.
 
     sum_of_squares is in N^2; global_error is |y - eta|/|y|, dimensionless. bound is the largest
-    magnitude of a parameter in the global search, searches how many of them were made, search_theta
-    where the best of them stopped; evaluations counts the objective's, in both steps.
+    magnitude of a parameter in the global search, searches how many of them were made, evaluations
+    counts the objective's, in both steps.
     """
 
     model: str
@@ -78,24 +78,22 @@ class Fit:
     method: str
     bound: float
     seed: int
-    searches: int
-    evaluations: int
-    search_theta: tuple[float, ...]
+    searches: int = 0
+    evaluations: int = 0
 
     @classmethod
     def of(
         cls, model: ExpressionModel, factors: Factors, force_n: Array, theta: Array, **about: Any
     ) -> Fit:
         """A fit by its parameters, shape (p,); ``about`` says how they were found, if searched."""
-        squares, found = sum_of_squares(model, factors, force_n, theta), tuple(theta.tolist())
+        squares = sum_of_squares(model, factors, force_n, theta)
         if not np.isfinite(squares):
             raise InputError(
                 f"fit: the {model.name} model is undefined at every candidate tried; "
                 "no parameters describe these points"
             )
         error = float(np.sqrt(squares) / np.linalg.norm(force_n))
-        unsearched: dict[str, Any] = {"searches": 0, "evaluations": 0, "search_theta": found}
-        return cls(model.name, found, squares, error, len(force_n), **unsearched | about)
+        return cls(model.name, tuple(theta.tolist()), squares, error, len(force_n), **about)
 
 
 Search = Callable[[Objective, Array, int], list[Found]]
@@ -183,12 +181,11 @@ def fit_by(
     searches = parallel_map(searched, ways, processes=processes)
     # A false minimum can look better while the search is rough: the best four go on for a while.
     rough = [sorted(found, key=lambda each: each.value)[:4] for found in searches]
-    nearer = iter(
-        nelder_mead(objective, np.array([e.x for each in rough for e in each]), restarts=2)
-    )
-    tried = [[(next(nearer), start) for start in found] for found in rough]
-    leading = [min(pairs, key=lambda pair: pair[0].value) for pairs in tried]
-    ends = nelder_mead(objective, np.array([near.x for near, _ in leading]))
+    starts = np.array([each.x for found in rough for each in found])
+    nearer = iter(nelder_mead(objective, starts, restarts=2))
+    tried = [[next(nearer) for _ in found] for found in rough]
+    leading = [min(found, key=lambda each: each.value) for found in tried]
+    ends = nelder_mead(objective, np.array([near.x for near in leading]))
     return [
         Fit.of(
             model,
@@ -199,12 +196,9 @@ def fit_by(
             bound=bound,
             seed=seed,
             searches=len(found),
-            evaluations=sum(e.evaluations for e in [*found, *(near for near, _ in pairs), end]),
-            search_theta=tuple(np.sinh(start.x).tolist()),
+            evaluations=sum(each.evaluations for each in [*found, *near, end]),
         )
-        for (bound, search, seed), found, pairs, (_, start), end in zip(
-            ways, searches, tried, leading, ends, strict=True
-        )
+        for (bound, search, seed), found, near, end in zip(ways, searches, tried, ends, strict=True)
     ]
 
 

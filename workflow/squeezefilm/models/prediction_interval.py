@@ -38,8 +38,6 @@ SCAN_LEVEL = 0.95
 """Level at which the uncertainty of a measured profile is stated."""
 FLAT = 0.1
 """Constant part of the scale over the mean force, where no residual tells it."""
-SLACK = 1e-9
-"""Relative slack at the limits of the space, for round-off."""
 NORMAL = {0.95: 1.959964, 0.99: 2.575829}
 """Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
 THIRDS = ("low", "middle", "high")
@@ -123,13 +121,8 @@ class PredictionInterval(BaseModel):
     def outside(self, factors: Factors) -> list[str]:
         """Factors of each point outside the declared space, empty where there are none."""
         notes = np.full(len(factors), "", dtype=object)
-        off_centre = factors.phi_r_m > SLACK * self.ranges.get("phi_r_m", (0.0, 0.0))[1]
-        for name, (low, high) in self.ranges.items():
-            values = factors.column(name)
-            slack = SLACK * max(abs(low), abs(high))
-            out = (values < low - slack) | (values > high + slack)
-            if name == "phi_deg":  # every direction is the same at the centre
-                out &= off_centre
+        for name, out in factors.outside(self.ranges).items():
+            low, high = self.ranges[name]
             notes[out] += f"; {name} outside {low:.4g} … {high:.4g}"
         return [note.removeprefix("; ") for note in notes]
 
@@ -267,60 +260,41 @@ def measured_interval(
         calibration_points=int(np.sum(~ranking)),
         mean_coverage=float(inside[ranking].mean()),
         coverage=tuple(
-            region | {"coverage": float(inside[ranking][mask].mean())}
-            for region, mask in regions(factors.take(ranking))
+            {"quantity": name, "third": third, "coverage": float(inside[ranking][mask].mean())}
+            for name, third, mask in regions(factors.take(ranking))
         ),
         profile_uncertainty=profile_uncertainty,
     )
 
 
-def regions(factors: Factors) -> Iterator[tuple[dict[str, Any], NDArray[np.bool_]]]:
-    """Each third of each quantity that varies, with a mask of its points, shape (n,).
+def regions(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
+    """Each quantity that varies with each of its thirds and a mask of its points, shape (n,).
 
     A quantity's range is cut at its terciles over the points, which fill the space evenly.
     """
     for name in ("h0_m", "hv_m", "epsilon", *factors.position):
-        values = np.asarray(getattr(factors, name), dtype=float)
-        if not len(values) or np.ptp(values) == 0:
-            continue
-        part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
-        for index, third in enumerate(THIRDS):
-            inside = part == index
-            if inside.any():
-                least, largest = float(values[inside].min()), float(values[inside].max())
-                about = {"quantity": name, "third": third, "least": least, "largest": largest}
-                yield about, inside
+        values = factors.column(name)
+        if len(values) and np.ptp(values) > 0:
+            part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
+            yield from ((name, third, part == k) for k, third in enumerate(THIRDS) if k in part)
 
 
-def error_by_region(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
-    """Shares of the squared error in each third of each quantity.
+def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
+    """The two quantities whose thirds hold the largest shares of the squared error, in words.
 
-    factors hold n points that fill the space evenly, error_n the errors there in newtons. bias_n
-    is the mean error. Raises InputError where no error is known.
+    factors hold n points that fill the space evenly, error_n the errors there in newtons. Raises
+    InputError where no error is known.
     """
     error = np.asarray(error_n, dtype=float)
-    known = np.isfinite(error)
-    squares = np.where(known, error, 0.0) ** 2
+    squares = np.where(np.isfinite(error), error, 0.0) ** 2
     if not squares.sum() > 0:
         raise InputError("error by region: no error is known, or all are zero")
-    rows = [
-        region
-        | {
-            "fraction_of_points": (inside & known).sum() / known.sum(),
-            "fraction_of_squares": squares[inside].sum() / squares.sum(),
-            "bias_n": error[inside & known].mean(),
-        }
-        for region, inside in regions(factors)
-        if (inside & known).any()
-    ]
-    return pd.DataFrame(rows)
-
-
-def in_words(table: pd.DataFrame) -> str:
-    """The two quantities whose thirds hold the largest shares of the squared error."""
-    ordered = table.sort_values("fraction_of_squares", ascending=False, kind="stable")
+    worst: dict[str, tuple[float, str]] = {}
+    for name, third, inside in regions(factors):
+        share = float(squares[inside].sum() / squares.sum())
+        if share > worst.get(name, (0.0, ""))[0]:
+            worst[name] = share, f"{third} third of the {QUANTITIES[name]}"
+    ordered = sorted(worst.values(), key=lambda each: -each[0])[:2]
     return "; ".join(
-        f"{worst['fraction_of_squares']:.0%} of the squared error lies in the {worst['third']} "
-        f"third of the {QUANTITIES[worst['quantity']]}"
-        for worst in ordered.drop_duplicates("quantity").head(2).to_dict("records")
+        f"{share:.0%} of the squared error lies in the {where}" for share, where in ordered
     )

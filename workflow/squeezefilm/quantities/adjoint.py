@@ -32,6 +32,8 @@ from squeezefilm.reynolds.terms.rarefaction import (
 from squeezefilm.solution import Solution
 
 Operator = Callable[[np.ndarray], np.ndarray]
+# Of a product: a field, or what multiplies by a matrix along an axis, and the matrix.
+Factor = np.ndarray | tuple[Callable[[np.ndarray, np.ndarray], np.ndarray], np.ndarray]
 MOST_ITERATIONS = 200
 
 
@@ -348,48 +350,49 @@ def response(films: Fields, source: np.ndarray, *, tolerance: float) -> np.ndarr
 
 
 def _jacobian(films: Fields, *, adjoint: bool = False) -> Operator:
-    """J w = ∇·Σ c_k H^(3−k) ∇(dg_k/dP w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose."""
+    """J w = ∇·Σ c_k H^(3−k) ∇(dg_k/dP w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X, or its transpose.
+
+    A sum of products whose factors are fields and matrices along an axis; transposed, a product's
+    factors are transposed and stand in the opposite order.
+    """
     x, y, (_, rows_x, rows_y) = films.along_x, films.along_y, films.inner
-    # Between unknowns and all nodes: gradient and divergence along each axis.
-    slopes = [
-        (along, axis.of_even[:, rows] / length, axis.of_odd[rows] / length)
-        for along, axis, rows, length in zip(
-            (along_x, along_y), (x, y), (rows_x, rows_y), films.lengths, strict=True
-        )
-    ]
-    stored = films.sigma * (films.area[rows_x] if films.grid.outline else 1.0)
-    speed, in_time = films.numbers("bearing", absent=0.0), films.grid.t.derivative
-    slides = [(along_x, x.of_even[rows_x, rows_x] / films.lengths[0], speed)]
-    if films.grid.outline:
+    length_x, length_y = films.lengths
+    outline = films.grid.outline is not None
+    stored = films.sigma * (films.area[rows_x] if outline else 1.0)
+    products: list[list[Factor]] = [[-stored, (along_t, films.grid.t.derivative)]]
+    speed = films.numbers("bearing", absent=0.0)
+    if np.any(speed):
         turn = films.turn[rows_x]
-        steps_y = y.of_even[rows_y, rows_y] / films.lengths[1]
-        slides = [(*slides[0][:2], speed * turn.real), (along_y, steps_y, -speed * turn.imag)]
+        share = speed * turn.real if outline else speed
+        products.append([-share, (along_x, x.of_even[rows_x, rows_x] / length_x)])
+        if outline:
+            products.append([speed * turn.imag, (along_y, y.of_even[rows_y, rows_y] / length_y)])
+    # Between unknowns and all nodes: gradient and divergence along each axis.
+    for factor, rise, _ in films.flow_terms:
+        change = (rise / (films.gap * films.density_slope))[films.inner]
+        for along, axis, rows, length, part in (
+            (along_x, x, rows_x, length_x, factor[:, :, rows_y]),
+            (along_y, y, rows_y, length_y, factor[:, rows_x]),
+        ):
+            slope, out = axis.of_even[:, rows] / length, axis.of_odd[rows] / length
+            products.append([(along, out), part, (along, slope), change])
     if adjoint:
-        slopes = [(along, last.T, first.T) for along, first, last in slopes]
-        slides = [(along, matrix.T, speed) for along, matrix, speed in slides]
-        in_time = in_time.T
-    terms = [
-        (
-            (rise / (films.gap * films.density_slope))[films.inner],
-            (factor[:, :, rows_y], factor[:, rows_x]),
-        )
-        for factor, rise, _ in films.flow_terms
-    ]
+        products = [[_transposed(each) for each in reversed(product)] for product in products]
 
     def apply(values: np.ndarray) -> np.ndarray:
-        result = -stored * along_t(in_time, values)
-        if np.any(speed):
-            for along, matrix, share in slides:
-                pushed = along(matrix, share * values) if adjoint else share * along(matrix, values)
-                result -= pushed
-        for rise, factors in terms:
-            start = values if adjoint else rise * values
-            for (along, first, last), factor in zip(slopes, factors, strict=True):
-                flow = along(last, factor * along(first, start))
-                result += rise * flow if adjoint else flow
+        result = np.zeros_like(values)
+        for product in products:
+            part = values
+            for factor in reversed(product):
+                part = factor[0](factor[1], part) if isinstance(factor, tuple) else factor * part
+            result += part
         return result
 
     return apply
+
+
+def _transposed(factor: Factor) -> Factor:
+    return (factor[0], factor[1].T) if isinstance(factor, tuple) else factor
 
 
 def _preconditioner(films: Fields, *, adjoint: bool = False) -> Operator:

@@ -77,12 +77,7 @@ class Effect(NamedTuple):
 
     def below(self, percent: float) -> bool:
         """Return whether it is known to be smaller; not where it is unknown or no first order."""
-        return self.usable and self.upper_percent < percent
-
-    @property
-    def upper_percent(self) -> float:
-        """The most that it may change; NaN where that is not known."""
-        return abs(self.percent) + self.remainder_percent
+        return self.usable and abs(self.percent) + self.remainder_percent < percent
 
     @property
     def off_percent(self) -> float:
@@ -343,15 +338,13 @@ def resolve_auto_terms(
     closed = replace(scenes, films=tuple(map(_closed, scenes.films)))
     rows = np.flatnonzero([bool(asked[film]) for film in index])
     names = {name for some in asked.values() for name in some}
-    chosen: list[tuple[int, tuple[str, ...]]] = [(film, ()) for film in index]
-    for row, budget in zip(
-        rows.tolist(), error_budgets(closed[rows], device=device, names=names), strict=True
-    ):
-        effects = {name: budget.effects[name] for name in asked[index[row]]}
-        # Unknown effects, as without a budget, are not below.
-        limit = 100 * NEARLY * model_tolerance
-        included = (k for k, each in effects.items() if not each.below(limit))
-        chosen[row] = index[row], tuple(included)
+    found = error_budgets(closed[rows], device=device, names=names)
+    budgets, limit = dict(zip(rows.tolist(), found, strict=True)), 100 * NEARLY * model_tolerance
+    # Unknown effects, as without a budget, are not below.
+    chosen = [
+        (film, tuple(k for k in asked[film] if not budgets[row].effects[k].below(limit)))
+        for row, film in enumerate(index)
+    ]
     places = {choice: place for place, choice in enumerate(dict.fromkeys(chosen))}
     films = tuple(
         closed.films[film].with_gas(**dict.fromkeys(included, "included"))

@@ -52,6 +52,8 @@ NEGLIGIBLE = 1e-14
 MOMENTS, GUARD, FORCE = 3, "guard", "force"
 FROM_STATE = frozenset(OUTPUTS) - {"static_stiffness"}
 QUARTERS = np.pi / 2 * np.arange(4)
+# Numbers, each with its error, and the reason for each missing output.
+Found = tuple[dict[str, tuple[float, float]], dict[str, str]]
 
 
 def with_outputs(
@@ -72,16 +74,16 @@ def with_outputs(
         return list(solutions)
     known = [k for k, each in enumerate(solutions) if isfinite(each.force_n)]
     films, forces = [scenes[k] for k in known], [solutions[k] for k in known]
-    parts = [Outputs()] * len(known)
+    parts: list[Found] = [({}, {})] * len(known)
     if FROM_STATE & set(asked):
         within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
         parts = _from_states(films, forces, tolerance=within, device=device)
     if "static_stiffness" in asked:
         more = static_stiffness(films, forces, tolerance=tolerance, device=device)
-        parts = [one.beside(other) for one, other in zip(parts, more, strict=True)]
+        parts = [(one | other, a | b) for (one, a), (other, b) in zip(parts, more, strict=True)]
     found, none = dict(zip(known, parts, strict=True)), dict.fromkeys(OUTPUTS, "no force")
     return [
-        replace(solution, outputs=found.get(k, Outputs(missing=none)).only(asked))
+        replace(solution, outputs=Outputs.of(asked, *found.get(k, ({}, none))))
         for k, solution in enumerate(solutions)
     ]
 
@@ -114,9 +116,9 @@ def _from_states(
     *,
     tolerance: float,
     device: Device | None,
-) -> list[Outputs]:
+) -> list[Found]:
     """All outputs that follow from a periodic state, or why there are none."""
-    found: dict[int, Outputs] = {}
+    found: dict[int, Found] = {}
     waiting, solved = list(range(len(scenes))), list(solutions)
     for repeated in range(1 + MOST_REPEATED):
         within = tolerance * TIGHTER**repeated
@@ -139,11 +141,11 @@ def _from_states(
     return [found[k] for k in range(len(scenes))]
 
 
-def _refused(reason: str) -> Outputs:
-    return Outputs(missing=dict.fromkeys(FROM_STATE, reason))
+def _refused(reason: str) -> Found:
+    return {}, dict.fromkeys(FROM_STATE, reason)
 
 
-def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[Outputs, bool]:
+def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[Found, bool]:
     """Outputs of a film from its states on two grids, and whether they hold the tolerance."""
     before, film = (Sample(scene, state) for state in solution.states)
     factor, left = remainder(scene, solution, tolerance=tolerance)
@@ -203,9 +205,7 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
             found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
     for name in OUTPUTS["thrust"] if "thrust" in missing else ():
         del found[name]
-    values = {name: each for name, (each, _) in found.items()}
-    errors = {name: off for name, (_, off) in found.items()}
-    return Outputs(value=values, error=errors, missing=missing), holds
+    return (found, missing), holds
 
 
 def _couette(film: Sample) -> float:
@@ -420,7 +420,7 @@ def _leaving(scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int) -> n
     gap, velocity = at_ends(scene, grid, unknowns, which=which)
     # Mean square of a velocity across the gap over the square of its mean: with slip it is
     # ζ(1 − ζ) + Kn/H, ζ across the gap. There the gas has ambient density.
-    slip = _slip(scene) / 6 / gap
+    slip = scene.slip_knudsen / gap
     spread = (1 / 30 + slip / 3 + slip**2) / (1 / 6 + slip) ** 2
     return np.asarray((spread * gap * velocity**2).mean(axis=-1))
 
@@ -445,12 +445,7 @@ def at_ends(
     else:
         x, y = places if which == 0 else places[::-1]
     gap = scene.gap(x, y, grid.t.nodes)
-    return gap, -gap * (gap + _slip(scene)) / scene.sigma * slope - missing
-
-
-def _slip(scene: Scene) -> float:
-    """6 Kn of first-order slip."""
-    return float(6 * scene.slip_knudsen)
+    return gap, -gap * (gap + 6 * scene.slip_knudsen) / scene.sigma * slope - missing
 
 
 # Half the distance of numbers in a difference quotient, relative; taken once more twice as wide,
@@ -490,12 +485,12 @@ def static_stiffness(
     *,
     tolerance: float,
     device: Device | None,
-) -> list[Outputs]:
+) -> list[Found]:
     """−∂F/∂h0 with the amplitude kept, by the force's derivative, or by a quotient of four forces.
 
     The scenes' terms must be decided (model_error.py).
     """
-    name, found = "static_stiffness", []
+    name, found = "static_stiffness", list[Found]()
     for scene, solution in zip(
         scenes,
         with_derivatives(scenes, solutions, tolerance=tolerance, device=device),
@@ -507,7 +502,6 @@ def static_stiffness(
         else:
             rows, (bad,) = falls([scene], "h0_m", tolerance=tolerance, device=device)
             value, error = rows[2:, 0].tolist()
-        reason = {name: f"no force at a gap within {2 * STEP:.0%}: {bad}"}
-        known_of = Outputs(value={name: value}, error={name: error})
-        found.append(Outputs(missing=reason) if bad else known_of)
+        reason = f"no force at a gap within {2 * STEP:.0%}: {bad}"
+        found.append(({}, {name: reason}) if bad else ({name: (value, error)}, {}))
     return found

@@ -1,7 +1,5 @@
 """The pressure under a pad over a period, at wanted places: what a force is the mean of."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from squeezefilm.errors import RunError
@@ -18,19 +16,6 @@ POWER, LEAST_TOLERANCE, MOST_REPEATED = 1.75, 1e-10, 3
 NO_STATE = "no periodic state was found in which the pressure holds the tolerance at every place"
 
 
-@dataclass(frozen=True)
-class Pressure:
-    """Overpressure P − 1 in units of the ambient pressure.
-
-    Attributes:
-        values: at each instant and place, shape (instants, ny, nx); NaN outside the pad.
-        change: largest change of a value by the last refinement, in the same unit.
-    """
-
-    values: np.ndarray
-    change: float
-
-
 def pressure(
     scene: Scene,
     *,
@@ -39,11 +24,13 @@ def pressure(
     instants: int,
     tolerance: float,
     device: Device,
-) -> Pressure:
+) -> tuple[np.ndarray, float]:
     """The periodic film's overpressure at places x (nx,) and y (ny,) in [0, 1] across the pad.
 
-    ``instants`` are equidistant from phase 0 on. No value changes by more than ``tolerance`` of the
-    largest from the last grid but one to the last. Inertia must be decided (model_error.py).
+    In units of the ambient pressure, (instants, ny, nx), NaN outside the pad; and the largest
+    change of a value by the last refinement. ``instants`` are equidistant from phase 0 on. No value
+    changes by more than ``tolerance`` of the largest from the last grid but one to the last.
+    Inertia must be decided (model_error.py).
     Raises RunError saying why there is no such pressure.
     """
     for repeated in range(1 + MOST_REPEATED):
@@ -61,7 +48,7 @@ def pressure(
         )
         change = float(np.nanmax(np.abs(values - before)))
         if change <= tolerance * np.nanmax(np.abs(values)):
-            return Pressure(values, change)
+            return values, change
     raise RunError(NO_STATE)
 
 

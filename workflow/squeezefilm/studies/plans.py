@@ -20,7 +20,7 @@ from squeezefilm.errors import InputError, naming
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.solver import previews
-from squeezefilm.solution import POLAR, as_in, form_of
+from squeezefilm.solution import as_in, form_of
 from squeezefilm.studies.space import CENTRED, Space, box_of, pad_positions, plan, sobol, twelve
 from squeezefilm.studies.study import planned_profile_of, scenes_in, surface_of
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
@@ -51,16 +51,6 @@ def level_grid(section: Mapping[str, Any]) -> pd.DataFrame:
     levels = [section[name] for name in CENTRED]
     values = [twelve(np.linspace(each["start"], each["stop"], each["levels"])) for each in levels]
     return pd.DataFrame(product(*values), columns=CENTRED)
-
-
-def four_factor_plan(
-    design: pd.DataFrame,
-    *,
-    positions: Sequence[tuple[float, float]] = ((0.0, 0.0),),
-    position: tuple[str, ...] = POLAR,
-) -> pd.DataFrame:
-    """Every pad position with every (h0, hv) point of a two-factor design (section V)."""
-    return plan(pd.DataFrame(positions, columns=position).merge(design[[*CENTRED]], how="cross"))
 
 
 def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
@@ -122,17 +112,17 @@ def scenes_of(name: str, config: Config, *, design: pd.DataFrame | None = None) 
     """The scenes of a plan that the study or a design gives."""
     position = surface_of(config).position
     if name in GRIDS:
-        return four_factor_plan(level_grid(config[name]), position=position)
+        return plan(level_grid(config[name]), position=position)
     if name == "four_factor_control":
-        points, seed = config[name]["points"], config[name]["seed"]
-        return random_plan(points=points, seed=seed, **box_of(config).ranges)
+        return random_plan(**config[name] | box_of(config).ranges)
     if name in VALIDATION_SAMPLES:
         points, seed = config["validation"]["points"], config["validation"]["seed"]
         space = Space.of(config, centred=name == "validation_two_factor")
         return space.table(space.independent_sample(points, seed=seed))
     assert design is not None, f"the plan {name} is made from a design"
     if name == "four_factor":
-        return four_factor_plan(design, positions=pad_positions(config), position=position)
+        positions = pd.DataFrame(pad_positions(config), columns=position)
+        return plan(positions.merge(design[[*CENTRED]], how="cross"))
     return design[as_in(SCENE_COLUMNS, design)]
 
 

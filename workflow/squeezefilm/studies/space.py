@@ -122,10 +122,6 @@ class Space:
         box = box_of(config, centred=centred)
         return cls(box, film_in(config), surface_of(config).position)
 
-    @property
-    def centred(self) -> bool:
-        return len(self.box.names) == 2
-
     def allowed(self, points: Array) -> NDArray[np.bool_]:
         """Mask of the points, shape (n, k), that can be simulated, shape (n,)."""
         h0_m, hv_m, *place = np.transpose(points)
@@ -188,6 +184,6 @@ class Space:
         Raises InputError where the pad is off the centre of a space in which it stays there.
         """
         moved = form_of(table)[: 1 if form_of(table) == POLAR else 2]
-        if self.centred and np.any(table[list(moved)].to_numpy() != 0):
+        if len(self.box.names) == 2 and np.any(table[list(moved)].to_numpy() != 0):
             raise InputError(f"{moved[0]}: the pad is moved, in a space in which it is centred")
         return table[list(self.box.names)].to_numpy(dtype=float)

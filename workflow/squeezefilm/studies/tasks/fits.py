@@ -141,20 +141,17 @@ def fit_values(
     known = bool(np.isfinite(held_out).all())
     sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
     missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
-    fitted_n = model.evaluate(fit.theta, factors)
     return {
         **asdict(fit),
         "about": model.about,
         "expression": model.expression,
         "parameters": list(model.parameter_names),
         "parameter_units": list(model.parameter_units),
-        "force_unit": "N",
         "ranges": {
             name: [float(np.min(values)), float(np.max(values))]
             for name in (*model.factor_names, *position, *model.column_names)
             for values in [factors.column(name)]
         },
-        "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
         "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
         "error_scale": list(error_scale(missed_n, force_n)),
         "profile_uncertainty": uncertainty,
@@ -199,10 +196,8 @@ def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> Fitt
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
     """A run as a table's row, a column for each parameter."""
     row = asdict(fit)
-    for start, key in (("parameter", "theta"), ("search_parameter", "search_theta")):
-        values = zip(model.parameter_names, row.pop(key), strict=True)
-        row |= {f"{start}_{name}": value for name, value in values}
-    return row
+    theta = zip(model.parameter_names, row.pop("theta"), strict=True)
+    return row | {f"parameter_{name}": value for name, value in theta}
 
 
 def errors_on(

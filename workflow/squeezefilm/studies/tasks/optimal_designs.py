@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import grid
 from squeezefilm.designs.optimal import (
     ContinuousDesign,
+    Gradients,
     exchange,
     log_determinant,
     maximin_design,
@@ -23,13 +25,12 @@ from squeezefilm.designs.optimal import (
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel
-from squeezefilm.models.fitting import RANGES_NOTE, local_fit, parameter_ranges
+from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
 from squeezefilm.solution import CARTESIAN
 from squeezefilm.studies.space import Space, plan
 from squeezefilm.studies.tasks.physics_limits import with_physics
 
-EVERY = slice(None)
 MAP_LINES = 31
 """Lines of the sensitivity's map along each factor."""
 
@@ -53,22 +54,22 @@ class FittedSpace:
             raise InputError(f"the model {fit.model} has no parameters; nothing is to be designed")
         force_n = forces["force_n"].to_numpy()
         theta = local_fit(self.model, factors, force_n, np.array(fit.theta))
-        self.ranges = parameter_ranges(self.model, factors, force_n, theta)
-        lower = [(each.theta_lower, each.lower) for each in self.ranges]
-        upper = [(each.theta_upper, each.upper) for each in self.ranges]
-        ends = [vector for vector, end in (*lower, *upper) if np.isfinite(end)]
-        self.thetas = np.array([theta, *ends])
+        ranges = parameter_ranges(self.model, factors, force_n, theta)
+        lower = [each.theta_lower for each in ranges if np.isfinite(each.lower)]
+        upper = [each.theta_upper for each in ranges if np.isfinite(each.upper)]
+        self.thetas = np.array([theta, *lower, *upper])
         self.space = Space.of(config, centred=self.model.is_centred)
         most = config["optimal"]["candidates"]
         self.grid = self.space.grid(most, distinct=True)
         self.everywhere = self.space.grid(most, distinct=False)
 
-    def derivatives(self, points: np.ndarray, *, layers: slice = slice(0, 1)) -> np.ndarray:
-        """dη/dθ at points for some of the parameter vectors, shape (K, n, p)."""
+    def derivatives(self, points: np.ndarray, *, every: bool = False) -> np.ndarray:
+        """dη/dθ at points for the fit, or for every parameter vector, shape (K, n, p)."""
         names, position = list(self.space.box.names), self.space.position
         table = plan(pd.DataFrame(points, columns=names), position=position)
+        thetas = self.thetas if every else self.thetas[:1]
         factors = factors_of(with_physics(self.model, table, self.config))
-        return np.array([self.model.gradient(theta, factors) for theta in self.thetas[layers]])
+        return np.array([self.model.gradient(theta, factors) for theta in thetas])
 
 
 def optimal_designs(
@@ -79,10 +80,10 @@ def optimal_designs(
     settings is the section ``optimal`` of a study, existing a table of scenes to add to: they are
     the first of the augmented design.
     """
-    maximin = maximin_design(study.derivatives(study.everywhere, layers=EVERY))
+    maximin = maximin_design(study.derivatives(study.everywhere, every=True))
     designs = {
-        "local": _anywhere(study, slice(0, 1)),
-        "bayesian": _anywhere(study, EVERY),
+        "local": _anywhere(study, study.derivatives),
+        "bayesian": _anywhere(study, partial(study.derivatives, every=True)),
         "maximin": maximin.on(study.everywhere),
     }
     derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
@@ -106,14 +107,10 @@ def optimal_designs(
     return designs
 
 
-def _anywhere(study: FittedSpace, layers: slice) -> ContinuousDesign:
+def _anywhere(study: FittedSpace, gradients: Gradients) -> ContinuousDesign:
     """The best weights on the grid; and off it, where derivatives cost no physics and the whole
     box can be simulated.
     """
-
-    def gradients(points: np.ndarray) -> np.ndarray:
-        return study.derivatives(points, layers=layers)
-
     if not study.model.column_names and study.space.allowed(grid(study.space.box, levels=2)).all():
         return optimal_in_box(gradients, study.space.box, study.everywhere, gap=1e-8)
     return optimal_weights(gradients(study.everywhere)).on(study.everywhere)
@@ -146,7 +143,7 @@ def efficiencies(
 
     The lower bound does not need the best design; others are points of the space, by their names.
     """
-    candidates, local = study.derivatives(study.everywhere, layers=EVERY), designs["local"]
+    candidates, local = study.derivatives(study.everywhere, every=True), designs["local"]
     best = np.array([optimal_weights(layer).log_det[0] for layer in candidates])
     # Off the grid the best design may be a little better than on it.
     own = study.derivatives(local.points)[0]
@@ -156,7 +153,7 @@ def efficiencies(
     plans = {**designs, **{name: _equal(points) for name, points in others.items()}}
     for name, design in plans.items():
         points, weights = design.points, design.weights
-        derivatives = study.derivatives(points, layers=EVERY)
+        derivatives = study.derivatives(points, every=True)
         logs = log_determinant(derivatives, weights)
         efficiency = np.minimum(np.exp((logs - best) / study.thetas.shape[1]), 1.0)
         level = sensitivity(derivatives[0], reference, weights=weights)
@@ -249,14 +246,7 @@ def designs_of_fit(
     summary = {
         "model": study.model.name,
         "theta": study.thetas[0].tolist(),
-        "parameter_vectors": len(study.thetas),
-        "candidates": len(study.everywhere),
-        "scenes_among_them": len(study.grid),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
-        "d_efficiency": dict(zip(table["plan"], table["d_efficiency"], strict=True)),
-        "d_efficiency_lower": dict(zip(table["plan"], table["d_efficiency_lower"], strict=True)),
-        "parameter_ranges": [each.to_dict() for each in study.ranges],
-        "parameter_ranges_note": RANGES_NOTE,
     }
     points = [_table(study, *each, existing) for each in designs.items()]
     return {

@@ -15,11 +15,8 @@ from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.designs.paper_design import (
     Criterion,
-    Design,
     Pattern,
     augment,
-    d_efficiency,
-    exchange_design,
     find_patterns,
     find_regions,
     search_design,
@@ -33,8 +30,6 @@ from squeezefilm.studies.space import box_of, plan, twelve
 
 DIGITS = 6
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
-TWO_FACTOR_LEVELS, FOUR_FACTOR_LEVELS = 181, 7
-"""Levels per factor of the grid on which the optimum to compare with is sought."""
 
 
 PaperDesigns = dict[str, pd.DataFrame | dict[str, Any]]
@@ -44,12 +39,11 @@ PaperDesigns = dict[str, pd.DataFrame | dict[str, Any]]
 def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
     settings, box = config["design"], box_of(config, centred=True)
     determinant = _criterion(fit, box)
-    best = exchange_design(determinant, 3, levels=TWO_FACTOR_LEVELS)
     searches, summary = [], {}
     for scaling in TWO_FACTOR_SCALINGS:
         criterion = replace(determinant, distance=coordinates(scaling, box))
         patterns, table, summary[scaling] = _patterns(
-            scaling, criterion, best, settings, processes=processes
+            scaling, criterion, len(fit.theta), settings, processes=processes
         )
         searches.append(table)
         if scaling == settings["scaling"]:
@@ -57,13 +51,7 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
     points = np.array([region.point for region in regions])
     design = plan(_factors(points, box), position=fit.position)
     design["origin"] = [" and ".join(region.origins) for region in regions]
-    optimal = determinant.derivatives(best.points)
-    about = {
-        "scaling": settings["scaling"],
-        "searches": settings["searches"],
-        "scalings": summary,
-        "d_efficiency": d_efficiency(determinant.derivatives(points), optimal),
-    }
+    about = {"scaling": settings["scaling"], "searches": settings["searches"], "scalings": summary}
     found = pd.concat(searches, ignore_index=True)
     return {"design": design, "searches": found, "summary": about}
 
@@ -74,9 +62,8 @@ def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> 
     distinct = replace(criterion, apart=scene, separation=settings["separation"])
     designs, summary = {}, {}
     for form, each in {"paper": criterion, "distinct": distinct}.items():
-        best = exchange_design(each, len(fit.theta), levels=FOUR_FACTOR_LEVELS)
         patterns, _, summary[form] = _patterns(
-            form, each, best, settings, ratio=("h0_m", "hv_m"), processes=processes
+            form, each, len(fit.theta), settings, ratio=("h0_m", "hv_m"), processes=processes
         )
         designs[form] = plan(_factors(patterns[0].design.points, box)).assign(origin=form)
     return designs | {"summary": {"searches": settings["searches"], "forms": summary}}
@@ -99,17 +86,17 @@ def _criterion(fit: FittedModel, box: Box) -> Criterion:
 def _patterns(
     name: str,
     criterion: Criterion,
-    best: Design,
+    points: int,
     settings: dict[str, Any],
     *,
     ratio: tuple[str, str] | None = None,
     processes: int,
 ) -> tuple[list[Pattern], pd.DataFrame, list[dict[str, Any]]]:
     """The patterns that searches ended in, a row for each point of each, and what patterns are."""
-    box, optimal = criterion.box, criterion.derivatives(best.points)
+    box = criterion.box
     seeds = range(settings["first_seed"], settings["first_seed"] + settings["searches"])
     designs = parallel_map(
-        lambda seed: search_design(criterion, len(best.points), seed=seed),
+        lambda seed: search_design(criterion, points, seed=seed),
         seeds,
         processes=processes,
     )
@@ -129,8 +116,6 @@ def _patterns(
             "count": len(pattern.members),
             "objective": pattern.design.value,
             "objective_excess": pattern.design.value - patterns[0].design.value,
-            "inverse_determinant": pattern.design.inverse_determinant,
-            "d_efficiency": d_efficiency(criterion.derivatives(pattern.design.points), optimal),
             "points": _factors(pattern.design.points, box).to_dict("records"),
         }
         for pattern in patterns

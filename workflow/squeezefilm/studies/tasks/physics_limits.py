@@ -8,6 +8,7 @@ is exact to ε². A scene whose inertia is `auto` counts as having it, for limit
 
 from collections.abc import Sequence
 from itertools import product
+from math import prod
 
 import numpy as np
 import pandas as pd
@@ -18,16 +19,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
 from squeezefilm.models.data import COLUMNS, factors_of
 from squeezefilm.models.force_model import ExpressionModel
-from squeezefilm.models.limit_table import (
-    LARGEST_EPSILON_SQUARE,
-    LINE_POINTS,
-    LimitTable,
-    between,
-    coefficients_of,
-    counts_for,
-    nodes,
-    tails,
-)
+from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.reynolds.asymptotics.composite import (
     composite_expansion,
     edge_layer_expansion,
@@ -45,8 +37,13 @@ EXPANSIONS = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansio
 EXPANSIONS_WITH_INERTIA = EXPANSIONS | {"limit_n": composite_expansion}
 DOES_NOT_HOLD = "not supported: the asymptotic force for large squeeze numbers does not hold"
 CHECK_POINTS, CHECK_SEED = 500, 3
-LINES = 3
-"""Along each axis of a table, at random places of the others, to choose its points."""
+LINES, LINE_POINTS = 3, 65
+"""Along each axis of a table, at random places of the others, to choose its points, and Chebyshev
+points of a line, by which the decay of coefficients is measured."""
+LEAST_POINTS, MOST_NODES = 3, 15_000
+"""Of an axis; of a table, whose file grows with them."""
+LARGEST_EPSILON_SQUARE = 0.5
+"""Amplitudes up to 0.7 of the gap: beyond a study's, since a wanted force may lie there."""
 TABLE_TOLERANCE, TABLE_TOLERANCE_WITH_INERTIA = 3e-7, 1e-5
 """Of a table, relative; the best fitted corrections of the limits leave 3e-5 of the force."""
 
@@ -94,19 +91,29 @@ def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Config) -
 def limit_table_of(config: Config) -> LimitTable:
     """The table of a study's limits, checked at random points.
 
+    A limit over ε² is smooth; how many Chebyshev points each factor needs is measured on a few
+    lines through the box, for over the position it bends as often as the profile.
+
     Raises InputError where the limits do not hold all over the space.
     """
     box = box_of(config).ranges
     box.pop("hv_m")
     ranges = {"h0_m": box.pop("h0_m"), "epsilon_square": (0.0, LARGEST_EPSILON_SQUARE), **box}
     random = np.random.default_rng(CHECK_SEED)
-    at, shape = nodes(ranges, _counts(config, ranges, random))
-    limits, smooth = _limits(config, at)
-    coefficients = (coefficients_of(each.reshape(shape)).ravel().tolist() for each in smooth)
+    counts = _counts(config, ranges, random)
+    nodes = np.meshgrid(*[_nodes(ranges[axis], counts[axis]) for axis in ranges], indexing="ij")
+    shape = nodes[0].shape
+    limits, smooth = _limits(config, dict(zip(ranges, map(np.ravel, nodes), strict=True)))
+    coefficients = {}
+    for name, values in zip(EXPANSIONS, smooth, strict=True):
+        transformed = values.reshape(shape)
+        for axis in range(len(shape)):
+            transformed = _transformed(transformed, axis=axis)
+        coefficients[name] = transformed.ravel().tolist()
     values = {
         "ranges": ranges,
         "shape": shape,
-        "coefficients": dict(zip(EXPANSIONS, coefficients, strict=True)),
+        "coefficients": coefficients,
         "sigma_h0_square_m2": limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2,
         "largest_relative_error": np.nan,
     }
@@ -122,8 +129,12 @@ def limit_table_of(config: Config) -> LimitTable:
 def _counts(
     config: Config, ranges: dict[str, tuple[float, float]], random: np.random.Generator
 ) -> dict[str, int]:
-    """Points that each axis of the table needs, measured on lines along it at random places."""
-    tails_of = {axis: np.zeros(1) for axis in ranges}
+    """Points that each axis of the table needs, measured on lines along it at random places.
+
+    The error of m points is Σ |c_k|, k ≥ m, over the mean value, the largest of all lines. One
+    more is taken where it is largest, until all hold the tolerance or there are MOST_NODES.
+    """
+    tails = {}
     for along, (low, high) in ranges.items():
         if low == high:
             continue
@@ -131,12 +142,37 @@ def _counts(
             axis: np.repeat(random.uniform(*limits, LINES), LINE_POINTS)
             for axis, limits in ranges.items()
         }
-        at[along] = np.tile(between((low, high), chebyshev.chebpts1(LINE_POINTS)), LINES)
-        _, smooth = _limits(config, at)
-        tails_of[along] = np.max([tails(each.reshape(LINES, LINE_POINTS)) for each in smooth], 0)
+        at[along] = np.tile(_nodes(ranges[along], LINE_POINTS), LINES)
+        lines = _limits(config, at)[1].reshape(-1, LINE_POINTS)
+        sizes = np.abs(_transformed(lines, axis=1)) / np.abs(lines).mean(axis=1, keepdims=True)
+        tail = np.flip(np.cumsum(np.flip(sizes, axis=1), axis=1), axis=1).max(axis=0)
+        tails[along] = np.append(tail, 0.0)
     inertia = config["gas"]["inertia"] != "none"
     tolerance = TABLE_TOLERANCE_WITH_INERTIA if inertia else TABLE_TOLERANCE
-    return counts_for(tails_of, tolerance=tolerance)
+    counts = {axis: LEAST_POINTS if axis in tails else 1 for axis in ranges}
+
+    def left(axis: str) -> float:
+        return float(tails[axis][counts[axis]])
+
+    while left(widest := max(tails, key=left)) > tolerance:
+        if prod(counts.values()) // counts[widest] * (counts[widest] + 1) > MOST_NODES:
+            break
+        counts[widest] += 1
+    return counts
+
+
+def _nodes(limits: tuple[float, float], count: int) -> np.ndarray:
+    """Chebyshev points between two limits."""
+    low, high = limits
+    return (low + high) / 2 + (high - low) / 2 * chebyshev.chebpts1(count)
+
+
+def _transformed(values: np.ndarray, *, axis: int) -> np.ndarray:
+    """Chebyshev coefficients along an axis of values at the points."""
+    points = values.shape[axis]
+    at_nodes = chebyshev.chebvander(chebyshev.chebpts1(points), points - 1)
+    moved = np.tensordot(np.linalg.inv(at_nodes), values, axes=(1, axis))
+    return np.moveaxis(moved, 0, axis)
 
 
 def _limits(config: Config, at: dict[str, np.ndarray]) -> tuple[pd.DataFrame, np.ndarray]:

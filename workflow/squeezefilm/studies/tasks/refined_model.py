@@ -13,7 +13,7 @@ from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import fit_of
 from squeezefilm.models.fitting import RANGES_NOTE, Fit, parameter_ranges
 from squeezefilm.models.force_model import ExpressionModel, check_columns
-from squeezefilm.models.prediction_interval import error_by_region, in_words
+from squeezefilm.models.prediction_interval import error_by_region
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import as_in
 from squeezefilm.studies.solver_settings import device_of, solver_settings
@@ -26,7 +26,6 @@ from squeezefilm.tables import (
     FORCE_COLUMNS,
     LIMIT_COLUMNS,
     ROUND_COLUMNS,
-    WHERE_COLUMNS,
 )
 
 TYPICAL = 1000
@@ -35,13 +34,8 @@ CLOSE = 0.3
 """The physics limit maps a model's error if it leaves less than this share of it unexplained."""
 
 
-TABLES = {
-    "rounds": ROUND_COLUMNS,
-    "forces": FORCE_COLUMNS,
-    "limits": LIMIT_COLUMNS,
-    "where": WHERE_COLUMNS,
-}
-"""What a refinement leaves as tables, with the columns that each has at least."""
+TABLES = ("rounds", "forces", "limits", "where")
+"""What a refinement leaves as tables."""
 
 
 class SimulatedSpace:
@@ -111,9 +105,8 @@ def refine(
         check_columns(model, pool.factors)
     except InputError as error:
         print(error)
-        tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
         reason = about | {"not_supported": str(error)}
-        return tables, reason, reason
+        return dict.fromkeys(TABLES, pd.DataFrame(columns=["status"])), reason, reason
     bound = config["fit"]["bounds"][-1]
     outcome = Sequential(model, pool, settings, simulated.simulate, bound=bound).run(_print_round)
     print(f"{outcome.verdict}: {outcome.reason}")
@@ -141,15 +134,12 @@ def refine(
         "mean_force_n": outcome.scale_n,
         "theta_of_all_points": outcome.hindsight.tolist(),
         "simulations": last.simulations,
-        "fitted_points": len(last.design),
         "verification_points": settings["verification"],
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
         "required": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": {key: _finite(getattr(last, key)) for key in ROUND_COLUMNS[1:]},
-        "settings": dict(settings),
         "errors_mapped_by": source,
-        "error_by_region": by_region.to_dict("records"),
-        "error_by_region_text": in_words(by_region),
+        "error_by_region_text": by_region,
     }
     return tables, fit.to_dict(), verdict
 
@@ -228,11 +218,6 @@ def _fit_values(
         "points": len(last.design),
         "parameter_ranges": [each.to_dict() for each in ranges],
         "parameter_ranges_note": RANGES_NOTE,
-        "error": {
-            "held_out_global": last.global_error,
-            "held_out_global_upper": last.global_upper,
-            "verification_points": len(space.pool.verification),
-        },
     }
 
 

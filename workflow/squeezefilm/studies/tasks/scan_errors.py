@@ -95,7 +95,8 @@ def errors_in_study(config: Config, smoothed: SmoothedScan) -> pd.DataFrame:
 def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
     """Smooth the scan of a study and simulate some of its scenes with other noise.
 
-    Returns: forces of some scenes, the profile as a table, and a summary in numbers and as lines.
+    Returns: forces of some scenes, the profile as a table, the largest errors of forces, and lines
+        about all.
 
     Raises InputError for a study whose profile is not measured.
     """
@@ -108,30 +109,15 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
     x_m, y_m, _ = smoothed.profile.surface.net()
     unsure = float(smoothed.standard_error(x_m=x_m, y_m=y_m).max())
     outliers = smoothed.scan.lines[smoothed.outliers].tolist()
-    peak_um, complex_ = smoothed.peak_m * 1e6, smoothed.profile.is_complex
-    summary = {
-        "points": len(smoothed.measured_m),
-        "missing": smoothed.scan.missing,
-        "outlier_lines": outliers,
-        "degree": smoothed.fit.degree,
-        "peak_um": peak_um,
-        "peak_bias_fraction": smoothed.peak_bias_m / smoothed.peak_m,
-        "noise_fraction": smoothed.noise_m / smoothed.peak_m,
-        "quadrature_fraction": smoothed.quadrature,
-        "largest_standard_error_fraction": unsure,
-        "complex_profile": complex_,
-        "largest_force_noise_fraction": noise,
-        "largest_force_error_fraction": error,
-        "notes": smoothed.warnings,
-    }
+    summary = {"largest_force_noise_fraction": noise, "largest_force_error_fraction": error}
     point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
     rms = f"{percent(100 * smoothed.quadrature, sign='')} rms with its noise"
     row = {
         "measurement noise of a force": f"at most {percent(100 * noise, sign='')} (95 %)",
-        "largest amplitude": f"{peak_um:.4g} µm",
+        "largest amplitude": f"{smoothed.peak_m * 1e6:.4g} µm",
         "noise of a point": f"{point_noise} of the largest amplitude",
         "standard error of the profile": f"at most {percent(100 * unsure, sign='')} of it",
-        "quadrature motion": rms + ("" if complex_ else ", neglected"),
+        "quadrature motion": rms + ", neglected" * (not smoothed.profile.is_complex),
         "points": len(smoothed.measured_m),
         "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
         "degree of the modes": smoothed.fit.degree,
