@@ -116,7 +116,7 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     settings = solver_settings(study.config, outputs=())
     space = Space.of(study.config, centred=False)
     scenes = study.scenes(space.table(space.independent_sample(points, seed=seed)))
-    forces = forces_of(scenes, settings=settings, device=study.device, smoothed=None, budget=True)
+    forces = forces_of(scenes, settings=settings, smoothed=None, budget=True)
     for force in forces:
         yield from _of_force(force, study, valid=force.status == force.validity == "ok")
     for scene, force in zip(scenes, forces, strict=True):
@@ -139,7 +139,7 @@ def forces_and_errors(
 ) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
     settings = solver_settings(study.config, tolerance=tolerance, outputs=())
-    found = solve(settings.resolved(scenes, study.device), **settings.how(study.device))
+    found = solve(settings.resolved(scenes), **settings.how)
     return np.array([(each.force_n, each.force_error_n) for each in found]).T
 
 
@@ -241,7 +241,7 @@ def _neglected(
 def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
     """Gap, stiffness and modelling error under a load."""
     settings = solver_settings(study.config)
-    how = settings.how(study.device) | {"model_tolerance": settings.model_tolerance}
+    how = settings.how | {"model_tolerance": settings.model_tolerance}
     try:
         found = levitate(scene, load_n=load_n, **how)
     except (InputError, RunError):

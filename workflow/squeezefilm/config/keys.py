@@ -9,7 +9,6 @@ from typing import Any
 
 import yaml
 
-from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
 
 Part = Mapping[str, Any]
@@ -21,9 +20,9 @@ HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | 
 
 
 @cache
-def schema(model: type[FilmSections] = Study) -> Part:
-    """The JSON schema of a model, its parts in the places where it refers to them."""
-    raw = model.model_json_schema()
+def schema() -> Part:
+    """The JSON schema of a study, its parts in the places where it refers to them."""
+    raw = Study.model_json_schema()
 
     def inlined(part: Any) -> Any:
         if isinstance(part, list):
@@ -31,17 +30,15 @@ def schema(model: type[FilmSections] = Study) -> Part:
         if not isinstance(part, dict):
             return part
         if "$ref" in part:
-            return inlined(raw["$defs"][part["$ref"].rpartition("/")[2]]) | without(part, "$ref")
+            there = raw["$defs"][part["$ref"].rpartition("/")[2]]
+            return inlined(there) | {name: part[name] for name in part if name != "$ref"}
         if "discriminator" in part:
             kinds = {each["properties"]["kind"]["const"]: each for each in inlined(part["oneOf"])}
             keys = {"kind": {"enum": list(kinds), "description": "it decides the other keys"}}
             return {**part, "properties": keys, "required": ["kind"], "kinds": kinds}
         return {name: inlined(each) for name, each in part.items()}
 
-    def without(part: dict[str, Any], *names: str) -> dict[str, Any]:
-        return {name: each for name, each in part.items() if name not in names}
-
-    whole: Part = inlined(without(raw, "$defs"))
+    whole: Part = inlined({name: part for name, part in raw.items() if name != "$defs"})
     return whole
 
 

@@ -101,7 +101,7 @@ def config_of(
     try:
         valid = model.model_validate(values)
     except ValidationError as error:
-        told = _mistakes(error, values, schema(model), lines or {})
+        told = _mistakes(error, values, lines or {})
         raise InputError("\n".join(f"{path}: {each}" for each in told)) from None
     sections = valid.model_dump(exclude_none=True)
     return Config(path, sections, valid, frozenset(_places(values)))
@@ -166,20 +166,17 @@ def _scalar(text: str) -> Any:
 
 
 def _mistakes(
-    error: ValidationError,
-    values: Mapping[str, Any],
-    whole: Part,
-    lines: Mapping[Place, int],
+    error: ValidationError, values: Mapping[str, Any], lines: Mapping[Place, int]
 ) -> list[str]:
     """The mistakes, each once, in the order of the file."""
     found: dict[Place, tuple[int, str]] = {}
     for each in error.errors(include_url=False):
         further = each.get("ctx", {}).get("place", ())
-        place, part = part_at(whole, each["loc"] + further, values)
+        place, part = part_at(schema(), each["loc"] + further, values)
         if place in found:  # by another choice of a union
             continue
         if each["type"] in ABOUT_KEYS:
-            section = part_at(whole, place[:-1], values)[1]
+            section = part_at(schema(), place[:-1], values)[1]
             text = _about_key(each, place, section)
         else:
             text = _about_value(each, place, part)
