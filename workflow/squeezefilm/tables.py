@@ -13,14 +13,13 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from fnmatch import fnmatchcase
-from functools import cache
 from math import nan
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from squeezefilm.errors import InputError, needing
+from squeezefilm.errors import InputError, RunError, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.lazy import pd
 from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
@@ -403,19 +402,52 @@ def _parquet_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
         return pa.int32() if pd.api.types.is_integer_dtype(column) else pa.float64()
 
     with ExitStack() as stack:
-
-        @cache
-        def writer(schema: pa.Schema) -> pq.ParquetWriter:
-            return stack.enter_context(pq.ParquetWriter(name, schema, compression="zstd"))
+        writer: pq.ParquetWriter | None = None
 
         def write(piece: pd.DataFrame) -> None:
+            nonlocal writer
             schema = pa.schema([(name, column_type(piece[name])) for name in piece])
             texts = {name: "str" for name in piece if name in TEXT_COLUMNS}
             rows = pa.Table.from_pandas(piece.astype(texts), schema=schema, preserve_index=False)
             # Without the notes of pandas and its version, equal tables are equal files.
-            writer(schema).write_table(rows.replace_schema_metadata(None))
+            rows = rows.replace_schema_metadata(None)
+            writer = writer or stack.enter_context(
+                pq.ParquetWriter(name, rows.schema, compression="zstd")
+            )
+            writer.write_table(rows)
 
         yield write
+
+
+def merge_forces(
+    scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
+) -> None:
+    """Put the forces of a plan's parts together, one part and its rows of the plan held at a time.
+
+    Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
+    points without a force unless these may stay; then nothing is written.
+    """
+    failures: list[str] = []
+    with table_writer(output) as write:
+        for number, part in enumerate(parts, start=1):
+            planned = read_scenes(scenes, chunk=(number, len(parts)))
+            rows = read_forces(part, whole=True)
+            if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
+                raise InputError(
+                    f"{part}: its points are not those of part {number} of {len(parts)} of "
+                    f"{scenes}; simulate it again"
+                )
+            failures += [f"{each} ({part})" for each in failures_in(rows)]
+            write(rows)
+        if failures and not keep_failed:
+            raise RunError(no_force(failures, scenes))
+
+
+def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
+    """Put the run times of a plan's parts together."""
+    with table_writer(output) as write:
+        for part in parts:
+            write(read_timings(part))
 
 
 def write_json(values: dict[str, Any], path: Path | str) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from squeezefilm.config.loading import Config
-from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.errors import naming
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
 from squeezefilm.formatting import NUMBERS, in_lines, scene_row
@@ -34,15 +34,7 @@ from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
 from squeezefilm.studies.study import film_in
-from squeezefilm.tables import (
-    SCENE_COLUMNS,
-    failures_in,
-    no_force,
-    read_forces,
-    read_scenes,
-    read_timings,
-    table_writer,
-)
+from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
 
 if TYPE_CHECKING:
     from squeezefilm.api.film import Film
@@ -249,11 +241,13 @@ def budget_table(table: pd.DataFrame, film: Film) -> pd.DataFrame:
     return pd.concat([table, pd.DataFrame(rows)], axis=1)
 
 
-def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.DataFrame:
-    """A row for each scene: its numbers, method, domain, terms and first grid, nothing solved.
+def preview(scenes: Scenes, film: Film) -> tuple[pd.DataFrame, Iterator[dict[str, Any]]]:
+    """How scenes would be solved: a table with a row for each, and rows to be shown.
 
-    Terms that are ``auto`` must be decided.
+    Each has its numbers, method, domain, terms and first grid.
     """
+    settings = film.solver()
+    scenes = settings.resolved(scenes)
     found, rows = previews(scenes, tolerance=settings.tolerance, method=settings.method), []
     for scene, preview in zip(scenes, found, strict=True):
         parts = preview.simplifications
@@ -272,10 +266,11 @@ def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.Da
             lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
             row["outputs_not_supported"] = "; ".join(lacking)
         rows.append(row)
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    return table, _shown_rows(scenes, table, tolerance=settings.tolerance)
 
 
-def preview_rows(
+def _shown_rows(
     scenes: Sequence[Scene], table: pd.DataFrame, *, tolerance: float
 ) -> Iterator[dict[str, Any]]:
     """Rows to be shown of a table of previews: one for all scenes that are treated alike."""
@@ -371,34 +366,3 @@ def missing_of(solution: Solution) -> str:
     """Return the reason for a missing force or a missing quantity beside it, or an empty text."""
     asked = (solution, solution.derivatives, solution.outputs)
     return next((each.status for each in asked if each and each.status != "ok"), "")
-
-
-def merge_forces(
-    scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
-) -> None:
-    """Put the forces of a plan's parts together, one part and its rows of the plan held at a time.
-
-    Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
-    points without a force unless these may stay; then nothing is written.
-    """
-    failures: list[str] = []
-    with table_writer(output) as write:
-        for number, part in enumerate(parts, start=1):
-            planned = read_scenes(scenes, chunk=(number, len(parts)))
-            rows = read_forces(part, whole=True)
-            if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
-                raise InputError(
-                    f"{part}: its points are not those of part {number} of {len(parts)} of "
-                    f"{scenes}; simulate it again"
-                )
-            failures += [f"{each} ({part})" for each in failures_in(rows)]
-            write(rows)
-        if failures and not keep_failed:
-            raise RunError(no_force(failures, scenes))
-
-
-def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
-    """Put the run times of a plan's parts together."""
-    with table_writer(output) as write:
-        for part in parts:
-            write(read_timings(part))

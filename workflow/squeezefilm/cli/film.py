@@ -6,14 +6,7 @@ import argparse
 import sys
 
 from squeezefilm.api.film import INSTANTS, PLACES, Film
-from squeezefilm.api.forces import (
-    budget_table,
-    forces_table,
-    missing_of,
-    preview_rows,
-    preview_table,
-    simulate_table,
-)
+from squeezefilm.api.forces import budget_table, forces_table, missing_of, preview, simulate_table
 from squeezefilm.cli.options import (
     CONFIG,
     FILM,
@@ -85,13 +78,10 @@ def simulate(options: argparse.Namespace) -> None:
     if options.dry_run:
         with naming(path):
             scenes = film.scenes(read_scenes(path) if path else points)
-        settings = film.solver()
-        resolved = settings.resolved(scenes)
-        table = preview_table(resolved, settings=settings)
+        table, rows = preview(scenes, film)
         check_json(options, len(table))
         if options.output is not None:
             write_table(table, options.output)
-        rows = preview_rows(resolved, table, tolerance=settings.tolerance)
         print(*(shown(row, options) for row in rows), sep="\n\n")
     elif path is None:
         _simulate_points(points, options, film)
