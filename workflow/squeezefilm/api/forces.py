@@ -242,9 +242,9 @@ def budget_table(table: pd.DataFrame, film: Film) -> pd.DataFrame:
 
 
 def preview(scenes: Scenes, film: Film) -> tuple[pd.DataFrame, Iterator[dict[str, Any]]]:
-    """How scenes would be solved: a table with a row for each, and rows to be shown.
+    """A table of how scenes would be solved, and rows to be shown of it.
 
-    Each has its numbers, method, domain, terms and first grid.
+    A row has a scene's numbers, method, domain, terms and first grid.
     """
     settings = film.solver()
     scenes = settings.resolved(scenes)

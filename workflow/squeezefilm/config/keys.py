@@ -42,12 +42,13 @@ def schema() -> Part:
     return whole
 
 
-def part_at(part: Part, steps: Place, values: Any) -> tuple[Place, Part]:
-    """The place that some steps lead to in values, and its part of a schema; empty if it has none.
+def part_at(steps: Place, values: Any) -> tuple[Place, Part]:
+    """The place that some steps lead to in values, and its part of the schema; empty if none.
 
     What an error of pydantic says among its steps of the choices of a union is dropped.
     """
     place: Place = ()
+    part = schema()
     for step in steps:
         if isinstance(step, str) and values is not None:
             written = isinstance(values, Mapping)
