@@ -204,7 +204,7 @@ def _read(
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
     for name in [each for each in as_in(numbers, table) if each in table]:
-        values = table[name].map(_number).to_numpy(dtype=float)
+        values = table[name].map(number_in).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             cell = table[name].tolist()[row]
             raise InputError(f"{place} {lines[row]}: {name} is {cell!r}, not a finite number")
@@ -262,7 +262,7 @@ def _column(name: str) -> tuple[str, float]:
 
 def _in_si(cell: str, size: float) -> str:
     """Return the number in a cell times the size of its unit, the cell where there is none."""
-    value = _number(cell)
+    value = number_in(cell)
     return cell if value != value else f"{value * size:.15g}"
 
 
@@ -290,7 +290,7 @@ def _parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, 
     return found, [row + 1 for row in asked]
 
 
-def _number(cell: Any) -> float:
+def number_in(cell: Any) -> float:
     """The number in a cell; NaN where there is none, as in 1_000, which Python would read."""
     try:
         return nan if isinstance(cell, str) and "_" in cell else float(cell)

@@ -23,6 +23,7 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import CARTESIAN, POLAR
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scenes_in, smoothed_scan_of
+from squeezefilm.tables import number_in
 from squeezefilm.units import quantities
 
 if TYPE_CHECKING:
@@ -91,16 +92,13 @@ def levels(values: Values, *, called: str, unit: str) -> list[float]:
     """
     if isinstance(values, str):
         return quantities(values, option=called, unit=unit)
-    try:
-        numbers = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
-    except (TypeError, ValueError):
-        numbers = np.array([np.nan])
-    if not len(numbers) or not np.isfinite(numbers).all():
+    numbers = [number_in(value) for value in np.ravel(np.asarray(values, dtype=object))]
+    if not numbers or not np.isfinite(numbers).all():
         raise InputError(
             f"{called}: {values!r} is no finite number in {unit}, nor several of them, nor a text "
             "with units"
         )
-    return [float(value) for value in numbers]
+    return numbers
 
 
 PLACES, INSTANTS = (3, 1001), (4, 1024)
