@@ -241,7 +241,7 @@ def budget_table(table: pd.DataFrame, film: Film) -> pd.DataFrame:
     return pd.concat([table, pd.DataFrame(rows)], axis=1)
 
 
-def preview(scenes: Scenes, film: Film) -> tuple[pd.DataFrame, Iterator[dict[str, Any]]]:
+def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator[dict[str, Any]]]:
     """A table of how scenes would be solved, and rows to be shown of it.
 
     A row has a scene's numbers, method, domain, terms and first grid.
