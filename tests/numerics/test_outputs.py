@@ -14,7 +14,6 @@ from films import H0_M, LENGTH_M, PISTON, PRESSURE_PA, film
 from physics_facts import piston_response
 from random_scenes import random_films, shares
 
-from squeezefilm.api.forces import merge_forces
 from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import StandingWave, make_profile
@@ -29,7 +28,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.solution import OUTPUTS, Outputs
-from squeezefilm.tables import read_forces, write_table
+from squeezefilm.tables import merge_forces, read_forces, write_table
 
 ASKED = tuple(name for name in OUTPUTS if name in FROM_STATE)
 AREA_M2 = LENGTH_M**2

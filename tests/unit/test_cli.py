@@ -5,10 +5,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm.api.forces import merge_forces
 from squeezefilm.cli.main import commands_of, main
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.tables import FORCE_COLUMNS, read_forces, write_table
+from squeezefilm.tables import FORCE_COLUMNS, merge_forces, read_forces, write_table
 
 COMMANDS = commands_of()
 

@@ -24,7 +24,7 @@ from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scene_of
 
 Forces = Callable[[Sequence[Scene]], np.ndarray]
@@ -58,10 +58,10 @@ def _differences(config: Config) -> Iterator[tuple[dict[str, Any], float, dict[s
 def uncertainty_page(results: Results) -> Page:
     """The page of the study's differences from the paper; its forces are simulated for it."""
     config = results.config
-    settings, device = solver_settings(config, outputs=()), device_of(config)
+    settings = solver_settings(config, outputs=())
 
     def forces(scenes: Sequence[Scene]) -> np.ndarray:
-        return solve(settings.resolved(scenes, device), **settings.how(device)).force_n
+        return solve(settings.resolved(scenes), **settings.how).force_n
 
     table = compare(config, forces=forces)
     explaining = (table["verdict"] == "explains").groupby(table["claim"], sort=False).sum()

@@ -15,7 +15,7 @@ snakemake, config = begin_with_study()
 device, repeats = device_of(config), config["numerics"]["repeats"]
 points = pd.concat([read_scenes(path) for path in snakemake.input])
 settings = solver_settings(config, outputs=())
-scenes = settings.resolved(scenes_in(points, config), device)
+scenes = settings.resolved(scenes_in(points, config))
 table = ablation(scenes, tolerances=TOLERANCES, repeats=repeats, device=device)
 write_table(table.assign(repeats=repeats, device=device.name), snakemake.output[0])
 print(table.to_string(index=False))

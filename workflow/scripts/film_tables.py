@@ -11,8 +11,6 @@ from squeezefilm.api.forces import budget_table, scan_error_of
 from squeezefilm.dynamics.levitation import levitations, loads_like
 from squeezefilm.dynamics.response import all_gains, responses
 from squeezefilm.film.validity import GAPS_M
-from squeezefilm.studies.solver_settings import device_of, solver_settings
-from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import read_scenes, write_table
 
 FREQUENCY_HZ = np.array([3, 10, 30, 60, 100, 150, 200, 300, 500, 700, 1e3, 2e3, 4e3])
@@ -20,10 +18,9 @@ FREQUENCY_HZ = np.array([3, 10, 30, 60, 100, 150, 200, 300, 500, 700, 1e3, 2e3, 
 
 def levitation() -> pd.DataFrame:
     """The gaps that carry loads like the plan's forces."""
-    study = Film(config)
     loads_n, amplitudes_m = loads_like(snakemake.input.forces)
     moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAPS_M[1]}))
-    how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
+    how = settings.how | {"model_tolerance": settings.model_tolerance}
     scan_error_n = scan_error_of(study.scan, device=device)
     return levitations(moved, loads_n, how=how, scan_error_n=scan_error_n)
 
@@ -32,17 +29,18 @@ def film() -> pd.DataFrame:
     """Gap and pressure along the middle of the pad over a period."""
     from reporting.cross_section import cross_section
 
-    resolved = settings.resolved(scenes, device)
+    resolved = settings.resolved(scenes)
     films = [cross_section(scene, device=device) for scene in resolved]
     return pd.concat(films, ignore_index=True)
 
 
 snakemake, config = begin_with_study()
-settings, device = solver_settings(config, outputs=()), device_of(config)
-points = read_scenes(snakemake.input.scenes)
-scenes = scenes_in(points, config)
+study = Film(config, {"outputs": ()})
+settings = study.solver()
+device, points = settings.device, read_scenes(snakemake.input.scenes)
+scenes = study.scenes(points)
 tables = {
-    "error_budget": lambda: budget_table(points, config),
+    "error_budget": lambda: budget_table(points, study),
     "film": film,
     "gains": lambda: all_gains(points, scenes, FREQUENCY_HZ),
     "levitation": levitation,

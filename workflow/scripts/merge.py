@@ -1,7 +1,7 @@
 """Put the parts of a simulated plan together: every point of the plan has its force."""
 
 from scripts.job import begin
-from squeezefilm.api.forces import merge_forces, merge_timings
+from squeezefilm.tables import merge_forces, merge_timings
 
 snakemake = begin()
 merge_forces(

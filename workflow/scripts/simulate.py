@@ -1,10 +1,11 @@
 """Simulate a plan, whose scenes are written first, or a part of one; every scene keeps its row."""
 
 from scripts.job import begin_with_study
-from squeezefilm.api.forces import no_force, simulate_table
+from squeezefilm.api.film import Film
+from squeezefilm.api.forces import simulate_table
 from squeezefilm.errors import RunError
 from squeezefilm.studies.plans import write_scenes
-from squeezefilm.studies.solver_settings import solver_settings
+from squeezefilm.tables import no_force
 
 snakemake, config = begin_with_study()
 wildcards, output = snakemake.wildcards, snakemake.output
@@ -13,8 +14,7 @@ if scenes:
     write_scenes(wildcards.plan, config, sources=snakemake.input.sources, output=scenes)
 failures, _ = simulate_table(
     scenes or snakemake.input.scenes,
-    config,
-    settings=solver_settings(config),
+    Film(config),
     output=output.forces,
     timings=output.timings,
     chunk=(int(wildcards.get("chunk", 1)), int(wildcards.get("chunks", 1))),

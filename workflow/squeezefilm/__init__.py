@@ -11,30 +11,24 @@ one from its file. What is wrong with an input is told by `InputError`, what cou
 by `RunError`.
 """
 
+import re
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 __version__ = "0.1.0"
-__all__ = ["Film", "Fit", "Force", "InputError", "RunError", "Scene", "Study", "load"]
 
-# Also in __init__.pyi, which tells type checkers.
-_PLACES = {
-    "Film": "api.film",
-    "Fit": "api.models",
-    "Force": "api.forces",
-    "InputError": "errors",
-    "RunError": "errors",
-    "Scene": "film.scene",
-    "Study": "api.models",
-    "load": "api.models",
-}
+# The names of the library, in the file that tells type checkers of them.
+_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+_PLACES = {name: place for place, name in re.findall(r"from (\S+) import (\w+)", _STUB)}
+__all__ = sorted(_PLACES)
 
 
 def __getattr__(name: str) -> Any:
     """A name of the library, loaded when it is first asked for: commands need few of them."""
     if name not in _PLACES:
         raise AttributeError(f"module 'squeezefilm' has no attribute {name!r}")
-    value = getattr(import_module(f"squeezefilm.{_PLACES[name]}"), name)
+    value = getattr(import_module(_PLACES[name]), name)
     globals()[name] = value
     return value
 

@@ -21,14 +21,11 @@ PACKAGES = (
 
 
 def _library(*without: str) -> list[str]:
-    """The folders of the library but those that are named, and the modules beside them."""
-    folders = sorted(path.parent.name for path in WORKFLOW.glob("squeezefilm/*/__init__.py"))
-    there = [f"squeezefilm/{folder}" for folder in folders if folder not in without]
-    beside = (
-        *("errors", "files", "formatting", "formulas", "lazy", "parallel", "solution"),
-        *("tables", "units"),
+    """The library's folders and modules but those that are named, and this one."""
+    there = sorted(
+        each.name for each in WORKFLOW.glob("squeezefilm/[a-z]*") if each.suffix != ".csv"
     )
-    return [*there, *(f"squeezefilm/{name}.py" for name in beside)]
+    return [f"squeezefilm/{name}" for name in there if name not in ("provenance.py", *without)]
 
 
 MODELS = _library("cli")

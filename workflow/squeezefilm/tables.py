@@ -19,7 +19,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from squeezefilm.errors import InputError, needing
+from squeezefilm.errors import InputError, RunError, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.lazy import pd
 from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
@@ -49,6 +49,8 @@ OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", "
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
+MOST_NAMED = 100
+"""Points without a force, at most, in a message."""
 
 
 class Column(NamedTuple):
@@ -151,11 +153,22 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the points that were not solved.
     """
     table = read_forces(path)
-    failed = table[table["status"] != "ok"]
-    if len(failed):
-        names = "; ".join(f"point {row.point_id}: {row.status}" for row in failed.itertuples())
-        raise InputError(f"{path}: no force for {names}")
+    if failures := failures_in(table):
+        raise InputError(no_force(failures, path))
     return table
+
+
+def failures_in(forces: pd.DataFrame) -> list[str]:
+    """The points of a table without a force, each with its reason."""
+    failed = forces[forces["status"] != "ok"]
+    return [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
+
+
+def no_force(failures: Sequence[str], scenes: Path | str) -> str:
+    """The message for points without a force."""
+    beyond = len(failures) - MOST_NAMED
+    more = f" and {beyond} more" if beyond > 0 else ""
+    return f"{scenes}: no force for {'; '.join(failures[:MOST_NAMED])}{more}"
 
 
 def _read(
@@ -174,29 +187,24 @@ def _read(
             uncertainties must be above 0.
     """
     path = Path(path)
+    if path.suffix == PARQUET:
+        word, (table, lines) = "row", _parquet_rows(path, chunk=chunk)
+    else:
+        needs = MEASURED if measured else ", ".join(columns)
+        word, (table, lines) = "line", _csv_rows(path, needs=needs)
+    header = list(map(str, table))
+    wanted = as_in(columns, header)
+    if others == "invalid" and not {*POLAR, *CARTESIAN} & {*header}:
+        wanted = [name for name in wanted if name not in POLAR]
     optional = ("point_id", *UNCERTAINTY_COLUMNS[1:]) if measured else ()
-
-    def wanted(header: Sequence[str]) -> list[str]:
-        """The columns of a table with this header that are read."""
-        named = as_in(columns, header)
-        if others == "invalid" and not {*POLAR, *CARTESIAN} & {*header}:
-            named = [name for name in named if name not in POLAR]
-        named = [name for name in named if name not in optional or name in header]
-        _check_header(header, columns=named, strict=others == "invalid", path=path)
-        return [*named, *(name for name in header if others == "kept" and name not in named)]
-
-    table, lines = (
-        _parquet_rows(path, wanted=wanted, chunk=chunk)
-        if path.suffix == PARQUET
-        else _csv_rows(path, wanted=wanted, needs=MEASURED if measured else ", ".join(columns))
-    )
+    wanted = [name for name in wanted if name not in optional or name in header]
+    _check_header(header, columns=wanted, strict=others == "invalid", path=path)
+    kept = [name for name in header if name not in wanted] if others == "kept" else []
+    table, place = table[wanted + kept], f"{path}: {word}"
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
-    word = "row" if path.suffix == PARQUET else "line"
-    place = f"{path}: {word}"
     for name in [each for each in as_in(numbers, table) if each in table]:
-        cells = table[name] if path.suffix == PARQUET else table[name].map(_number)
-        values = cells.to_numpy(dtype=float)
+        values = table[name].map(number_in).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             cell = table[name].tolist()[row]
             raise InputError(f"{place} {lines[row]}: {name} is {cell!r}, not a finite number")
@@ -205,7 +213,7 @@ def _read(
         table[name] = values
     if "point_id" not in table:
         table.insert(0, "point_id", [f"{word} {line}" for line in lines])
-    ids = table["point_id"]
+    ids = table["point_id"] = table["point_id"].astype("str")
     for row in np.flatnonzero(ids.isna() | (ids == ""))[:1]:
         raise InputError(f"{place} {lines[row]}: point_id is empty")
     for row in np.flatnonzero(ids.duplicated())[:1]:
@@ -218,9 +226,7 @@ def _read(
     return table if path.suffix == PARQUET else table.iloc[chunk_rows(*chunk, len(table))]
 
 
-def _csv_rows(
-    path: Path, *, wanted: Callable[[Sequence[str]], list[str]], needs: str
-) -> tuple[pd.DataFrame, list[int]]:
+def _csv_rows(path: Path, *, needs: str) -> tuple[pd.DataFrame, list[int]]:
     """All rows of a CSV file but blank ones as text, and the line of each."""
     reader = csv.reader(io.StringIO(read_text(path, what="table"), newline=""), strict=True)
     try:
@@ -236,12 +242,11 @@ def _csv_rows(
             raise InputError(
                 f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
             )
-    columns = wanted(header)
     table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
-    for name, size in zip(header, sizes_of, strict=True):
-        if name in columns and size != 1:
-            table[name] = [_in_si(cell, size) for cell in table[name]]
-    return table[columns], [line for line, _ in rows]
+    for place, size in enumerate(sizes_of):
+        if size != 1:
+            table.isetitem(place, [_in_si(cell, size) for cell in table.iloc[:, place]])
+    return table, [line for line, _ in rows]
 
 
 def _column(name: str) -> tuple[str, float]:
@@ -257,13 +262,11 @@ def _column(name: str) -> tuple[str, float]:
 
 def _in_si(cell: str, size: float) -> str:
     """Return the number in a cell times the size of its unit, the cell where there is none."""
-    value = _number(cell)
+    value = number_in(cell)
     return cell if value != value else f"{value * size:.15g}"
 
 
-def _parquet_rows(
-    path: Path, *, wanted: Callable[[Sequence[str]], list[str]], chunk: tuple[int, int]
-) -> tuple[pd.DataFrame, list[int]]:
+def _parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, list[int]]:
     """Some rows of a Parquet file, and their numbers; no others are held."""
     with needing("parquet", what="a table in Parquet"):
         import pyarrow as pa
@@ -271,33 +274,27 @@ def _parquet_rows(
 
     try:
         with pq.ParquetFile(path) as file:
-            columns, about = wanted(file.schema_arrow.names), file.metadata
+            about = file.metadata
             sizes = [about.row_group(group).num_rows for group in range(about.num_row_groups)]
             ends = np.cumsum(sizes, dtype=int)
             asked = range(about.num_rows)[chunk_rows(*chunk, about.num_rows)]
             groups = np.flatnonzero((ends > asked.start) & (ends - sizes < asked.stop))
-            read = file.read_row_groups(groups.tolist(), columns=columns)
+            read = file.read_row_groups(groups.tolist())
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such table") from None
     except (OSError, pa.ArrowException) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: the table cannot be read: {reason}") from None
     before = sum(sizes[: groups[0]]) if len(groups) else 0
-    found = read.slice(asked.start - before, len(asked))
-    for column in found.schema:
-        text = pa.types.is_string(column.type) or pa.types.is_large_string(column.type)
-        number = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
-        kind = "text" if column.name in TEXT_COLUMNS else "numbers"
-        if not (text if kind == "text" else number):
-            raise InputError(f"{path}: column {column.name!r} holds {column.type}, not {kind}")
-    return found.to_pandas()[columns], [row + 1 for row in asked]
+    found = read.slice(asked.start - before, len(asked)).to_pandas()
+    return found, [row + 1 for row in asked]
 
 
-def _number(cell: str | float) -> float:
+def number_in(cell: Any) -> float:
     """The number in a cell; NaN where there is none, as in 1_000, which Python would read."""
     try:
         return nan if isinstance(cell, str) and "_" in cell else float(cell)
-    except ValueError:
+    except (TypeError, ValueError):
         return nan
 
 
@@ -405,20 +402,52 @@ def _parquet_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
         return pa.int32() if pd.api.types.is_integer_dtype(column) else pa.float64()
 
     with ExitStack() as stack:
-        writers: list[pq.ParquetWriter] = []
+        writer: pq.ParquetWriter | None = None
 
         def write(piece: pd.DataFrame) -> None:
+            nonlocal writer
             schema = pa.schema([(name, column_type(piece[name])) for name in piece])
             texts = {name: "str" for name in piece if name in TEXT_COLUMNS}
             rows = pa.Table.from_pandas(piece.astype(texts), schema=schema, preserve_index=False)
             # Without the notes of pandas and its version, equal tables are equal files.
             rows = rows.replace_schema_metadata(None)
-            if not writers:
-                writer = pq.ParquetWriter(name, rows.schema, compression="zstd")
-                writers.append(stack.enter_context(writer))
-            writers[0].write_table(rows)
+            writer = writer or stack.enter_context(
+                pq.ParquetWriter(name, rows.schema, compression="zstd")
+            )
+            writer.write_table(rows)
 
         yield write
+
+
+def merge_forces(
+    scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
+) -> None:
+    """Put the forces of a plan's parts together, one part and its rows of the plan held at a time.
+
+    Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
+    points without a force unless these may stay; then nothing is written.
+    """
+    failures: list[str] = []
+    with table_writer(output) as write:
+        for number, part in enumerate(parts, start=1):
+            planned = read_scenes(scenes, chunk=(number, len(parts)))
+            rows = read_forces(part, whole=True)
+            if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
+                raise InputError(
+                    f"{part}: its points are not those of part {number} of {len(parts)} of "
+                    f"{scenes}; simulate it again"
+                )
+            failures += [f"{each} ({part})" for each in failures_in(rows)]
+            write(rows)
+        if failures and not keep_failed:
+            raise RunError(no_force(failures, scenes))
+
+
+def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
+    """Put the run times of a plan's parts together."""
+    with table_writer(output) as write:
+        for part in parts:
+            write(read_timings(part))
 
 
 def write_json(values: dict[str, Any], path: Path | str) -> None:

@@ -27,7 +27,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
 from squeezefilm.quantities.model_error import ErrorBudget
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space
 from verification.reference import reference_force
 
@@ -113,10 +112,10 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
         points: scenes of the study's space that are simulated.
         seed: of their draw.
     """
-    settings = solver_settings(study.config, outputs=())
+    settings = study.solver(outputs=())
     space = Space.of(study.config, centred=False)
     scenes = study.scenes(space.table(space.independent_sample(points, seed=seed)))
-    forces = forces_of(scenes, settings=settings, device=study.device, smoothed=None, budget=True)
+    forces = forces_of(scenes, settings=settings, smoothed=None, budget=True)
     for force in forces:
         yield from _of_force(force, study, valid=force.status == force.validity == "ok")
     for scene, force in zip(scenes, forces, strict=True):
@@ -138,8 +137,8 @@ def forces_and_errors(
     scenes: Sequence[Scene], study: Study, *, tolerance: float | None = None
 ) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
-    settings = solver_settings(study.config, tolerance=tolerance, outputs=())
-    found = solve(settings.resolved(scenes, study.device), **settings.how(study.device))
+    settings = study.solver(tolerance=tolerance, outputs=())
+    found = solve(settings.resolved(scenes), **settings.how)
     return np.array([(each.force_n, each.force_error_n) for each in found]).T
 
 
@@ -240,8 +239,8 @@ def _neglected(
 
 def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
     """Gap, stiffness and modelling error under a load."""
-    settings = solver_settings(study.config)
-    how = settings.how(study.device) | {"model_tolerance": settings.model_tolerance}
+    settings = study.solver()
+    how = settings.how | {"model_tolerance": settings.model_tolerance}
     try:
         found = levitate(scene, load_n=load_n, **how)
     except (InputError, RunError):

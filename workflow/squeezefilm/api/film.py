@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
-from math import prod
+from math import isfinite, prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 
-from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
+from squeezefilm.api.forces import Force, forces_of, forces_table
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import Config, config_of
-from squeezefilm.errors import InputError, needing
+from squeezefilm.errors import InputError, RunError, needing
 from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
-from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import CARTESIAN, POLAR
-from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scenes_in, smoothed_scan_of
+from squeezefilm.tables import number_in
 from squeezefilm.units import quantities
 
 if TYPE_CHECKING:
@@ -91,16 +92,13 @@ def levels(values: Values, *, called: str, unit: str) -> list[float]:
     """
     if isinstance(values, str):
         return quantities(values, option=called, unit=unit)
-    try:
-        numbers = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
-    except (TypeError, ValueError):
-        numbers = np.array([np.nan])
-    if not len(numbers) or not np.isfinite(numbers).all():
+    numbers = [number_in(value) for value in np.ravel(np.asarray(values, dtype=object))]
+    if not numbers or not np.isfinite(numbers).all():
         raise InputError(
             f"{called}: {values!r} is no finite number in {unit}, nor several of them, nor a text "
             "with units"
         )
-    return [float(value) for value in numbers]
+    return numbers
 
 
 PLACES, INSTANTS = (3, 1001), (4, 1024)
@@ -127,9 +125,11 @@ class Film:
 
     Attributes:
         config: the sections ``gas``, ``actuator``, ``pad`` and ``solver`` of a study.
+        given: arguments of ``solver_settings`` instead of the study's.
     """
 
     config: Config
+    given: Mapping[str, Any] = field(default_factory=dict)
 
     @staticmethod
     def of(
@@ -156,7 +156,12 @@ class Film:
 
         Raises InputError where there is none.
         """
-        return device_of(self.config)
+        return self.solver().device
+
+    def solver(self, **given: Any) -> SolverSettings:
+        """The solver's settings: those given here, to the film, or by the study."""
+        given = {name: value for name, value in given.items() if value is not None}
+        return solver_settings(self.config, **{**self.given, **given})
 
     @property
     def scan(self) -> SmoothedScan | None:
@@ -200,9 +205,12 @@ class Film:
 
         Raises InputError as ``scene`` does, RunError saying why there is no force.
         """
-        scene = self.scene(h0, hv, **position)
-        settings = solver_settings(self.config, tolerance=tolerance, method=method, outputs=outputs)
-        return force_of(scene, settings=settings, device=self.device, smoothed=self.scan)
+        given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
+        (force,) = self.solved([self.scene(h0, hv, **position)], budget=True, **given)
+        if not isfinite(force.force_n):
+            beyond = f"; validity: {force.validity}" * (force.validity != OK)
+            raise RunError(force.status + beyond)
+        return force
 
     def curve(
         self,
@@ -239,9 +247,20 @@ class Film:
         budget: bool = False,
     ) -> pd.DataFrame:
         """The same for a table of points: h0_m, hv_m and a position, if any."""
-        settings = solver_settings(self.config, tolerance=tolerance, method=method, outputs=outputs)
-        how: dict[str, Any] = {"settings": settings, "device": self.device, "smoothed": self.scan}
-        return forces_table(points, forces_of(self.scenes(points), budget=budget, **how))
+        given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
+        return forces_table(points, self.solved(self.scenes(points), budget=budget, **given))
+
+    def solved(
+        self,
+        scenes: Scenes | Sequence[Scene],
+        *,
+        derivatives: bool = False,
+        budget: bool = False,
+        **given: Any,
+    ) -> list[Force]:
+        """The force of each scene, NaN with its reason as ``status`` where there is none."""
+        how: dict[str, Any] = {"derivatives": derivatives, "budget": budget, "smoothed": self.scan}
+        return forces_of(scenes, settings=self.solver(**given), **how)
 
     def pressure(
         self,
@@ -277,12 +296,8 @@ class Film:
                 raise InputError(f"{name}: {value:g} must lie within {least:g} … {most:g}")
         if instants % 2:
             raise InputError(f"instants: {instants} must be even")
-        (scene,) = resolve_auto_terms(
-            [self.scene(h0, hv, **position)],
-            model_tolerance=self.config["solver"]["model_tolerance"],
-            method="periodic",
-            device=self.device,
-        )
+        solver = self.solver(method="periodic")
+        (scene,) = solver.resolved([self.scene(h0, hv, **position)])
         across = np.linspace(0.0, 1.0, places)
         overpressure, change = pressure(
             scene, x=across, y=across, instants=instants, tolerance=tolerance, device=self.device

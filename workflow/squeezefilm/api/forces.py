@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from squeezefilm.config.loading import Config
-from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.errors import naming
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.film.validity import OK, validity
+from squeezefilm.film.validity import validity
 from squeezefilm.formatting import NUMBERS, in_lines, scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_bar
@@ -32,11 +32,12 @@ from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.reynolds.solver import previews
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions, as_in
-from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
-from squeezefilm.studies.study import film_in, scenes_in
-from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_scenes, read_timings, table_writer
+from squeezefilm.studies.solver_settings import SolverSettings, device_of
+from squeezefilm.studies.study import film_in
+from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
 
 if TYPE_CHECKING:
+    from squeezefilm.api.film import Film
     from squeezefilm.film.measured.smooth import SmoothedScan
 
 # Scenes solved together, whose states may be held.
@@ -69,7 +70,7 @@ class Force:
     scene: Scene
     solution: Solution
     budget: ErrorBudget
-    scan: Mapping[str, float] | None
+    scan: Mapping[Any, float] | None
     device: str
     tolerance: float
     notes: tuple[str, ...] = ()
@@ -130,23 +131,10 @@ class Force:
     __repr__ = __str__
 
 
-def force_of(scene: Scene, **how: Any) -> Force:
-    """One scene's force, solved as ``forces_of`` does, with its budget.
-
-    Raises RunError saying why there is none.
-    """
-    (force,) = forces_of([scene], budget=True, **how)
-    if not isfinite(force.force_n):
-        beyond = f"; validity: {force.validity}" * (force.validity != OK)
-        raise RunError(force.status + beyond)
-    return force
-
-
 def forces_of(
     scenes: Scenes | Sequence[Scene],
     *,
     settings: SolverSettings,
-    device: Device,
     smoothed: SmoothedScan | None,
     derivatives: bool = False,
     budget: bool = False,
@@ -158,22 +146,17 @@ def forces_of(
         budget: whether to estimate the modelling error too, from separate states.
     """
     notes = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
-    scenes = settings.resolved(scenes, device)
-    solutions = solved_with(scenes, settings=settings, device=device, derivatives=derivatives)
+    scenes, device = settings.resolved(scenes), settings.device
+    solutions = solved_with(scenes, settings=settings, derivatives=derivatives)
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
     with_force = [scenes[k] for k in known]
     reason = "no force to compare with" if budget else NOT_ASKED
     beyond = dict.fromkeys(range(len(scenes)), ErrorBudget(status=reason))
     if budget:
         beyond |= dict(zip(known, error_budgets(with_force, device=device), strict=True))
-    scans: dict[int, Mapping[str, float]] = {}
-    warnings: tuple[str, ...] = ()
-    if smoothed is not None and known:
-        from squeezefilm.studies.tasks.scan_errors import scan_errors
-
-        errors = scan_errors(with_force, smoothed, device=device).to_dict("records")
-        scans = dict(zip(known, errors, strict=True))  # type: ignore[arg-type]
-        warnings = smoothed.warnings
+    errors = _scan_errors(with_force, smoothed, device=device)
+    scans = dict(zip(known, errors, strict=False))
+    warnings = smoothed.warnings if smoothed and errors else ()
     return [
         Force(
             *(scene, solutions[k], beyond[k], scans.get(k), device.name, settings.tolerance),
@@ -187,23 +170,20 @@ def solved_with(
     scenes: Scenes | Sequence[Scene],
     *,
     settings: SolverSettings,
-    device: Device,
     derivatives: bool = False,
     report: Callable[[int], object] = lambda solved: None,
 ) -> Sequence[Solution]:
     """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
     if not (derivatives or settings.outputs):
-        return solve(scenes, **settings.how(device), report=report)
+        return solve(scenes, **settings.how, report=report)
     from squeezefilm.quantities.derivatives import with_derivatives
     from squeezefilm.quantities.outputs import with_outputs
 
     found: list[Solution] = []
-    how: dict[str, Any] = {"tolerance": settings.tolerance, "device": device}
+    how: dict[str, Any] = {"tolerance": settings.tolerance, "device": settings.device}
     for first in range(0, len(scenes), WITH_STATES):
         some = scenes[first : first + WITH_STATES]
-        solved: Sequence[Solution] = solve(
-            some, **settings.how(device), keep_states=True, report=report
-        )
+        solved: Sequence[Solution] = solve(some, **settings.how, keep_states=True, report=report)
         if derivatives:
             solved = with_derivatives(some, solved, **how)
         solved = with_outputs(some, solved, outputs=settings.outputs, **how)
@@ -213,13 +193,20 @@ def solved_with(
 
 def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[[Scene], float]:
     """Return the function that gives the error of a scene's force by the scan, in newtons."""
-    if smoothed is None:
-        return lambda scene: 0.0
+    return lambda scene: sum(
+        row["scan_error_n"] for row in _scan_errors([scene], smoothed, device=device)
+    )
+
+
+def _scan_errors(
+    scenes: Sequence[Scene], smoothed: SmoothedScan | None, *, device: Device
+) -> Sequence[Mapping[Any, float]]:
+    """The rows of ``scan_errors``; none without a scan."""
+    if smoothed is None or not scenes:
+        return []
     from squeezefilm.studies.tasks.scan_errors import scan_errors
 
-    return lambda scene: float(
-        scan_errors([scene], smoothed, device=device)["scan_error_n"].iloc[0]
-    )
+    return scan_errors(scenes, smoothed, device=device).to_dict("records")
 
 
 def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
@@ -243,40 +230,33 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     return points.assign(**pd.DataFrame(rows, index=points.index))
 
 
-def budget_table(
-    table: pd.DataFrame, config: Config, *, device_name: str | None = None
-) -> pd.DataFrame:
+def budget_table(table: pd.DataFrame, film: Film) -> pd.DataFrame:
     """Return a table of scenes with the modelling error of each force."""
-    device = device_of(config, option=device_name)
-    scenes = solver_settings(config, outputs=()).resolved(scenes_in(table, config), device)
+    scenes = film.solver().resolved(film.scenes(table))
+    budgets = error_budgets(scenes, device=film.device)
     rows = [
         budget_row(budget) | {"validity": validity(scene)}
-        for scene, budget in zip(scenes, error_budgets(scenes, device=device), strict=True)
+        for scene, budget in zip(scenes, budgets, strict=True)
     ]
     return pd.concat([table, pd.DataFrame(rows)], axis=1)
 
 
-def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.DataFrame:
-    """A row for each scene: its numbers, method, domain, terms and first grid, nothing solved.
+def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator[dict[str, Any]]]:
+    """A table of how scenes would be solved, and rows to be shown of it.
 
-    Terms that are ``auto`` must be decided.
+    A row has a scene's numbers, method, domain, terms and first grid.
     """
+    settings = film.solver()
+    scenes = settings.resolved(scenes)
     found, rows = previews(scenes, tolerance=settings.tolerance, method=settings.method), []
     for scene, preview in zip(scenes, found, strict=True):
-        row = {
-            **{name: getattr(scene, name) for name in ("point_id", *NUMBERS)},
-            "method": preview.method,
-            "status": preview.status,
+        parts = preview.simplifications
+        row = {name: getattr(scene, name) for name in ("point_id", *NUMBERS)} | vars(preview)
+        row |= {
             "validity": validity(scene),
-            "domain": preview.domain,
             "terms": "; ".join(preview.terms),
-            **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
-            "simplifications": "; ".join(part.what for part in preview.simplifications),
-            "simplification_reasons": "; ".join(
-                f"{part.what}: {part.why}" for part in preview.simplifications
-            ),
-            "expected_error": preview.expected_error,
-            "expected_mflop": preview.expected_mflop,
+            "simplifications": "; ".join(part.what for part in parts),
+            "simplification_reasons": "; ".join(f"{part.what}: {part.why}" for part in parts),
             "notes": "; ".join(notes_of(scene)),
         }
         if settings.outputs:
@@ -286,10 +266,11 @@ def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.Da
             lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
             row["outputs_not_supported"] = "; ".join(lacking)
         rows.append(row)
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    return table, _shown_rows(scenes, table, tolerance=settings.tolerance)
 
 
-def preview_rows(
+def _shown_rows(
     scenes: Sequence[Scene], table: pd.DataFrame, *, tolerance: float
 ) -> Iterator[dict[str, Any]]:
     """Rows to be shown of a table of previews: one for all scenes that are treated alike."""
@@ -306,36 +287,26 @@ def preview_rows(
 
 PIECE = 4096
 """Scenes whose results are held before they are written."""
-NAMED = 100
-"""Points without a force, at most, in a message."""
-
-
-def device_ready(config: Config, *, option: str | None, scene: Scene) -> Device:
-    """The device of a study with its kernels compiled for scenes like one; on a node once."""
-    with one_build_at_a_time():
-        device = device_of(config, option=option)
-        warm(device, scene)
-    return device
 
 
 def compile_kernels(config: Config) -> dict[str, Any]:
     """Compile the kernels of a study, so that jobs find them in the caches; name its device."""
-    # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
-    scene = film_in(config).scene(h0_m=5e-6, hv_m=0.0)
-    facts = describe(device_ready(config, option=None, scene=scene))
+    device = device_of(config)
+    with one_build_at_a_time():
+        # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
+        warm(device, film_in(config).scene(h0_m=5e-6, hv_m=0.0))
+    facts = describe(device)
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     return facts
 
 
 def simulate_table(
     scenes: Path | str,
-    config: Config,
+    film: Film,
     *,
-    settings: SolverSettings,
     output: Path | str,
     timings: Path | str | None = None,
     chunk: tuple[int, int] = (1, 1),
-    device: str | None = None,
     derivatives: bool = False,
 ) -> tuple[list[str], list[str]]:
     """Solve the scenes of a table and write a row for each, whatever became of it.
@@ -343,7 +314,6 @@ def simulate_table(
     Args:
         timings: where to write each scene's share of the run time.
         chunk: which of how many parts of the table.
-        device: instead of the study's.
         derivatives: of the force too.
 
     Returns:
@@ -354,8 +324,10 @@ def simulate_table(
     """
     table = read_scenes(scenes, chunk=chunk)
     with naming(scenes):
-        planned = scenes_in(table, config)
-    chosen = device_ready(config, option=device, scene=planned[0])
+        planned = film.scenes(table)
+    settings = film.solver()
+    with one_build_at_a_time():
+        warm(settings.device, planned[0])
     failures: list[str] = []
     incomplete: list[str] = []
     seconds = 0.0
@@ -368,13 +340,8 @@ def simulate_table(
         for first in range(0, len(table), PIECE):
             rows, batch = table.iloc[first : first + PIECE], planned[first : first + PIECE]
             start = time.perf_counter()
-            solutions = solved_with(
-                settings.resolved(batch, chosen),
-                settings=settings,
-                device=chosen,
-                derivatives=derivatives,
-                report=bar.update,
-            )
+            how: dict[str, Any] = {"derivatives": derivatives, "report": bar.update}
+            solutions = solved_with(settings.resolved(batch), settings=settings, **how)
             wall = time.perf_counter() - start
             solved = Solutions.of(solutions).to_frame(rows.index)
             asked = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
@@ -399,43 +366,3 @@ def missing_of(solution: Solution) -> str:
     """Return the reason for a missing force or a missing quantity beside it, or an empty text."""
     asked = (solution, solution.derivatives, solution.outputs)
     return next((each.status for each in asked if each and each.status != "ok"), "")
-
-
-def merge_forces(
-    scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
-) -> None:
-    """Put the forces of a plan's parts together, one part and its rows of the plan held at a time.
-
-    Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
-    points without a force unless these may stay; then nothing is written.
-    """
-    failures: list[str] = []
-    with table_writer(output) as write:
-        for number, part in enumerate(parts, start=1):
-            planned = read_scenes(scenes, chunk=(number, len(parts)))
-            rows = read_forces(part, whole=True)
-            if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
-                raise InputError(
-                    f"{part}: its points are not those of part {number} of {len(parts)} of "
-                    f"{scenes}; simulate it again"
-                )
-            failed = rows[rows["status"] != "ok"]
-            failures += [
-                f"point {row.point_id}: {row.status} ({part})" for row in failed.itertuples()
-            ]
-            write(rows)
-        if failures and not keep_failed:
-            raise RunError(no_force(failures, scenes))
-
-
-def no_force(failures: Sequence[str], scenes: Path | str) -> str:
-    """The message for points without a force."""
-    more = f" and {len(failures) - NAMED} more" if len(failures) > NAMED else ""
-    return f"{scenes}: no force for {'; '.join(failures[:NAMED])}{more}"
-
-
-def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
-    """Put the run times of a plan's parts together."""
-    with table_writer(output) as write:
-        for part in parts:
-            write(read_timings(part))

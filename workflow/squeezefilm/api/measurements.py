@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.api.film import Film
-from squeezefilm.api.forces import Force, forces_of, solved_with
+from squeezefilm.api.forces import Force, solved_with
 from squeezefilm.config.loading import Config
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.quantities.derivatives import moved
-from squeezefilm.studies.solver_settings import solver_settings
+from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.studies.study import measured_points
 
 # Probability of χ² below which differences count as larger than their uncertainty; and how many
@@ -34,14 +34,13 @@ def compare_measurements(config: Config) -> pd.DataFrame:
 
     Raises InputError for a wrong table of measurements.
     """
-    points, film = measured_points(config), Film(config)
-    how: dict[str, Any] = {"settings": solver_settings(config, outputs=()), "device": film.device}
-    forces = forces_of(film.scenes(points), smoothed=film.scan, budget=True, **how)
+    points, film = measured_points(config), Film(config, {"outputs": ()})
+    forces = film.solved(film.scenes(points), budget=True)
     computed = pd.DataFrame([_computed(force) for force in forces], index=points.index)
     table = points.rename(columns={"force_n": "measured_force_n"}).assign(**computed)
     for factor, column in zip(("h0", "hv"), PARTS[1:], strict=True):
         off_m = points[f"{factor}_uncertainty_m"].to_numpy()
-        table[column] = _propagated(f"{factor}_m", off_m, forces, **how)
+        table[column] = _propagated(f"{factor}_m", off_m, forces, film.solver())
     lacking = (table["status"] == OK) & table[PARTS].isna().any(axis=1)
     table.loc[lacking, "status"] = "no force at h0 or hv plus or minus its uncertainty"
     return with_residuals(table)
@@ -63,12 +62,15 @@ def _computed(force: Force) -> dict[str, Any]:
     }
 
 
-def _propagated(name: str, off_m: np.ndarray, forces: Sequence[Force], **how: Any) -> np.ndarray:
+def _propagated(
+    name: str, off_m: np.ndarray, forces: Sequence[Force], settings: SolverSettings
+) -> np.ndarray:
     """Return the uncertainty (N) of each force due to that of a factor; NaN if not known."""
     parts_n = np.array([0.0 * force.force_n for force in forces])
     rows = np.flatnonzero((off_m > 0) & np.isfinite(parts_n)).tolist()
     ends = [moved(forces[k].scene, name, sign * off_m[k]) for sign in (1, -1) for k in rows]
-    more, less = np.reshape([each.force_n for each in solved_with(ends, **how)], (2, -1))
+    solved = solved_with(ends, settings=settings)
+    more, less = np.reshape([each.force_n for each in solved], (2, -1))
     parts_n[rows] = np.abs(more - less) / 2
     return parts_n
 

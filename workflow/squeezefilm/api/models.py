@@ -12,13 +12,10 @@ import numpy as np
 from squeezefilm.api.film import Film, Position, Values, levels, points_of
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError, naming
-from squeezefilm.film.validity import OK
 from squeezefilm.formatting import in_lines
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.study import scenes_in
-from squeezefilm.tables import write_json
+from squeezefilm.tables import failures_in, write_json
 
 if TYPE_CHECKING:
     from squeezefilm.models.fit_file import FittedModel
@@ -225,8 +222,8 @@ class Study(Film):
         config = self.config
         chosen = get_model(model, config["models"], place=config.path)
         forces, sample = self._simulated(centred=chosen.is_centred)
-        for failed in forces[forces["status"] != OK].itertuples():
-            raise RunError(f"point {failed.point_id}: {failed.status}")
+        for failure in failures_in(forces):
+            raise RunError(failure)
         fitted, _ = fit_to_forces(
             chosen,
             config,
@@ -261,9 +258,9 @@ class Study(Film):
 
     def _solved(self, points: pd.DataFrame) -> pd.DataFrame:
         """The points with their forces."""
-        settings, device = solver_settings(self.config, outputs=()), self.device
-        scenes = settings.resolved(scenes_in(points, self.config), device)
-        found = solve(scenes, **settings.how(device)).to_frame(points.index)
+        settings = self.solver(outputs=())
+        scenes = settings.resolved(self.scenes(points))
+        found = solve(scenes, **settings.how).to_frame(points.index)
         return points.assign(**found[["force_n", "force_error_n", "status", "simplifications"]])
 
 

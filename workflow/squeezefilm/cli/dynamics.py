@@ -25,8 +25,6 @@ from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import GAPS_M, OK
 from squeezefilm.formatting import scene_row
 from squeezefilm.lazy import pd
-from squeezefilm.reynolds.device import one_build_at_a_time
-from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities, quantity
 
@@ -67,8 +65,7 @@ def levitate(options: argparse.Namespace) -> None:
     outside the range of a first-order estimate. `note` says which terms `auto` does not include and
     why, what stretches an included term, and why there is no resonance.
     """
-    film = film_at(options.config)
-    settings = solver_settings(film.config, tolerance=options.tolerance, method=options.method)
+    film = film_at(options)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:
         raise InputError(f"--mass {options.mass!r} must be positive")
@@ -79,17 +76,15 @@ def levitate(options: argparse.Namespace) -> None:
         raise InputError("give --load and --hv, or --mass and --hv")
     if min(loads_n) <= 0:
         raise InputError(f"--load {options.load!r} must be positive")
-    points = points_in(options, times=len(loads_n))
+    points = pd.DataFrame(points_in(options, times=len(loads_n)))
     least, most = AMPLITUDES_M
     for wrong in points.loc[~points["hv_m"].between(least, most), "hv_m"]:
         raise InputError(f"--hv: {wrong:g} m must lie within {least:g} … {most:g} m")
     # Of the gap, which is sought, the largest: there surface and pad do not touch.
     scenes = film.scenes(points.assign(h0_m=GAPS_M[1]))
-    with one_build_at_a_time():
-        device = device_of(film.config, option=options.device)
-    how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
-    scan = film.scan
-    off_n = scan_error_of(scan, device=device)
+    settings, scan = film.solver(), film.scan
+    how = settings.how | {"model_tolerance": settings.model_tolerance}
+    off_n = scan_error_of(scan, device=settings.device)
     alone = options.output is None and len(scenes) * len(loads_n) == 1
     table = levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg, whole=alone)
     if scan is not None:
@@ -143,7 +138,7 @@ def response(options: argparse.Namespace) -> None:
     corner and settling times is not known). `validity` is `ok`, or the limits of validity that a
     scene exceeds under this equation.
     """
-    film = film_at(options.config)
+    film = film_at(options)
     points, alone = points_or_scenes(options), options.scenes is None
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
     table = pd.DataFrame(points) if alone else read_scenes(options.scenes)
@@ -156,10 +151,8 @@ def response(options: argparse.Namespace) -> None:
     if alone or options.gains is not None:
         gained = all_gains(table, scenes, frequency_hz)
     if alone or options.output is not None:
-        with one_build_at_a_time():
-            device = device_of(film.config, option=options.device)
-        tolerance = solver_settings(film.config, outputs=()).tolerance
-        found = responses(table, scenes, tolerance=tolerance, device=device)
+        solver = film.solver()
+        found = responses(table, scenes, tolerance=solver.tolerance, device=solver.device)
         if alone and found["status"].iloc[0] != OK:
             raise RunError(found["status"].iloc[0])
         for reason in gained.loc[gained["status"] != OK, "status"] if alone else ():

@@ -4,18 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
 
 from squeezefilm.api.film import INSTANTS, PLACES, Film
-from squeezefilm.api.forces import (
-    budget_table,
-    forces_of,
-    forces_table,
-    missing_of,
-    preview_rows,
-    preview_table,
-    simulate_table,
-)
+from squeezefilm.api.forces import budget_table, forces_table, missing_of, preview, simulate_table
 from squeezefilm.cli.options import (
     CONFIG,
     FILM,
@@ -38,7 +29,6 @@ from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.solution import OUTPUTS
-from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
 
 
@@ -82,47 +72,36 @@ def simulate(options: argparse.Namespace) -> None:
     what it does not need and why, first grid and expected cost, or with --output writes them, a row
     for each scene.
     """
-    film = film_at(options.config)
     outputs = None if options.outputs is None else [*filter(None, options.outputs.split(","))]
-    settings = solver_settings(
-        film.config, tolerance=options.tolerance, method=options.method, outputs=outputs
-    )
+    film = film_at(options, outputs)
     points, path = points_or_scenes(options), options.scenes
     if options.dry_run:
         with naming(path):
             scenes = film.scenes(read_scenes(path) if path else points)
-        device = device_of(film.config, option=options.device)
-        resolved = settings.resolved(scenes, device)
-        table = preview_table(resolved, settings=settings)
+        table, rows = preview(scenes, film)
         check_json(options, len(table))
         if options.output is not None:
             write_table(table, options.output)
-        rows = preview_rows(resolved, table, tolerance=settings.tolerance)
         print(*(shown(row, options) for row in rows), sep="\n\n")
     elif path is None:
-        _simulate_points(points, options, film, settings)
+        _simulate_points(points, options, film)
     else:
-        _simulate_table(options, film, settings)
+        _simulate_table(options, film)
 
 
 def _simulate_points(
-    points: dict[str, tuple[float, ...]],
-    options: argparse.Namespace,
-    film: Film,
-    settings: SolverSettings,
+    points: dict[str, tuple[float, ...]], options: argparse.Namespace, film: Film
 ) -> None:
     """One force with all that is known of it, or a table of several."""
-    scenes, smoothed = film.scenes(points), film.scan
-    device = device_of(film.config, option=options.device)
-    how: dict[str, Any] = {"settings": settings, "device": device, "smoothed": smoothed}
+    scenes = film.scenes(points)
     alone = len(scenes) == 1 and not options.output
-    how["budget"] = alone or options.budget
-    forces = forces_of(scenes, derivatives=options.derivatives, **how)
+    budget = alone or options.budget
+    forces = film.solved(scenes, derivatives=options.derivatives, budget=budget)
     if alone:
         print(shown(forces[0].row, options))
     else:
         write_rows(forces_table(pd.DataFrame(points), forces), options)
-        for warning in smoothed.warnings if smoothed else ():
+        for warning in film.scan.warnings if film.scan else ():
             print(warning, file=sys.stderr)
     failures = [
         f"row {row}: {reason}" if len(forces) > 1 else reason
@@ -135,7 +114,7 @@ def _simulate_points(
         raise RunError("; ".join(failures))
 
 
-def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSettings) -> None:
+def _simulate_table(options: argparse.Namespace, film: Film) -> None:
     if options.output is None or options.json:
         raise InputError("a table of scenes needs --output, and has no --json")
     if options.budget:
@@ -143,12 +122,7 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
             "--budget is of points; `squeezefilm error-budget` is of a table of scenes"
         )
     failures, incomplete = simulate_table(
-        options.scenes,
-        film.config,
-        settings=settings,
-        output=options.output,
-        device=options.device,
-        derivatives=options.derivatives,
+        options.scenes, film, output=options.output, derivatives=options.derivatives
     )
     if film.scan is not None:
         alone = (
@@ -158,7 +132,7 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
         print(alone, *film.scan.warnings, sep="\n", file=sys.stderr)
     if missing := failures + incomplete:
         what = "no force or no derivatives" if options.derivatives else "no force"
-        what += ", or not all outputs," * bool(settings.outputs)
+        what += ", or not all outputs," * bool(film.solver().outputs)
         raise RunError(f"{what} for " + "; ".join(missing))
 
 
@@ -181,9 +155,9 @@ def error_budget(options: argparse.Namespace) -> None:
     `depth_averaged_percent` is the estimated error of included inertia and thermal effects, as
     averages over the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
     """
-    points, film = points_or_scenes(options), film_at(options.config)
+    points, film = points_or_scenes(options), film_at(options)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)
-    write_rows(budget_table(scenes, film.config, device_name=options.device), options)
+    write_rows(budget_table(scenes, film), options)
 
 
 @command(
@@ -208,7 +182,7 @@ def pressure(options: argparse.Namespace) -> None:
     given = {name: getattr(options, name) for name in POINTS}
     if not (given["h0"] and given["hv"]):
         raise InputError("give --h0 and --hv")
-    film = film_at(options.config)
+    film = film_at(options)
     field = film.pressure(**given, places=options.places, instants=options.instants)
     if options.output.endswith(".nc"):
         with whole_file(options.output) as path:

@@ -7,6 +7,7 @@ from squeezefilm.cli.options import FIT, SHOWN, command, option, points, points_
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.validity import OK
+from squeezefilm.lazy import pd
 from squeezefilm.models.export import LANGUAGES
 from squeezefilm.models.fit_file import FILM_UNKNOWN
 from squeezefilm.tables import read_columns
@@ -36,7 +37,7 @@ def predict(options: argparse.Namespace) -> None:
     if options.points:
         table, place = read_columns(options.points, columns=("h0_m", "hv_m")), options.points
     else:
-        table, place = points_in(options), "predict"
+        table, place = pd.DataFrame(points_in(options)), "predict"
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=place)
@@ -67,7 +68,8 @@ def amplitude_for(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
-    write_rows(fit.amplitudes_for(points_in(options), options.force), options, **fit.about)
+    points = pd.DataFrame(points_in(options))
+    write_rows(fit.amplitudes_for(points, options.force), options, **fit.about)
 
 
 @command(

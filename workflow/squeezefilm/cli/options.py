@@ -6,7 +6,7 @@ The docstring of a command is its help.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -79,18 +79,23 @@ OUTPUT = option("--output", "TABLE.csv", "table to write, else it is shown")
 SHOWN = (OUTPUT, JSON)
 
 
-def film_at(path: str | None) -> Film:
+def film_at(options: argparse.Namespace, outputs: Sequence[str] | None = ()) -> Film:
     """The film of a study, of which no section is checked that film and solver do not need.
 
     Raises InputError where none is named and there is none, and as ``load_config`` does.
     """
-    if path is None and not PAPER_CONFIG.exists():
+    if options.config is None and not PAPER_CONFIG.exists():
         raise InputError("give a study by --config CONFIG.yaml")
-    return Film(load_config(path or PAPER_CONFIG, model=FilmSections))
+    given = {name: getattr(options, name, None) for name in ("tolerance", "method", "device")}
+    config = load_config(options.config or PAPER_CONFIG, model=FilmSections)
+    return Film(config, given | {"outputs": outputs})
 
 
-def columns_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[float, ...]]:
+def points_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[float, ...]]:
     """Every combination of the options' values, a column for each factor given.
+
+    Args:
+        times: how many results each of these points has.
 
     Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
@@ -102,17 +107,12 @@ def columns_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[f
 def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
     """Return the points that options give, none where they name a table of scenes.
 
-    Raises InputError as ``columns_in`` does, for both or neither, and without h0 or hv.
+    Raises InputError as ``points_in`` does, for both or neither, and without h0 or hv.
     """
-    points = columns_in(options)
+    points = points_in(options)
     if points if options.scenes else not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give a table of scenes, or points by --h0 and --hv")
     return points
-
-
-def points_in(options: argparse.Namespace, times: int = 1) -> pd.DataFrame:
-    """The same as a table, of whose points each has so many results."""
-    return pd.DataFrame(columns_in(options, times))
 
 
 def check_json(options: argparse.Namespace, count: int) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 
 import yaml
 
-from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
 
 Part = Mapping[str, Any]
@@ -21,9 +20,9 @@ HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | 
 
 
 @cache
-def schema(model: type[FilmSections] = Study) -> Part:
-    """The JSON schema of a model, its parts in the places where it refers to them."""
-    raw = model.model_json_schema()
+def schema() -> Part:
+    """The JSON schema of a study, its parts in the places where it refers to them."""
+    raw = Study.model_json_schema()
 
     def inlined(part: Any) -> Any:
         if isinstance(part, list):
@@ -31,26 +30,25 @@ def schema(model: type[FilmSections] = Study) -> Part:
         if not isinstance(part, dict):
             return part
         if "$ref" in part:
-            return inlined(raw["$defs"][part["$ref"].rpartition("/")[2]]) | without(part, "$ref")
+            there = raw["$defs"][part["$ref"].rpartition("/")[2]]
+            return inlined(there) | {name: part[name] for name in part if name != "$ref"}
         if "discriminator" in part:
             kinds = {each["properties"]["kind"]["const"]: each for each in inlined(part["oneOf"])}
             keys = {"kind": {"enum": list(kinds), "description": "it decides the other keys"}}
             return {**part, "properties": keys, "required": ["kind"], "kinds": kinds}
         return {name: inlined(each) for name, each in part.items()}
 
-    def without(part: dict[str, Any], *names: str) -> dict[str, Any]:
-        return {name: each for name, each in part.items() if name not in names}
-
-    whole: Part = inlined(without(raw, "$defs"))
+    whole: Part = inlined({name: part for name, part in raw.items() if name != "$defs"})
     return whole
 
 
-def part_at(part: Part, steps: Place, values: Any) -> tuple[Place, Part]:
-    """The place that some steps lead to in values, and its part of a schema; empty if it has none.
+def part_at(steps: Place, values: Any) -> tuple[Place, Part]:
+    """The place that some steps lead to in values, and its part of the schema; empty if none.
 
     What an error of pydantic says among its steps of the choices of a union is dropped.
     """
     place: Place = ()
+    part = schema()
     for step in steps:
         if isinstance(step, str) and values is not None:
             written = isinstance(values, Mapping)

@@ -18,7 +18,7 @@ import yaml
 from pydantic import ValidationError
 
 from squeezefilm.config.film import FilmSections, key_of
-from squeezefilm.config.keys import Part, Place, allowed, part_at, schema, unit_of
+from squeezefilm.config.keys import Part, Place, allowed, part_at, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
@@ -101,7 +101,7 @@ def config_of(
     try:
         valid = model.model_validate(values)
     except ValidationError as error:
-        told = _mistakes(error, values, schema(model), lines or {})
+        told = _mistakes(error, values, lines or {})
         raise InputError("\n".join(f"{path}: {each}" for each in told)) from None
     sections = valid.model_dump(exclude_none=True)
     return Config(path, sections, valid, frozenset(_places(values)))
@@ -166,20 +166,17 @@ def _scalar(text: str) -> Any:
 
 
 def _mistakes(
-    error: ValidationError,
-    values: Mapping[str, Any],
-    whole: Part,
-    lines: Mapping[Place, int],
+    error: ValidationError, values: Mapping[str, Any], lines: Mapping[Place, int]
 ) -> list[str]:
     """The mistakes, each once, in the order of the file."""
     found: dict[Place, tuple[int, str]] = {}
     for each in error.errors(include_url=False):
         further = each.get("ctx", {}).get("place", ())
-        place, part = part_at(whole, each["loc"] + further, values)
+        place, part = part_at(each["loc"] + further, values)
         if place in found:  # by another choice of a union
             continue
         if each["type"] in ABOUT_KEYS:
-            section = part_at(whole, place[:-1], values)[1]
+            section = part_at(place[:-1], values)[1]
             text = _about_key(each, place, section)
         else:
             text = _about_value(each, place, part)
@@ -258,7 +255,7 @@ def origin(config: Config, place: Place) -> str:
     """Origin of a key's value, as a text; empty where it was written."""
     if place in config.written:
         return ""
-    words = part_at(schema(), place, config.sections)[1].get("derived")
+    words = part_at(place, config.sections)[1].get("derived")
     return f"derived: {words}" if words else "default"
 
 
@@ -270,7 +267,7 @@ def _lines(values: Mapping[str, Any], place: Place, config: Config) -> Iterator[
             yield start
             yield from _lines(value, here, config)
         else:
-            notes = unit_of(part_at(schema(), here, config.sections)[1]), origin(config, here)
+            notes = unit_of(part_at(here, config.sections)[1]), origin(config, here)
             note = ", ".join(filter(None, notes))
             yield f"{start} {_flow(value)}" + (f" # {note}" if note else "")
 

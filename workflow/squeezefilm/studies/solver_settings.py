@@ -8,7 +8,7 @@ from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.model_error import resolve_auto_terms
-from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.device import Device, choose_device, one_build_at_a_time
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.solution import checked_outputs
 
@@ -22,27 +22,27 @@ class SolverSettings:
     tolerance: float
     model_tolerance: float
     method: str
-    outputs: tuple[str, ...] = ()
+    device: Device
+    outputs: tuple[str, ...]
 
-    def how(self, device: Device) -> dict[str, Any]:
+    @property
+    def how(self) -> dict[str, Any]:
         """Keyword arguments of ``solve``."""
-        return {"tolerance": self.tolerance, "method": self.method, "device": device}
+        return {"tolerance": self.tolerance, "method": self.method, "device": self.device}
 
-    def resolved(
-        self, scenes: Scenes | Sequence[Scene], device: Device
-    ) -> Scenes | Sequence[Scene]:
+    def resolved(self, scenes: Scenes | Sequence[Scene]) -> Scenes | Sequence[Scene]:
         """The scenes with what of their gas is ``auto`` decided."""
-        return resolve_auto_terms(
-            scenes, model_tolerance=self.model_tolerance, method=self.method, device=device
-        )
+        how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
+        return resolve_auto_terms(scenes, **how, device=self.device)
 
 
 def device_of(config: Config, *, option: str | None = None) -> Device:
-    """The device that an option or the study asks for.
+    """The device that an option or the study asks for, examined by one job of a node at a time.
 
     Raises InputError as choose_device does.
     """
-    return choose_device(config["solver"]["device"], option=option)
+    with one_build_at_a_time():
+        return choose_device(config["solver"]["device"], option=option)
 
 
 def solver_settings(
@@ -51,10 +51,12 @@ def solver_settings(
     tolerance: float | None = None,
     method: str | None = None,
     outputs: Sequence[str] | None = None,
+    device: str | None = None,
 ) -> SolverSettings:
-    """The tolerance, the method and the outputs: those given, or else the configuration's.
+    """The tolerance, method, outputs and device: those given, or else the configuration's.
 
-    Raises InputError for a tolerance that no method is made for, an unknown method or output.
+    Raises InputError for a tolerance that no method is made for, an unknown method or output, and
+    as ``device_of`` does.
     """
     tolerance = config["solver"]["tolerance"] if tolerance is None else tolerance
     method = method or config["solver"]["method"]
@@ -68,5 +70,6 @@ def solver_settings(
         tolerance=tolerance,
         model_tolerance=config["solver"]["model_tolerance"],
         method=method,
+        device=device_of(config, option=device),
         outputs=checked_outputs(config.get("outputs", ()) if outputs is None else outputs),
     )

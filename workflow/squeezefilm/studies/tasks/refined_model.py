@@ -16,7 +16,7 @@ from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.prediction_interval import error_by_region
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import as_in
-from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.fits import fit_values, validated
@@ -49,7 +49,7 @@ class SimulatedSpace:
             space.sample(settings["verification"], seed=settings["seed"]),
             space.sample(TYPICAL, seed=settings["seed"] + 1),
         ]
-        self.config, self.device = config, device_of(config)
+        self.config = config
         self.table = space.table(np.concatenate(kinds))
         self.scenes = scenes_in(self.table, config)
         self.known = with_limits(self.table, self.scenes)
@@ -63,8 +63,8 @@ class SimulatedSpace:
     def simulate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and their errors; raises RunError for a scene that has no force."""
         settings = solver_settings(self.config, outputs=())
-        scenes = settings.resolved(self.scenes[points], self.device)
-        found = solve(scenes, **settings.how(self.device)).to_frame(pd.Index(points))
+        scenes = settings.resolved(self.scenes[points])
+        found = solve(scenes, **settings.how).to_frame(pd.Index(points))
         for point, status in found["status"][found["status"] != "ok"].items():
             (factors,) = self.rows(self.table, [point], FACTOR_COLUMNS).to_dict("records")
             raise RunError(f"no force at {factors}: {status}")
