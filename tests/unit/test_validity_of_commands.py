@@ -47,7 +47,7 @@ def fit(tmp_path, paper):
         "points": 60,
         "global_error": 0.005,
         "sum_of_squares": 1e-5,
-        "film": film_of(paper, simplifications=["inertia; thermal"]),
+        "film": film_of(paper, absent_terms=["inertia; thermal effects"]),
     }
     write_json(values, path)
     return path, values

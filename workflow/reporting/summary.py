@@ -159,11 +159,9 @@ def _effects(results: Results) -> pd.DataFrame:
 
 def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     """Terms of the study's equation beyond the paper's, as in the simulations if there are any."""
-    without = [
-        row.split("; ") for each in tables.values() for row in each["simplifications"].dropna()
-    ]
+    absent = [row for each in tables.values() for row in each["absent_terms"].dropna()]
     for name in ("inertia", "thermal"):
-        if gas[name] != "none" and not all(name in simplifications for simplifications in without):
+        if gas[name] != "none" and not all(name in each for each in absent):
             chosen = "" if gas[name] == "included" else " where needed"
             yield f"{label_of(name)}{chosen}"
 

@@ -22,13 +22,14 @@ LABELS = {unit_of_column(each.name)[0]: each.label for each in COLUMNS if each.l
 NUMBERS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
 FACTORS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
 RESULTS = ("force_n", "h0_m", "hv_m")
-LAST = ("device", "model", "validation", "simplification_reasons", "notes", "note")
+LAST = ("device", "model", "validation", "absent_term_reasons", "notes", "note")
 FRACTIONS = ("error", "expected_error", "global_error", "worst_relative_error", "worst_error")
-NOT_SHOWN = {"point_id", "terms", "domain", "inertia", "newton_steps", "residual"} | {
+NOT_SHOWN = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
     *("sum_lower_percent", "sum_upper_percent", "bearing_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
 NOT_AVAILABLE, REMAINDER = "not available", "_remainder_percent"
+SYMMETRIES = {"whole": "none", "quarter": "x and y"}
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.01
 
 Row = dict[str, Any]
@@ -211,15 +212,14 @@ def _effects(row: Row) -> Lines:
 def _solver(row: Row) -> Lines:
     """Take from a row how its force was found, or would be."""
     sizes = [f"{size:.0f}" for name in ("nx", "ny", "nt") if (size := row.pop(name, 0))]
-    flat, folds = row.pop("pad_shape", "rectangle") == "rectangle", row.pop("simplifications", "")
+    flat, domain = row.pop("pad_shape", "rectangle") == "rectangle", row.pop("domain", "")
     axes = ("x", "y", "time") if flat else ("radius", "angle", "time")
     solver = [row.pop("method", ""), f"grid {' × '.join(sizes)} ({', '.join(axes[: len(sizes)])})"]
     steps = row.pop("krylov_iterations", 0)
-    halves = [axis for axis in "xy" if f"symmetry in {axis}" in folds]
-    domain = ("whole", "half", "quarter")[len(halves)]
-    symmetry = f"{' and '.join(halves) or 'none'} ({domain} domain)"
+    part, _, axis = domain.partition(" in ")
+    symmetry = f"{axis or SYMMETRIES.get(part, '')} ({part} domain)"
     solver = solver[: 1 + bool(sizes)] + [f"{steps} GMRES iterations"] * bool(steps)
-    return [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(sizes))]
+    return [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(domain))]
 
 
 def json_text(row: Mapping[Any, Any]) -> str:

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
 NOT_ASKED = "not asked for"
-ALIKE = ["method", "domain", "terms", "simplifications", "status", "validity", "notes"]
+ALIKE = ["method", "domain", "terms", "status", "validity", "notes"]
 
 
 @dataclass(frozen=True)
@@ -271,10 +271,8 @@ def preview_table(scenes: Sequence[Scene], *, settings: SolverSettings) -> pd.Da
             "domain": preview.domain,
             "terms": "; ".join(preview.terms),
             **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
-            "simplifications": "; ".join(part.what for part in preview.simplifications),
-            "simplification_reasons": "; ".join(
-                f"{part.what}: {part.why}" for part in preview.simplifications
-            ),
+            "absent_terms": "; ".join(each.name for each in preview.absent),
+            "absent_term_reasons": "; ".join(f"{each.name}: {each.why}" for each in preview.absent),
             "expected_error": preview.expected_error,
             "expected_mflop": preview.expected_mflop,
             "notes": "; ".join(notes_of(scene)),
@@ -300,8 +298,7 @@ def preview_rows(
         )
         row = count | scene_row(scenes[first]) | {"tolerance": tolerance}
         row |= table.iloc[first].to_dict() | {"expected_mflop": mflop}
-        reasons = row["simplification_reasons"].split("; ")
-        yield row | {"simplification_reasons": [x for x in reasons if "symmetry" not in x]}
+        yield row | {"absent_term_reasons": row["absent_term_reasons"].split("; ")}
 
 
 PIECE = 4096

@@ -264,7 +264,7 @@ class Study(Film):
         settings, device = solver_settings(self.config, outputs=()), self.device
         scenes = settings.resolved(scenes_in(points, self.config), device)
         found = solve(scenes, **settings.how(device)).to_frame(points.index)
-        return points.assign(**found[["force_n", "force_error_n", "status", "simplifications"]])
+        return points.assign(**found[["force_n", "force_error_n", "status", "absent_terms"]])
 
 
 def load(path: Path | str) -> Study:

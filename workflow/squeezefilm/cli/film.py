@@ -79,7 +79,7 @@ def simulate(options: argparse.Namespace) -> None:
     says why there are none. `--outputs thrust,power` adds answers beside the force instead of the
     study's `outputs`: each with its error, by the periodic state; `outputs_status` says what is not
     known and why. `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms,
-    what it does not need and why, first grid and expected cost, or with --output writes them, a row
+    absent terms and why, first grid and expected cost, or with --output writes them, a row
     for each scene.
     """
     film = film_at(options.config)

@@ -219,6 +219,7 @@ class Refinement:
 
     def _write_grid(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
+        self.solutions.domain[rows] = self.needs.domains[rows]
         self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
         self.solutions.nt[rows] = grid.nt
 
@@ -248,7 +249,7 @@ def solve_periodic(
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
     count = len(needs)
     solutions = Solutions.of_method("periodic", count)
-    solutions.simplifications[:] = needs.simplification_texts()
+    solutions.absent_terms[:] = needs.absent_terms()
     refinement = Refinement(
         needs=needs,
         solutions=solutions,

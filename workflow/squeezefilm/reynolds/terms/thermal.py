@@ -32,7 +32,7 @@ import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, Inertia, not_derived
-from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, Arrays, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -53,7 +53,7 @@ class Thermal(Term):
     label: str = "thermal effects"
 
     NAME = "thermal"
-    ABSENT = Simplification("thermal", "not included by gas.thermal", "isothermal")
+    ABSENT = AbsentTerm("thermal effects", "not included by gas.thermal", "isothermal")
     OVER_PERIOD = "terms/thermal_over_period.cl"
     HOOKS = ("residual", "response")
     OWN_FIELDS = 9

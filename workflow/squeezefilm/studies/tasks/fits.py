@@ -110,10 +110,8 @@ def fit_to_forces(
     ways = [(bound, *search) for bound, search in product(settings["bounds"], searches)]
     runs = fit_by(ways, model, factors, force_n, processes=processes)
     best = min(runs, key=lambda run: run.sum_of_squares)
-    simplifications = forces["simplifications"]
-    about = fit_values(
-        model, config, factors, force_n, best, simplifications, uncertainty=uncertainty
-    )
+    absent_terms = forces["absent_terms"]
+    about = fit_values(model, config, factors, force_n, best, absent_terms, uncertainty=uncertainty)
     about["source"] = {"squeezefilm": __version__, **source}
     if model.column_names and limit_table and "not_supported" not in limit_table:
         about["limit_table"] = limit_table
@@ -129,7 +127,7 @@ def fit_values(
     factors: Factors,
     force_n: np.ndarray,
     fit: Fit,
-    simplifications: Iterable[str],
+    absent_terms: Iterable[str],
     *,
     uncertainty: float,
 ) -> dict[str, Any]:
@@ -159,7 +157,7 @@ def fit_values(
         "error_scale": list(error_scale(missed_n, force_n)),
         "profile_uncertainty": uncertainty,
         "directions": symmetry_of(config).to_dict(),
-        "film": film_of(config, simplifications=simplifications),
+        "film": film_of(config, absent_terms=absent_terms),
     }
 
 

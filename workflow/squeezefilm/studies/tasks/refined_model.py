@@ -220,10 +220,10 @@ def _fit_values(
     force_n, seed = forces["force_n"].to_numpy(), space.config["refine"]["seed"]
     fit = Fit.of(model, factors, force_n, last.theta, method="closed loop", bound=0.0, seed=seed)
     ranges = parameter_ranges(model, factors, force_n, last.theta) if len(last.theta) else []
-    simplifications = space.solved["simplifications"]
+    absent_terms = space.solved["absent_terms"]
     return {
         **fit_values(
-            model, space.config, factors, force_n, fit, simplifications, uncertainty=uncertainty
+            model, space.config, factors, force_n, fit, absent_terms, uncertainty=uncertainty
         ),
         "points": len(last.design),
         "parameter_ranges": [each.to_dict() for each in ranges],
