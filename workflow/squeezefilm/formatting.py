@@ -10,6 +10,7 @@ from math import floor, isfinite, log10, nan
 from typing import Any
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import OK
 from squeezefilm.reynolds.terms import absent_terms, terms_of
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
@@ -157,12 +158,13 @@ def _result(row: Row) -> Lines:
 
 def _scene(row: Row) -> Lines:
     """Take validity, operating point, dimensionless numbers and equation from a row."""
+    validity = row.pop("validity", "")
     point = {unit_of_column(name): row.pop(name) for name in FACTORS if name in row}
     numbers = {name: row.pop(name, 0) for name in NUMBERS}
     texts = [f"{name} = {value_text(each, unit, digits=6)}" for (name, unit), each in point.items()]
     named = [f"{label_of(name)} {value_text(each)}" for name, each in numbers.items() if each]
     return [
-        ("validity", row.pop("validity", "")),
+        ("validity", "within limits" if validity == OK else validity),
         ("operating point", ", ".join(texts)),
         ("dimensionless", ", ".join(named)),
         ("equation", row.pop("equation", "")),
@@ -190,7 +192,7 @@ def _effects(row: Row) -> Lines:
     neglected = {name: effects[name] for name in names if name not in have}
     total = f"{change(*ends)} of the {'force' if unit == 'N' else 'load'}"
     if doubtful := " and ".join(label_of(name) for name in neglected if name in invalid):
-        total += f", not reliable for {doubtful}"
+        total += f", rough for {doubtful}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE + f": {status}" * (status != "ok")
     lines = [("modelling error", total)]
@@ -200,8 +202,7 @@ def _effects(row: Row) -> Lines:
         text = change(effect, *[edge] * (name == "edge_loss"))
         text += f" ± {percent(remainder, sign='', digits=1)}" * (name == "depth_averaged")
         if name in invalid:
-            first = f"first-order estimate {percent(effect)}"
-            text = f"not reliable ({first}, outside its validity range)"
+            text = f"roughly {percent(effect)}, beyond first order"
         if not abs(effect) + remainder < LEAST_EFFECT_PERCENT:
             lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
     off = ends[1] - sum(effect for effect, _ in neglected.values())

@@ -64,8 +64,8 @@ def levitate(options: argparse.Namespace) -> None:
     its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is the root of its equation
     of motion with the film's stiffness at s. `modelling_error_lower_percent` and `…_upper_percent`
     bound what neglected effects change the force by, and `first_order_invalid` names effects
-    outside the range of a first-order estimate. `note` says which terms `auto` does not include and
-    why, what stretches an included term, and why there is no resonance.
+    beyond first order, whose estimates are rough. `note` says which terms `auto` does not include
+    and why, what stretches an included term, and why there is no resonance.
     """
     film = film_at(options.config)
     settings = solver_settings(film.config, tolerance=options.tolerance, method=options.method)

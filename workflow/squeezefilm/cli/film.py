@@ -176,8 +176,8 @@ def error_budget(options: argparse.Namespace) -> None:
 
     `sum_…` adds all of them, `modelling_error_…` those that the force neglects (`included_effects`
     names the others): from `…_lower` to `…_upper`, with C from 1 to 1.54 and the errors of higher
-    orders and coarse grids. `first_order_invalid` names effects outside the range of a first-order
-    estimate, `status` says why there are none.
+    orders and coarse grids. `first_order_invalid` names effects beyond first order, whose
+    estimates are rough; `status` says why there are none.
     `depth_averaged_percent` is the estimated error of included inertia and thermal effects, as
     averages over the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
     """

@@ -100,7 +100,7 @@ class Levitation:
         error_m = max(map(abs, replace(self, budget=self.budget.known).modelling_error_m))
         if not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
             names = ", ".join(map(label_of, self.budget.first_order_invalid))
-            above = f" (above the range of first orders: {names})" if names else ""
+            above = f" (beyond first order: {names})" if names else ""
             reasons.append(
                 f"the gap's modelling error, up to {1e6 * error_m:.2g} µm{above}, is more than a "
                 f"tenth of the gap"

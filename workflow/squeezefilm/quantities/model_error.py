@@ -118,7 +118,7 @@ class ErrorBudget:
 
     @property
     def first_order_invalid(self) -> list[str]:
-        """The names of what is neglected and too large for a first order."""
+        """The names of neglected effects beyond first order."""
         effects = self.effects.items()
         return [name for name, each in effects if not (each.usable or each.included)]
 
@@ -396,7 +396,7 @@ def budget_row(budget: ErrorBudget) -> dict[str, object]:
     ``…_remainder_percent`` is the size of what higher orders add, where it is known. The edge loss
     is for C = 1, and for the largest C in ``edge_loss_upper_percent``; the sums' ends hold both,
     and the errors of all effects. ``included_effects`` names the effects that the force includes,
-    ``first_order_invalid`` those outside the range of a first-order estimate.
+    ``first_order_invalid`` those beyond first order.
     """
     row: dict[str, object] = {}
     effects = budget.effects.items()
