@@ -132,6 +132,17 @@ def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
         assert "default" not in effective_text(written)
 
 
+def test_numbers_that_may_lack_their_unit_are_noted(tmp_path, capsys):
+    """20 is 20 Hz, and 8 is 8 m: allowed, but hardly meant; a written unit is."""
+    text = SHORT.replace("20 kHz", "20").replace("30 mm", "9 m").replace("12 mm", "8")
+    (path := tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
+    assert main(["config", str(path)]) == 0
+    assert capsys.readouterr().err.splitlines() == [
+        "note: actuator.frequency is read as 20 Hz; for 20 kHz write the unit",
+        "note: pad.length_x is read as 8 m; for 8 mm write the unit",
+    ]
+
+
 def test_thin_air_is_thin_in_every_number():
     """At a tenth of the pressure slip is ten times what it is; it was that of dense air."""
     gas = study(gas={"ambient_pressure": 10132.5})["gas"]

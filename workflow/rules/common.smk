@@ -300,7 +300,8 @@ def name_page():
     if IS_MODULE or not ran or (len(workflow.dag) and not succeeded):
         return
     for job in sorted(workflow.dag.targetjobs, key=str):
-        files = sorted(file for file in map(str, [*job.input, *job.output]) if Path(file).exists())
+        made = sorted(file for file in map(str, [*job.input, *job.output]) if Path(file).exists())
+        files = [file for file in made if not file.endswith(".plain.png")]
         shown = [file for end in (".html", ".png") for file in files if file.endswith(end)]
         own = [file for file in shown if Path(file).stem in ("summary", job.rule.name)]
         for page in (own or shown)[:1]:
