@@ -84,7 +84,7 @@ def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
     one means.
     """
     gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
-    # ``auto`` has inertia and heat where they matter.
+    # ``auto`` has inertia and thermal effects where they matter.
     kind = "thermal effects included" if gas["thermal"] != "none" else "inertia included"
     kind = kind if gas["inertia"] != "none" else "inertia neglected"
     limit = reynolds_limit(kind)

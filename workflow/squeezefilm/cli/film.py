@@ -170,7 +170,7 @@ def error_budget(options: argparse.Namespace) -> None:
       squeezefilm error-budget --h0 5um --hv 2.2um --x -2mm
 
     A row for each scene. `inertia_percent`, `thermal_percent`, `slip_percent`, `edge_loss_percent`
-    (for the entrance coefficient C = 1; `edge_loss_upper_percent` for 1.54), `bearing_percent` and
+    (for its coefficient C = 1; `edge_loss_upper_percent` for 1.54), `bearing_percent` and
     `convected_percent` (the profile that moves past a sliding pad) are changes of the mean force at
     first order, `…_remainder_percent` the size of what higher orders add.
 

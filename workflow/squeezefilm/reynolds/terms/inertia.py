@@ -134,7 +134,7 @@ class Inertia(Term):
 
 
 def not_derived(label: str, scene: Scene) -> str:
-    """Return the reason why inertia or heat is not derived for a scene, or an empty text."""
+    """Return the reason why inertia or ``thermal`` is not derived for a scene, or an empty text."""
     if scene.gas.rarefaction == "fukui-kaneko":
         return (
             f"not supported: {label} with fukui-kaneko, only with viscous flow or first-order slip"

@@ -1,4 +1,4 @@
-"""Heat: a gas that compression warms, between walls that stay at ambient temperature.
+"""Thermal effects: a gas that compression warms, between walls that stay at ambient temperature.
 
 The energy equation, weighted with the parabola that the temperature has over the gap, is one
 equation for its mean rise τ, in units of the ambient temperature (lengths by the pad's length
