@@ -59,7 +59,7 @@ def test_a_short_study_is_whole(repository):
     assert short["screen"]["h0_m"] == {"start": 20e-6, "stop": 35e-6, "levels": 8}
     assert short["extrapolation"] == {"force_n": 0.5, "h0_m": 20e-6, "hv_m": 18.5e-6}
     assert short["error_map"]["hv_m"] == {"start": 2e-6, "stop": 18.5e-6, "levels": 10}
-    # An ellipse has no physics limit: no model may rest on it.
+    # An ellipse has no asymptotic expansion: no model may rest on it.
     assert "limit" not in str(short["comparison"]) + str(short["refine"])
     assert "limit_1" in study(pad={"shape": "rectangle"})["comparison"]["two_factor"]
 

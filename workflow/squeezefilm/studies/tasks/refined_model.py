@@ -32,7 +32,7 @@ from squeezefilm.tables import (
 TYPICAL = 1000
 """Points of the fair sample of the space at which nothing is simulated."""
 CLOSE = 0.3
-"""The physics limit maps a model's error if it leaves less than this share of it unexplained."""
+"""The expansion maps a model's error if it leaves less than this share of it unexplained."""
 
 
 TABLES = {
@@ -92,7 +92,7 @@ def refine(
 ) -> tuple[dict[str, pd.DataFrame], dict[str, Any], dict[str, Any]]:
     """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
 
-    A model that needs the physics limits where they do not hold is not supported: nothing is
+    A model that needs the asymptotic forces where they do not hold is not supported: nothing is
     simulated: the fit and the verdict have the reason, and the tables are empty.
 
     Args:
@@ -176,8 +176,8 @@ def _map(
 ) -> tuple[pd.DataFrame, str]:
     """The error of the best fit over the space: candidates, then the fair sample.
 
-    Where the physics limit explains it at the simulated points it does so in between; otherwise
-    the errors at these points are interpolated.
+    Where the asymptotic expansion explains it at the simulated points it does so in between;
+    otherwise the errors at these points are interpolated.
     """
     from scipy.interpolate import RBFInterpolator  # slow to import, and only needed here
 
@@ -188,7 +188,7 @@ def _map(
     limit = space.known["limit_n"].to_numpy()
     left = outcome.force_n - limit[points]
     if not model.column_names and np.linalg.norm(left) < CLOSE * np.linalg.norm(seen):
-        error, source = own[places] - limit[places], "physics limit"
+        error, source = own[places] - limit[places], "asymptotic expansion"
     else:
         at = pool.coordinates
         degree = 1 if len(points) > at.shape[1] + 1 else 0
