@@ -32,7 +32,8 @@ def verdicts(claims: pd.DataFrame) -> dict[str, Any]:
 
 def percent(share: float) -> str:
     """A fraction as a percentage with three digits: 0.00533 → 0.533 %."""
-    return f"{100 * share:.3g} %".replace("-", "−")
+    digits = ".3g" if abs(share) < 9.99 else ".0f"
+    return f"{100 * share:{digits}} %".replace("-", "−")
 
 
 def signed(value: float, digits: int = 2) -> str:
