@@ -1,4 +1,4 @@
-"""The estimated error of depth-averaged inertia and heat is that of resolved theory and films."""
+"""The estimated error of depth-averaged terms is that of resolved theory and films."""
 
 from __future__ import annotations
 

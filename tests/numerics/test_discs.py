@@ -1,4 +1,4 @@
-"""Discs and ellipses with inertia, heat and sliding, by programs of their own and exact theory."""
+"""Discs and ellipses with inertia, thermal effects, sliding: own programs and exact theory."""
 
 from dataclasses import replace
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Inertia and heat in the periodic state: limits, known forces, strips, order, ``auto``."""
+"""Inertia and thermal effects in the periodic state: limits, forces, strips, order, ``auto``."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def still(scene: Scene) -> Scene:
 
 
 def thermal_percent(scene: Scene, *, tolerance: float) -> float:
-    """Change of the force by heat."""
+    """Change of the force by thermal effects."""
     with_it, without = forces([scene, with_gas(scene, thermal="none")], tolerance=tolerance)
     return 100 * float(with_it / without - 1)
 

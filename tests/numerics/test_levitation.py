@@ -93,7 +93,7 @@ def test_a_floating_part_oscillates_at_the_root_of_its_equation_of_motion(tmp_pa
 
 
 def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_path):
-    """The gap with inertia and heat of the gas, against that of the equation without them."""
+    """The gap with inertia and thermal effects, against that of the equation without them."""
     words = ["--load", "0.5N", "--hv", "2um"]
     without, with_both = (
         levitated(tmp_path, *words, gas=gas).iloc[0]

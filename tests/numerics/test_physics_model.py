@@ -1,4 +1,4 @@
-"""The physics limit as a force model: nothing fitted, better than the paper's fitted formula."""
+"""The asymptotic expansion as a model: nothing fitted, better than the paper's fitted formula."""
 
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""The example's measured forces, config/synthetic.csv: computed with inertia and heat, with noise.
+"""The example's measured forces, config/synthetic.csv: with inertia, thermal effects and noise.
 
 Gaps, amplitudes and forces are off by their uncertainties times normal random numbers, seed 1.
 """
@@ -14,7 +14,7 @@ H0_UM, HV_UM = np.repeat([5, 6, 7, 8], 3), np.tile([1, 1.5, 2], 4)
 
 
 def synthetic_forces(text, path):
-    """Return the measurements of a study, of which the text is, if its gas has inertia and heat."""
+    """Return the measurements of a study, if its gas has inertia and thermal effects."""
     film = Film(parse_config(text.replace("none", "included"), path=path))
     h0_um, hv_um, force_mn = np.random.default_rng(1).normal(0, [*OFF.values()], (12, 3)).T
     points = pd.DataFrame({"h0_m": H0_UM + h0_um, "hv_m": HV_UM + hv_um}) * 1e-6

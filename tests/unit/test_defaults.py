@@ -59,7 +59,7 @@ def test_a_short_study_is_whole(repository):
     assert short["screen"]["h0_m"] == {"start": 20e-6, "stop": 35e-6, "levels": 8}
     assert short["extrapolation"] == {"force_n": 0.5, "h0_m": 20e-6, "hv_m": 18.5e-6}
     assert short["error_map"]["hv_m"] == {"start": 2e-6, "stop": 18.5e-6, "levels": 10}
-    # An ellipse has no physics limit: no model may rest on it.
+    # An ellipse has no asymptotic expansion: no model may rest on it.
     assert "limit" not in str(short["comparison"]) + str(short["refine"])
     assert "limit_1" in study(pad={"shape": "rectangle"})["comparison"]["two_factor"]
 
@@ -130,6 +130,17 @@ def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
             assert "  frequency: 43270.0 # Hz\n" in shown
         assert written.sections == config.sections
         assert "default" not in effective_text(written)
+
+
+def test_numbers_that_may_lack_their_unit_are_noted(tmp_path, capsys):
+    """20 is 20 Hz, and 8 is 8 m: allowed, but hardly meant; a written unit is."""
+    text = SHORT.replace("20 kHz", "20").replace("30 mm", "9 m").replace("12 mm", "8")
+    (path := tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
+    assert main(["config", str(path)]) == 0
+    assert capsys.readouterr().err.splitlines() == [
+        "note: actuator.frequency is read as 20 Hz; for 20 kHz write the unit",
+        "note: pad.length_x is read as 8 m; for 8 mm write the unit",
+    ]
 
 
 def test_thin_air_is_thin_in_every_number():

@@ -52,7 +52,8 @@ def test_ctrl_c_while_processes_share_the_work(repository, tmp_path):
         "status": "ok",
         "validity": "ok",
         "method": "periodic",
-        "simplifications": "",
+        "domain": "",
+        "absent_terms": "",
         "force_error_n": 1e-9,
     }
     work = dict.fromkeys(("nx", "ny", "nt", "newton_steps", "krylov_iterations", "residual"), 1)

@@ -53,7 +53,7 @@ def test_what_does_not_matter_is_accepted(text, scenes):
     ]
 
 
-@pytest.mark.parametrize("header", ["h0_um,hv_um", "H0 [µm],hv (um)", "h0/µm,hv_µm"])
+@pytest.mark.parametrize("header", ["h0_um,hv_um", "H0 [µm],hv (um)", "h0/µm,Disp. ampl. [µm]"])
 def test_factors_have_any_unit_and_a_pad_without_position_is_centred(header, scenes):
     table = read_scenes(scenes(f"point_id,{header}\n1,5,1\n"))
     assert table.loc[0, list(table)[1:]].tolist() == [5e-6, 1e-6, 0.0, 0.0]

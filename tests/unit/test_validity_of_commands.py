@@ -47,7 +47,7 @@ def fit(tmp_path, paper):
         "points": 60,
         "global_error": 0.005,
         "sum_of_squares": 1e-5,
-        "film": film_of(paper, simplifications=["inertia; thermal"]),
+        "film": film_of(paper, absent_terms=["inertia; thermal effects"]),
     }
     write_json(values, path)
     return path, values
@@ -57,7 +57,7 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
     path, values = fit
     point = ["predict", str(path), "--hv", "2um", "--h0"]
     assert main([*point, "5um"]) == 0
-    assert re.search(r"\nvalidity +ok\n", capsys.readouterr().out)
+    assert re.search(r"\nvalidity +within limits\n", capsys.readouterr().out)
     assert main([*point, "20um"]) == 1
     said = capsys.readouterr()
     assert "Re = 7.23 is above 3 (inertia neglected): error unknown" in said.out

@@ -72,6 +72,7 @@ def _parameters(results: Results, space: str, fits: Sequence[FittedModel]) -> pd
             found = parameter_ranges(fit.force_model, factors, force_n, theta)
             rows += [{"model": fit.model} | each.to_dict() for each in found]
     table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
+    table["unit"] = table["unit"].str.replace("**", "^")
     return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
 
 

@@ -32,7 +32,8 @@ def verdicts(claims: pd.DataFrame) -> dict[str, Any]:
 
 def percent(share: float) -> str:
     """A fraction as a percentage with three digits: 0.00533 → 0.533 %."""
-    return f"{100 * share:.3g} %".replace("-", "−")
+    digits = ".3g" if abs(share) < 9.99 else ".0f"
+    return f"{100 * share:{digits}} %".replace("-", "−")
 
 
 def signed(value: float, digits: int = 2) -> str:
@@ -84,7 +85,7 @@ def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
     one means.
     """
     gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
-    # ``auto`` has inertia and heat where they matter.
+    # ``auto`` has inertia and thermal effects where they matter.
     kind = "thermal effects included" if gas["thermal"] != "none" else "inertia included"
     kind = kind if gas["inertia"] != "none" else "inertia neglected"
     limit = reynolds_limit(kind)

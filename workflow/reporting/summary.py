@@ -136,10 +136,12 @@ def _neglected(results: Results) -> dict[str, Any] | None:
     ends = table[MODELLING_ERROR].to_numpy(dtype=float)
     if not np.isfinite(ends).all():
         return None
+    texts = (table[name].str.split("; ") for name in ("first_order_invalid", "included_effects"))
+    effects = zip(*texts, strict=True)
     return {
         "lower": signed(ends.min()),
         "upper": signed(ends.max()),
-        "first_order_invalid": bool(table["first_order_invalid"].ne("").any()),
+        "first_order_invalid": any({*names} - {"", *included} for names, included in effects),
     }
 
 
@@ -159,11 +161,9 @@ def _effects(results: Results) -> pd.DataFrame:
 
 def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     """Terms of the study's equation beyond the paper's, as in the simulations if there are any."""
-    without = [
-        row.split("; ") for each in tables.values() for row in each["simplifications"].dropna()
-    ]
+    absent = [row for each in tables.values() for row in each["absent_terms"].dropna()]
     for name in ("inertia", "thermal"):
-        if gas[name] != "none" and not all(name in simplifications for simplifications in without):
+        if gas[name] != "none" and not all(name in each for each in absent):
             chosen = "" if gas[name] == "included" else " where needed"
             yield f"{label_of(name)}{chosen}"
 

@@ -282,12 +282,14 @@ onsuccess:
 
 @atexit.register
 def name_page():
-    """Name the page of the target, last of all that a run prints; also where nothing was to do."""
+    """Name the page of the target, if there is one, last of all; also where nothing was to do."""
     ran = workflow.scheduler is not None and workflow.is_main_process and not workflow.dryrun
     if IS_MODULE or not ran or (len(workflow.dag) and not succeeded):
         return
     for job in sorted(workflow.dag.targetjobs, key=str):
-        files = sorted(map(str, [*job.input, *job.output]))
+        made = sorted(file for file in map(str, [*job.input, *job.output]) if Path(file).exists())
+        files = [file for file in made if not file.endswith(".plain.png")]
         shown = [file for end in (".html", ".png") for file in files if file.endswith(end)]
         own = [file for file in shown if Path(file).stem in ("summary", job.rule.name)]
-        print(f"Open {(own or shown or [f'results/{STUDY}'])[0]}", flush=True)
+        for page in (own or shown)[:1]:
+            print(f"Open {page}", flush=True)

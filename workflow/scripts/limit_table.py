@@ -1,4 +1,4 @@
-"""Write a table of the physics limits over the study's space, or why there is none."""
+"""Write a table of the asymptotic forces over the study's space, or why there is none."""
 
 from scripts.job import begin_with_study
 from squeezefilm.studies.tasks.fits import limit_table_values

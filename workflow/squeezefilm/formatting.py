@@ -10,6 +10,7 @@ from math import floor, isfinite, log10, nan
 from typing import Any
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import OK
 from squeezefilm.reynolds.terms import absent_terms, terms_of
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
@@ -22,13 +23,14 @@ LABELS = {unit_of_column(each.name)[0]: each.label for each in COLUMNS if each.l
 NUMBERS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
 FACTORS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
 RESULTS = ("force_n", "h0_m", "hv_m")
-LAST = ("device", "model", "validation", "simplification_reasons", "notes", "note")
+LAST = ("device", "model", "validation", "absent_term_reasons", "notes", "note")
 FRACTIONS = ("error", "expected_error", "global_error", "worst_relative_error", "worst_error")
-NOT_SHOWN = {"point_id", "terms", "domain", "inertia", "newton_steps", "residual"} | {
+NOT_SHOWN = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
     *("sum_lower_percent", "sum_upper_percent", "bearing_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
 NOT_AVAILABLE, REMAINDER = "not available", "_remainder_percent"
+SYMMETRIES = {"whole": "none", "quarter": "x and y"}
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.01
 
 Row = dict[str, Any]
@@ -156,12 +158,13 @@ def _result(row: Row) -> Lines:
 
 def _scene(row: Row) -> Lines:
     """Take validity, operating point, dimensionless numbers and equation from a row."""
+    validity = row.pop("validity", "")
     point = {unit_of_column(name): row.pop(name) for name in FACTORS if name in row}
     numbers = {name: row.pop(name, 0) for name in NUMBERS}
     texts = [f"{name} = {value_text(each, unit, digits=6)}" for (name, unit), each in point.items()]
     named = [f"{label_of(name)} {value_text(each)}" for name, each in numbers.items() if each]
     return [
-        ("validity", row.pop("validity", "")),
+        ("validity", "within limits" if validity == OK else validity),
         ("operating point", ", ".join(texts)),
         ("dimensionless", ", ".join(named)),
         ("equation", row.pop("equation", "")),
@@ -189,7 +192,7 @@ def _effects(row: Row) -> Lines:
     neglected = {name: effects[name] for name in names if name not in have}
     total = f"{change(*ends)} of the {'force' if unit == 'N' else 'load'}"
     if doubtful := " and ".join(label_of(name) for name in neglected if name in invalid):
-        total += f", not reliable for {doubtful}"
+        total += f", rough for {doubtful}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE + f": {status}" * (status != "ok")
     lines = [("modelling error", total)]
@@ -199,8 +202,7 @@ def _effects(row: Row) -> Lines:
         text = change(effect, *[edge] * (name == "edge_loss"))
         text += f" ± {percent(remainder, sign='', digits=1)}" * (name == "depth_averaged")
         if name in invalid:
-            first = f"first-order estimate {percent(effect)}"
-            text = f"not reliable ({first}, outside its validity range)"
+            text = f"roughly {percent(effect)}, beyond first order"
         if not abs(effect) + remainder < LEAST_EFFECT_PERCENT:
             lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
     off = ends[1] - sum(effect for effect, _ in neglected.values())
@@ -211,15 +213,14 @@ def _effects(row: Row) -> Lines:
 def _solver(row: Row) -> Lines:
     """Take from a row how its force was found, or would be."""
     sizes = [f"{size:.0f}" for name in ("nx", "ny", "nt") if (size := row.pop(name, 0))]
-    flat, folds = row.pop("pad_shape", "rectangle") == "rectangle", row.pop("simplifications", "")
+    flat, domain = row.pop("pad_shape", "rectangle") == "rectangle", row.pop("domain", "")
     axes = ("x", "y", "time") if flat else ("radius", "angle", "time")
     solver = [row.pop("method", ""), f"grid {' × '.join(sizes)} ({', '.join(axes[: len(sizes)])})"]
     steps = row.pop("krylov_iterations", 0)
-    halves = [axis for axis in "xy" if f"symmetry in {axis}" in folds]
-    domain = ("whole", "half", "quarter")[len(halves)]
-    symmetry = f"{' and '.join(halves) or 'none'} ({domain} domain)"
+    part, _, axis = domain.partition(" in ")
+    symmetry = f"{axis or SYMMETRIES.get(part, '')} ({part} domain)"
     solver = solver[: 1 + bool(sizes)] + [f"{steps} GMRES iterations"] * bool(steps)
-    return [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(sizes))]
+    return [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(domain))]
 
 
 def json_text(row: Mapping[Any, Any]) -> str:

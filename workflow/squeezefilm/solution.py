@@ -28,7 +28,8 @@ class Solution:
         status: ``ok``, or what went wrong.
         validity: ``ok``, or the limits of validity that the scene exceeds (film/validity.py).
         method: name of the method.
-        simplifications: what the scene did not need.
+        domain: part of the pad that was solved; the rest follows by symmetry.
+        absent_terms: names of the terms that the equation did not have.
         nx, ny, nt: collocation points across the pad, or along a radius and around for an
             elliptical one, and over the period.
         newton_steps, krylov_iterations: over all grids.
@@ -45,7 +46,8 @@ class Solution:
     status: str
     validity: str = ""
     method: str
-    simplifications: str = ""
+    domain: str = ""
+    absent_terms: str = ""
     nx: int = 0
     ny: int = 0
     nt: int = 0

@@ -41,8 +41,10 @@ MEASURED = (
     "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
 )
 # A quantity or its uncertainty with a unit, as people write it: ``h0_um``, ``h0 [µm]``, ``X (mm)``,
-# ``phi/rad``, ``force uncertainty [mN]``.
-NAMED = r"(h0|hv|x|y|phi_r|phi|force)([\s_]+(?:standard[\s_]+)?uncertainty)?"
+# ``phi/rad``, ``F (mN)``, ``disp. ampl. [µm]``, ``force uncertainty [mN]``.
+OTHER_NAMES = {"f": "force", "amplitude": "hv", "disp. ampl.": "hv"}
+NAMED = r"(h0|hv|x|y|phi_r|phi|force|f|amplitude|disp\. ampl\.)"
+NAMED += r"([\s_]+(?:standard[\s_]+)?uncertainty)?"
 QUANTITY = re.compile(NAMED + r"[\s_/,\[(]+([^\s\])]+)[\])]?", re.I)
 PARQUET = ".parquet"
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
@@ -255,6 +257,7 @@ def _column(name: str) -> tuple[str, float]:
     if match is None:
         return name, 1.0
     quantity, end = match[1].lower(), "_uncertainty" * bool(match[2])
+    quantity = OTHER_NAMES.get(quantity, quantity)
     unit = {"phi": "deg", "force": "N"}.get(quantity, "m")
     size = sizes(unit).get(match[3])
     return (name, 1.0) if size is None else (f"{quantity}{end}_{unit.lower()}", size)

@@ -65,7 +65,7 @@ def ablation(
         "time (always periodic)": (periodic, scenes),
         "symmetry": (partial(_on_whole_pads, device=device), scenes),
         **{
-            kind.ABSENT.what: (periodic, _with(scenes, PUT_BACK[kind.NAME]))
+            kind.ABSENT.name: (periodic, _with(scenes, PUT_BACK[kind.NAME]))
             for kind in TERMS
             if kind.ABSENT
         },

@@ -30,7 +30,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.studies.space import Space
 from verification.reference import reference_force
 
-# Tolerances of direct solutions; the second with inertia or heat, and under ellipses.
+# Tolerances of direct solutions; the second with inertia or thermal effects, and under ellipses.
 TIGHT, LESS_TIGHT = 1e-7, 1e-5
 # What the flow factor adds to first-order slip, relative to the flow, for each unit of Kn.
 KINETIC = 1.5
@@ -200,7 +200,7 @@ def _change_with_slip(
 
 
 def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
-    """The viscous film without inertia and heat, against spectral elements of other equations."""
+    """The isothermal film without inertia, against spectral elements of other equations."""
     scene = scene.viscous().with_gas(rarefaction="none")
     low, high = REFERENCE_SIGMA
     square = scene.pad.shape == "rectangle" and scene.aspect == 1

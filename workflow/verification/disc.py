@@ -1,7 +1,8 @@
-"""A disc's film in the radius alone, with inertia and heat: all nodes and instants at once.
+"""A disc's film in the radius alone, with inertia and thermal effects, all instants at once.
 
-It shares the equations with the solver (docs: inertia and heat) and nothing else. With s the square
-of the radius over the rim's, a pressure P and a velocity r v are smooth in s, and
+It shares the equations with the solver (docs: inertia and thermal effects) and nothing
+else. With s the square of the radius over the rim's, a pressure P and a velocity r v are smooth in
+s, and
 
     r ∂/∂r = 2 s ∂/∂s,     ∇·(f r v) = 2 f v + 2 s ∂(f v)/∂s,     ∇P = 8 r ∂P/∂s,
 
@@ -27,7 +28,7 @@ class Disc:
 
     Attributes:
         reynolds: Re = ρ0 ω h0²/μ of the inertia; 0 without.
-        heating, conduction, exponent: ((γ − 1)/γ) Pr Re, Pr Re and κ of the heat; 0 without.
+        heating, conduction, exponent: ((γ − 1)/γ) Pr Re, Pr Re and κ of thermal effects; 0 without.
         loss: C Re σ/24 of the loss at the rim where gas comes in, P = 1 − loss u²; 0 without.
         points, instants: between centre and rim, and over the period, an odd number.
     """
@@ -65,7 +66,7 @@ class Disc:
         raise ArithmeticError("Newton's method did not converge")
 
     def _residual(self, state: np.ndarray) -> np.ndarray:
-        """Return the residuals of mass, momentum and heat, shape (…, 3, nodes, instants)."""
+        """Return the residuals of mass, momentum and energy, shape (…, 3, nodes, instants)."""
         s = self.grid.x[:, None]
         phase = 2 * np.pi * np.arange(self.instants) / self.instants
         waves = np.fft.rfft(np.eye(self.instants))

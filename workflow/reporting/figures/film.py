@@ -49,7 +49,7 @@ def error_budget(results: Results) -> Figure:
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
     shown = _draw_effects(last, along)
     present = screen["included_effects"].iloc[0]
-    first = "First-order estimates; dashed: outside their range at some points."
+    first = "First-order estimates; dashed: beyond first order at some points."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
     notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
     included = f"Included in the forces: {present}." if present else ""

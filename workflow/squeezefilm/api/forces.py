@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 # Scenes solved together, whose states may be held.
 WITH_STATES = 256
 NOT_ASKED = "not asked for"
-ALIKE = ["method", "domain", "terms", "simplifications", "status", "validity", "notes"]
+ALIKE = ["method", "domain", "terms", "status", "validity", "notes"]
 
 
 @dataclass(frozen=True)
@@ -250,13 +250,13 @@ def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator
     scenes = settings.resolved(scenes)
     found, rows = previews(scenes, tolerance=settings.tolerance, method=settings.method), []
     for scene, preview in zip(scenes, found, strict=True):
-        parts = preview.simplifications
         row = {name: getattr(scene, name) for name in ("point_id", *NUMBERS)} | vars(preview)
+        absent = row.pop("absent")
         row |= {
             "validity": validity(scene),
             "terms": "; ".join(preview.terms),
-            "simplifications": "; ".join(part.what for part in parts),
-            "simplification_reasons": "; ".join(f"{part.what}: {part.why}" for part in parts),
+            "absent_terms": "; ".join(each.name for each in absent),
+            "absent_term_reasons": "; ".join(f"{each.name}: {each.why}" for each in absent),
             "notes": "; ".join(notes_of(scene)),
         }
         if settings.outputs:
@@ -281,8 +281,7 @@ def _shown_rows(
         )
         row = count | scene_row(scenes[first]) | {"tolerance": tolerance}
         row |= table.iloc[first].to_dict() | {"expected_mflop": mflop}
-        reasons = row["simplification_reasons"].split("; ")
-        yield row | {"simplification_reasons": [x for x in reasons if "symmetry" not in x]}
+        yield row | {"absent_term_reasons": row["absent_term_reasons"].split("; ")}
 
 
 PIECE = 4096

@@ -261,7 +261,7 @@ class Study(Film):
         settings = self.solver(outputs=())
         scenes = settings.resolved(self.scenes(points))
         found = solve(scenes, **settings.how).to_frame(points.index)
-        return points.assign(**found[["force_n", "force_error_n", "status", "simplifications"]])
+        return points.assign(**found[["force_n", "force_error_n", "status", "absent_terms"]])
 
 
 def load(path: Path | str) -> Study:

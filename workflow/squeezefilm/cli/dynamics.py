@@ -62,8 +62,8 @@ def levitate(options: argparse.Namespace) -> None:
     its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is the root of its equation
     of motion with the film's stiffness at s. `modelling_error_lower_percent` and `…_upper_percent`
     bound what neglected effects change the force by, and `first_order_invalid` names effects
-    outside the range of a first-order estimate. `note` says which terms `auto` does not include and
-    why, what stretches an included term, and why there is no resonance.
+    beyond first order, whose estimates are rough. `note` says which terms `auto` does not include
+    and why, what stretches an included term, and why there is no resonance.
     """
     film = film_at(options)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
@@ -131,12 +131,12 @@ def response(options: argparse.Namespace) -> None:
     with another size. `settling_start_s` is the time until the force stays within 5 % after the
     surface starts, `settling_stop_s` until 5 % is left after it stops, each to about two periods.
 
-    By the film equation averaged over a period of the vibration, without inertia and heat of the
-    gas; films whose averaged settled force is more than 3 % off are not supported. What the
+    By the film equation averaged over a period of the vibration, without inertia and thermal
+    effects; films whose averaged settled force is more than 3 % off are not supported. What the
     averaged equation neglects is stated as a change in %: first-order slip by the same equation
-    with slip, inertia and heat by the periodic forces' gain for slow modulation (their effect on
-    corner and settling times is not known). `validity` is `ok`, or the limits of validity that a
-    scene exceeds under this equation.
+    with slip, inertia and thermal effects by the periodic forces' gain for slow modulation (their
+    effect on corner and settling times is not known). `validity` is `ok`, or the limits of
+    validity that a scene exceeds under this equation.
     """
     film = film_at(options)
     points, alone = points_or_scenes(options), options.scenes is None

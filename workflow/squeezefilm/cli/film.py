@@ -69,7 +69,7 @@ def simulate(options: argparse.Namespace) -> None:
     says why there are none. `--outputs thrust,power` adds answers beside the force instead of the
     study's `outputs`: each with its error, by the periodic state; `outputs_status` says what is not
     known and why. `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms,
-    what it does not need and why, first grid and expected cost, or with --output writes them, a row
+    absent terms and why, first grid and expected cost, or with --output writes them, a row
     for each scene.
     """
     outputs = None if options.outputs is None else [*filter(None, options.outputs.split(","))]
@@ -144,14 +144,14 @@ def error_budget(options: argparse.Namespace) -> None:
       squeezefilm error-budget --h0 5um --hv 2.2um --x -2mm
 
     A row for each scene. `inertia_percent`, `thermal_percent`, `slip_percent`, `edge_loss_percent`
-    (for the entrance coefficient C = 1; `edge_loss_upper_percent` for 1.54), `bearing_percent` and
+    (for its coefficient C = 1; `edge_loss_upper_percent` for 1.54), `bearing_percent` and
     `convected_percent` (the profile that moves past a sliding pad) are changes of the mean force at
     first order, `…_remainder_percent` the size of what higher orders add.
 
     `sum_…` adds all of them, `modelling_error_…` those that the force neglects (`included_effects`
     names the others): from `…_lower` to `…_upper`, with C from 1 to 1.54 and the errors of higher
-    orders and coarse grids. `first_order_invalid` names effects outside the range of a first-order
-    estimate, `status` says why there are none.
+    orders and coarse grids. `first_order_invalid` names effects beyond first order, whose
+    estimates are rough; `status` says why there are none.
     `depth_averaged_percent` is the estimated error of included inertia and thermal effects, as
     averages over the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
     """

@@ -88,8 +88,8 @@ def export(options: argparse.Namespace) -> None:
     hv_m, …), JavaScript a constant NAME with NAME.force_n(h0_m, hv_m, …), all in newtons from SI
     units (phi_deg in degrees), with a function for the 95 % error of a force and one that says
     whether a point lies in the declared space (see `squeezefilm predict --help`). A model that uses
-    the physics limit is written with its table of it, whose error is stated; without a table, where
-    the limit does not hold all over the study's space, a model cannot be exported.
+    the asymptotic expansion is written with its table of it, whose error is stated; without a
+    table, where the expansion does not hold all over the study's space, it cannot be exported.
     """
     text = Fit.read(options.fit).code(options.language)
     if options.output:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from squeezefilm.cli.options import command, flag, option
-from squeezefilm.config.loading import effective_text, load_config, parse_config
+from squeezefilm.config.loading import effective_text, load_config, parse_config, unusual_values
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
@@ -72,10 +72,10 @@ def config(options: argparse.Namespace) -> None:
 
       squeezefilm config config/my-actuator.yaml
 
-    All that is invalid for a run is reported, and models that no run would fit. What is not marked
-    was written; `default` is the library's, `derived` follows from what was written. The
-    text is a study itself. A run writes it beside its results: results/STUDY/study.yaml. `--schema`
-    prints a study's JSON schema, for editors.
+    All that is invalid for a run is reported; notes name numbers that may lack a unit and models
+    that no run would fit. What is not marked was written; `default` is the library's, `derived`
+    follows from what was written. The text is a study itself. A run writes it beside its results:
+    results/STUDY/study.yaml. `--schema` prints a study's JSON schema, for editors.
     """
     if options.schema:
         print(json.dumps(Study.model_json_schema(), ensure_ascii=False, indent=2))
@@ -86,6 +86,8 @@ def config(options: argparse.Namespace) -> None:
     check_models(study["models"], study, place=study.path)
     chunk_counts(study)
     print(effective_text(study), end="")
+    for note in unusual_values(study):
+        print(f"note: {note}", file=sys.stderr)
     named = {name for section in NAMING for space in SPACES for name in study[section][space]}
     for name in [each for each in study["models"] if each not in named]:
         print(f"note: models.{name} is not fitted: add it to a comparison", file=sys.stderr)

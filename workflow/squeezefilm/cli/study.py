@@ -58,8 +58,8 @@ def fit(options: argparse.Namespace) -> None:
           [--runs RUNS.csv]
 
     The model is one of the library's or of the study's own (its section `models`). What a model
-    uses of the physics limits is computed for the points, and a table of it over the study's space
-    put into FIT.json. Where the study's profile is measured, the uncertainty by its noise is part
+    uses of the asymptotic forces is computed for the points, and a table over the study's space put
+    into FIT.json. Where the study's profile is measured, the uncertainty by its noise is part
     of the fit's error. --sample has the forces of a validation sample, such as those of the study's
     plans validation_two_factor and validation_four_factor: without one the fit is not validated at
     any point.

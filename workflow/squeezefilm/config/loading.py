@@ -6,6 +6,7 @@ And writing it down as it is computed.
 import argparse
 import difflib
 import json
+import math
 import os
 import re
 import reprlib
@@ -42,13 +43,13 @@ class Config(Mapping[str, Any]):
         path: the file, from whose folder those that it names count.
         sections: what is written, and what follows where it is not.
         model: the same as it was validated; None of sections that were put together in Python.
-        written: the places of all keys that were written.
+        written: what was written, by its place.
     """
 
     path: Path
     sections: dict[str, Any]
     model: FilmSections | None = None
-    written: frozenset[Place] = field(default=frozenset(), repr=False)
+    written: Mapping[Place, Any] = field(default_factory=dict, repr=False)
 
     def __getitem__(self, section: str) -> Any:
         return self.sections[section]
@@ -104,14 +105,14 @@ def config_of(
         told = _mistakes(error, values, lines or {})
         raise InputError("\n".join(f"{path}: {each}" for each in told)) from None
     sections = valid.model_dump(exclude_none=True)
-    return Config(path, sections, valid, frozenset(_places(values)))
+    return Config(path, sections, valid, dict(_written(values)))
 
 
-def _places(values: Any, place: Place = ()) -> Iterator[Place]:
+def _written(values: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
     if isinstance(values, Mapping):
         for name, value in values.items():
-            yield (*place, name)
-            yield from _places(value, (*place, name))
+            yield (*place, name), value
+            yield from _written(value, (*place, name))
 
 
 def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
@@ -249,6 +250,21 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
             section[key] = os.path.relpath(config.path.parent / section[key], start=folder)
     head = f"# {config.path}, as it is computed: what is not marked was written there.\n"
     return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
+
+
+USUAL = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
+"""Range of a study's frequencies and lengths, and the unit that people give them in."""
+
+
+def unusual_values(config: Config) -> Iterator[str]:
+    """Yield a note on each number that was written without a unit and lies outside USUAL."""
+    for place, value in config.written.items():
+        unit = unit_of(part_at(place, config.sections)[1])
+        if unit in USUAL and isinstance(value, int | float):
+            least, most, meant = USUAL[unit]
+            if not least <= abs(value) <= most:
+                key = ".".join(map(str, place))
+                yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 
 def origin(config: Config, place: Place) -> str:

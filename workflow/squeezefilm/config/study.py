@@ -258,8 +258,8 @@ class Comparison(Section):
 
     Attributes:
         two_factor: those fitted to the screen, the pad centred, and ranked on half of the
-            validation sample; default: the usual ones; those of the physics limit where it is known
-            for the pad and its gas
+            validation sample; default: the usual ones; those of the asymptotic expansion where
+            it is known for the pad and its gas
         four_factor: those fitted to the four-factor plan, likewise; default: likewise
     """
 
@@ -273,8 +273,8 @@ class Refine(Section):
 
     Attributes:
         two_factor: models to refine with the pad centred: the library's or the study's own;
-            default: `limit_1`, or `polynomial_3` where the physics limit is not known for the pad
-            or its gas
+            default: `limit_1`, or `polynomial_3` where the asymptotic expansion is not known for
+            the pad or its gas
         four_factor: models to refine with the pad anywhere; default: `limit_2`, or
             `polynomial_5`
         global_error: wanted |model − simulation|/|simulation| over the space; its upper 95 % limit

@@ -101,7 +101,7 @@ class Levitation:
         error_m = max(map(abs, replace(self, budget=self.budget.known).modelling_error_m))
         if not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
             names = ", ".join(map(label_of, self.budget.first_order_invalid))
-            above = f" (above the range of first orders: {names})" if names else ""
+            above = f" (beyond first order: {names})" if names else ""
             reasons.append(
                 f"the gap's modelling error, up to {1e6 * error_m:.2g} µm{above}, is more than a "
                 f"tenth of the gap"
@@ -151,7 +151,7 @@ def levitate(
     (chosen,) = resolve_auto_terms(
         [near], model_tolerance=model_tolerance, method=method, device=device
     )
-    # A term that is ``auto`` and keeps the force from being found is given up: heat, then inertia.
+    # An ``auto`` term that keeps the force from being found is given up: thermal, then inertia.
     open_ = [name for name in reversed(OPEN) if getattr(near.gas, name) == "auto"]
     not_included: dict[str, str] = {}
     found = None
@@ -314,7 +314,7 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
         m s² + k + K(s/ω) − K(0) = 0,   s = −ζ ωₙ ± i ωₙ √(1 − ζ²),
 
     k the stiffness of slow motion of the settled film and K that of the averaged film
-    (averaged_film.py); without inertia and heat of the gas, which matter at the vibration's
+    (averaged_film.py); without inertia and thermal effects, which matter at the vibration's
     frequency.
     """
     scene = found.scene

@@ -119,7 +119,7 @@ class Scene(OperatingPoints):
         return replace(self, gas=replace(self.gas, **numbers))
 
     def viscous(self) -> Scene:
-        """The scene of a gas without inertia and heat."""
+        """The scene of a gas without inertia and thermal effects."""
         is_viscous = self.gas.inertia == self.gas.thermal == "none"
         return self if is_viscous else self.with_gas(inertia="none", thermal="none")
 

@@ -89,7 +89,7 @@ class Factors:
         Raises InputError where the points do not have it.
         """
         if name not in self.columns:
-            raise InputError(f"{name}: the points lack this column of the physics limits")
+            raise InputError(f"{name}: the points lack this column of the asymptotic forces")
         return self.columns[name]
 
     def take(self, which: ArrayLike) -> Factors:
@@ -117,7 +117,7 @@ class Factors:
 def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Factors:
     """The factors of a table's rows, with the results of physics that it has.
 
-    ``limits`` is a table of the physics limits of the same scenes.
+    ``limits`` is a table of the asymptotic forces of the same scenes.
     Raises InputError for values without physical meaning, and where the two tables do not have the
     same scenes in the same order.
     """

@@ -145,7 +145,7 @@ def _about(fit: FittedModel, table: LimitTable | None) -> list[str]:
         lines += textwrap.wrap(text, 90)
     if table is not None:
         error = table.largest_relative_error
-        lines.append(f"The physics limit is tabulated; its largest relative error is {error:.1e}.")
+        lines.append(f"The expansion is tabulated; its largest relative error is {error:.1e}.")
     return lines
 
 

@@ -152,7 +152,7 @@ class FittedModel(BaseModel):
 
     @property
     def needed_table(self) -> LimitTable | None:
-        """The table of the physics limits that the model uses, if it uses them.
+        """The table of the asymptotic forces that the model uses, if it uses them.
 
         Raises InputError naming the file, where it has no such table.
         """
@@ -165,7 +165,7 @@ class FittedModel(BaseModel):
         return self.limit_table if names else None
 
     def complete(self, factors: Factors) -> Factors:
-        """The factors with the physics limits that the model needs, from the file's own table.
+        """The factors with the asymptotic forces that the model needs, from the file's own table.
 
         Raises InputError as ``needed_table``.
         """

@@ -250,6 +250,6 @@ def check_columns(model: ExpressionModel, factors: Factors) -> None:
         if len(unknown):
             raise InputError(
                 f"{name}: unknown at {len(unknown)} of {len(factors)} points, the first in row "
-                f"{unknown[0] + 1}: the physics limit does not hold there (see its status), so the "
-                f"model {model.name} cannot be used on these points"
+                f"{unknown[0] + 1}: the asymptotic expansion does not hold there (see its status), "
+                f"so the model {model.name} cannot be used on these points"
             )

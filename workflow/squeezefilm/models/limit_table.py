@@ -1,4 +1,4 @@
-"""The physics limits of a study as polynomials of the four factors, to go with a fitted model.
+"""The asymptotic forces of a study as polynomials of the four factors, to go with a fitted model.
 
 A model that uses them can then be evaluated from its file alone, anywhere in the box of the
 factors. studies/tasks/physics_limits.py makes such a table.

@@ -18,9 +18,9 @@ from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms.rarefaction import slip_flow
 from squeezefilm.reynolds.terms.thermal import JUMP_WARMS, temperature_jump
 
-# Of the entrance coefficient C: kinetic energy of a plug and of a parabola, over that of the mean
+# Of the edge loss' coefficient C: kinetic energy of a plug and of a parabola, over that of the mean
 # velocity.
-ENTRANCE_LEAST, ENTRANCE_MOST = 1.0, 1.54
+EDGE_LOSS_LEAST, EDGE_LOSS_MOST = 1.0, 1.54
 # Of the pad's length along x, from one state to the next whose differences are derivatives; the
 # states' tolerance, and the residual, over its size at the start, of what is differentiated again.
 STEP = 5e-3
@@ -89,7 +89,7 @@ def by_inertia(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarr
 
 
 def by_thermal(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
-    """Change by heat of an isothermal film whose walls stay at ambient temperature.
+    """Change by thermal effects of an isothermal film whose walls stay at ambient temperature.
 
     Compression heats the gas by a = ∂P/∂T and friction by b = σ|ū|²/H², and conduction across the
     gap takes it away. With β = ((γ − 1)/γ) Pr Re the gas is warmer by β H² (a/12 − b/20) of the
@@ -115,8 +115,8 @@ def by_thermal(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarr
     return sigma * heating * missing - heating * slower
 
 
-def by_entrance(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
-    """Change by the entrance loss at the rim for C = 1: gas that streams in has come from rest.
+def by_edge_loss(scenes: list[Scene], films: Fields, answers: Answers) -> np.ndarray:
+    """Change by the edge loss for C = 1: gas that flows in has come from rest.
 
     P = 1 − C (σ Re/24) ū_n² where gas flows in (Bernoulli), P = 1 where it flows out. C is 1 for a
     plug, 1.54 for a parabola, and more with losses: a bound of what can be known without the

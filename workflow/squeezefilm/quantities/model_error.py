@@ -21,7 +21,7 @@ from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities.adjoint import Solved, alike, fields_of, sensitivity, with_states
-from squeezefilm.quantities.first_order import ENTRANCE_LEAST, ENTRANCE_MOST, Answers
+from squeezefilm.quantities.first_order import EDGE_LOSS_LEAST, EDGE_LOSS_MOST, Answers
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
@@ -96,7 +96,7 @@ class ErrorBudget:
         effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as the scene has them;
             ``slip``, by the flow factor, or as the scene has it; ``flow_factor``, the difference of
-            first-order slip from that factor; ``edge_loss``, inlet loss for the coefficient C = 1,
+            first-order slip from that factor; ``edge_loss``, for the coefficient C = 1,
             with the remainder at the largest C; ``bearing`` of a sliding pad, for a profile at rest
             under it; ``convected``, of the profile moving past it.
         status: ``ok``, or why there are none.
@@ -113,20 +113,20 @@ class ErrorBudget:
 
     @property
     def first_order_invalid(self) -> list[str]:
-        """The names of what is neglected and too large for a first order."""
+        """The names of neglected effects beyond first order."""
         effects = self.effects.items()
         return [name for name, each in effects if not (each.usable or each.included)]
 
     def sums(self, *, neglected_only: bool) -> tuple[float, float]:
         """Lower and upper end of all effects together, or of those that the force does not have.
 
-        The band holds both ends of the rim's coefficient and by what the effects may be off, all in
-        one direction. NaN where an effect is not known.
+        The band holds both ends of the edge loss' coefficient and by what the effects may be off,
+        all in one direction. NaN where an effect is not known.
         """
         some = [each for each in self.effects.values() if not (neglected_only and each.included)]
         for_one, edge = sum(each.percent for each in some), self.effects["edge_loss"]
-        ends = [for_one + (share - 1) * edge.percent for share in (ENTRANCE_LEAST, ENTRANCE_MOST)]
-        off = sum(each.off_percent for each in some) + (ENTRANCE_MOST - 1) * edge.off_percent
+        ends = [for_one + (share - 1) * edge.percent for share in (EDGE_LOSS_LEAST, EDGE_LOSS_MOST)]
+        off = sum(each.off_percent for each in some) + (EDGE_LOSS_MOST - 1) * edge.off_percent
         return min(ends) - off, max(ends) + off
 
     @property
@@ -143,7 +143,7 @@ def error_budgets(
 ) -> list[ErrorBudget]:
     """The budget of each scene's force.
 
-    Every effect is one about the film without inertia and heat, which are two of them.
+    Every effect is one about the film without inertia and thermal effects, which are two of them.
 
     Args:
         names: of the effects that are needed; others are those of NONE.
@@ -176,7 +176,7 @@ def _budgets(
 
 
 def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
-    """The budget with what the scene's own force has of inertia and heat, and their error."""
+    """The budget with what a scene's force has of inertia and thermal effects, and their error."""
     own = {
         name: budget.effects[name]._replace(included=getattr(scene.gas, name) == "included")
         for name in OPEN
@@ -191,7 +191,7 @@ BY_FLUX: dict[tuple[str, ...], Callable[..., np.ndarray | tuple[np.ndarray, ...]
     ("inertia",): first_order.by_inertia,
     ("thermal",): first_order.by_thermal,
     ("slip", "flow_factor"): first_order.by_slip,
-    ("edge_loss",): first_order.by_entrance,
+    ("edge_loss",): first_order.by_edge_loss,
 }
 
 
@@ -227,7 +227,7 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
         "thermal": (THERMAL_REMAINDER[0] + THERMAL_REMAINDER[1] * scene.epsilon**2) * reynolds,
         "slip": SLIP_REMAINDER * 6 * scene.knudsen,
         "flow_factor": SLIP_REMAINDER * 6 * scene.knudsen,
-        "edge_loss": edge_loss_remainder(ENTRANCE_MOST * reynolds, scene.epsilon),
+        "edge_loss": edge_loss_remainder(EDGE_LOSS_MOST * reynolds, scene.epsilon),
         "bearing": 0.0,
         "convected": CONVECTED_REMAINDER * scene.bearing_number**2,
     }
@@ -236,7 +236,7 @@ def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
         name: Effect(each, remainder[name] * abs(each), included.get(name, False))
         for name, each in percent.items()
     }
-    if not isothermal:  # an exponent stands for heat; a convected profile's is that of such a gas
+    if not isothermal:  # it stands for thermal effects; a convected profile's is that of such a gas
         effects |= {name: UNKNOWN for name in ("thermal", "convected") if name in percent}
     return ErrorBudget(effects)
 
@@ -247,8 +247,8 @@ def edge_loss_remainder(coefficient_reynolds: float, epsilon: float) -> float:
 
 
 # Mean force of a square piston at second order of small motion, over ε² and p0 times the pad's
-# area, with the depth-averaged terms and resolved across the gap: isothermal velocity; or, with
-# heat 1, temperature too (Pr 0.71, γ 1.4, κ 0.7; there the solver's averaged force at ε = 0.005).
+# area, with the depth-averaged terms and resolved across the gap: isothermal velocity; or, where
+# thermal is 1, temperature too (Pr 0.71, γ 1.4, κ 0.7; the solver's averaged force at ε = 0.005).
 TABLE = Path(__file__).with_name("depth_averaged.csv")
 # Below THICK_SIGMA strips that resolve the profiles were compared up to this Re, and no further.
 MOST_REYNOLDS_THICK = 2.0
@@ -261,7 +261,7 @@ OFF_THICK, OFF_THICK_PER_EPSILON = 2.0, 5.0
 def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
     """Return what resolving the profiles across the gap changes of a scene's force, and its error.
 
-    An estimate for depth-averaged inertia and heat, for which a parabola stands for each profile.
+    An estimate for depth-averaged inertia and thermal effects: a parabola stands for each profile.
     The error grows as Re² at first and depends little on the squeeze number. At Re 40 it is 2.9 to
     11 %, too far from that at 20 to be interpolated: at small σ the force has resonances in Re.
 
@@ -269,7 +269,7 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
         The change in per cent of the force, and its error: other profiles and
         amplitudes than the table's. 0 where the scene has neither term; NaN beyond the table's Re,
         and beyond Re 2 below its σ. Where no sign is known, the change is 0 and its error up to its
-        size: below the table's σ, and for heat without inertia.
+        size: below the table's σ, and for thermal effects alone.
     """
     inertia, thermal = (getattr(scene.gas, name) == "included" for name in OPEN)
     reynolds, sigma = scene.modified_reynolds, scene.sigma
@@ -389,7 +389,7 @@ def budget_row(budget: ErrorBudget) -> dict[str, object]:
     ``…_remainder_percent`` is the size of what higher orders add, where it is known. The edge loss
     is for C = 1, and for the largest C in ``edge_loss_upper_percent``; the sums' ends hold both,
     and the errors of all effects. ``included_effects`` names the effects that the force includes,
-    ``first_order_invalid`` those outside the range of a first-order estimate.
+    ``first_order_invalid`` those beyond first order.
     """
     row: dict[str, object] = {}
     effects = budget.effects.items()
@@ -397,7 +397,7 @@ def budget_row(budget: ErrorBudget) -> dict[str, object]:
         row[f"{name}_percent"] = effect.percent
         if name != "bearing":
             row[f"{name}_remainder_percent"] = effect.remainder_percent
-    row["edge_loss_upper_percent"] = ENTRANCE_MOST * budget.effects["edge_loss"].percent
+    row["edge_loss_upper_percent"] = EDGE_LOSS_MOST * budget.effects["edge_loss"].percent
     for what, only in (("sum", False), ("modelling_error", True)):
         ends = budget.sums(neglected_only=only)
         row[f"{what}_lower_percent"], row[f"{what}_upper_percent"] = ends

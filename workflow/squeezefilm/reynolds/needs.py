@@ -1,4 +1,4 @@
-"""Parts of the full problem that scenes need, and exact simplifications.
+"""Domain and terms of the full problem that scenes need.
 
 As Chebfun does (Battles and Trefethen 2004): a profile is sampled on finer and finer Chebyshev
 grids until the interpolant through them is right at points that stand in no relation to any grid;
@@ -23,17 +23,14 @@ from squeezefilm.film.scene import (
     Rows,
     Scene,
     Scenes,
-    distinct,
     rows_alike,
 )
 from squeezefilm.reynolds.grid import MOST_SPACE
 from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
-from squeezefilm.reynolds.terms import Simplification, Terms, absent_terms, terms_of_each
+from squeezefilm.reynolds.terms import Terms, absent_terms, terms_of_each
 
-HALVES = tuple(
-    Simplification(what, "the profile is even about the pad's middle, and nothing else breaks that")
-    for what in ("symmetry in x", "symmetry in y")
-)
+DOMAINS = np.array(["whole", "half in y", "half in x", "quarter"], dtype=object)
+"""Parts of the pad that are solved: the film is even about neither axis' middle, y's, x's, both."""
 # Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
 SYMMETRIC = 1e-13
 LEVELS = (24, 48, 96, 192, MOST_SPACE)
@@ -102,20 +99,18 @@ class Needs:
         rows = np.concatenate([rows for rows, _, _ in self.profiles])
         return joined_samples(found)[np.argsort(rows)]
 
-    def simplifications(self, row: int) -> tuple[Simplification, ...]:
-        """Return the simplifications of one scene: symmetry, and terms that are zero."""
-        folds = zip(HALVES, (self.fold_x[row], self.fold_y[row]), strict=True)
-        return *(half for half, fold in folds if fold), *absent_terms(self.kinds[self.kind[row]])
+    @property
+    def domains(self) -> np.ndarray:
+        """The part of the pad that is solved for each scene, of DOMAINS, (n,)."""
+        return DOMAINS[2 * self.fold_x + self.fold_y]
 
-    def simplification_texts(self) -> np.ndarray:
-        """The same of each scene, for a table."""
+    def absent_terms(self) -> np.ndarray:
+        """Return the names of the terms that each scene does not have, joined by ``; ``, (n,)."""
+        return self.once("absent terms", self._joined_absent_terms)
 
-        def texts() -> np.ndarray:
-            first, which = distinct(4 * self.kind + 2 * self.fold_x + self.fold_y)
-            texts = ["; ".join(part.what for part in self.simplifications(row)) for row in first]
-            return np.array(texts, dtype=object)[which]
-
-        return self.once("simplifications", texts)
+    def _joined_absent_terms(self) -> np.ndarray:
+        texts = ["; ".join(each.name for each in absent_terms(terms)) for terms in self.kinds]
+        return np.array(texts, dtype=object)[self.kind]
 
 
 def needs_of(scenes: Scenes | Sequence[Scene] | Scene) -> Needs:

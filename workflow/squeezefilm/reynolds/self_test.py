@@ -49,7 +49,7 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             _film(inertia="included", rarefaction="slip", x_m=2e-3),
             half,
         ),
-        "inertia, slip and heat": (
+        "inertia, slip and thermal effects": (
             _film(inertia="included", rarefaction="slip", thermal="included"),
             quarter,
         ),
@@ -58,7 +58,7 @@ def films() -> dict[str, tuple[Scene, Grid]]:
         "any gap, inertia": (_of_any_gap(_film(x_m=2e-3, inertia="included")), half),
         "ellipse, sliding": (_film(pad=slender), half),
         "disc, any gap": (_of_any_gap(_film(x_m=2e-3, pad=disc)), half),
-        "disc, inertia and heat": (
+        "disc, inertia and thermal effects": (
             _film(pad=disc, inertia="included", thermal="included"),
             quarter,
         ),

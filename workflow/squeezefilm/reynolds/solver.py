@@ -14,11 +14,11 @@ from squeezefilm.film.validity import validities
 from squeezefilm.reynolds.asymptotics.composite import Expanded, composite, not_derived_for
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid, iteration_flops
-from squeezefilm.reynolds.needs import Needs, Simplification, needs_of
+from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import first_grids, unseen_profiles
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.terms import Terms, absent_terms, refused_on_grid
+from squeezefilm.reynolds.terms import AbsentTerm, Terms, absent_terms, refused_on_grid
 from squeezefilm.solution import Solution, Solutions
 
 METHODS = ("auto", "composite", "periodic")
@@ -112,9 +112,8 @@ def _solve(
         if isinstance(plan, str):
             solutions.status[row], solutions.method[row] = plan, _named(method)
             continue
-        neglected = plan.simplifications, *absent_terms(needs.kinds[needs.kind[row]])
         solutions.status[row], solutions.method[row] = plan.status(tolerance), "composite"
-        solutions.simplifications[row] = "; ".join(part.what for part in neglected)
+        solutions.domain[row], solutions.absent_terms[row] = "whole", needs.absent_terms()[row]
         solutions.nx[row], solutions.ny[row] = plan.nx, plan.ny
         solutions.work[row] = plan.flops
         if isfinite(plan.error):
@@ -150,10 +149,10 @@ class Preview:
         status: that of the solution as far as it is known before solving: ``ok``, why there will
             be no force, or how far the composite expansion is from the tolerance. What only
             solving shows are a tolerance not reached and Newton's failure.
-        domain: ``whole``, ``half`` or ``quarter`` of the pad; empty where nothing is solved.
+        domain: part of the pad that is solved, of DOMAINS (needs.py); empty where none is.
         terms: the terms of the equation that are solved.
         nx, ny, nt: points across the pad and over the period, on the finest grid expected.
-        simplifications: what the scene does not need, with the reasons.
+        absent: the terms that the equation does not have, with the reasons.
         expected_error: relative; the expansion's own estimate, else the tolerance; NaN without a
             force.
         expected_mflop: millions of floating-point operations, to within a factor of about two.
@@ -166,7 +165,7 @@ class Preview:
     nx: int = 0
     ny: int = 0
     nt: int = 0
-    simplifications: tuple[Simplification, ...] = ()
+    absent: tuple[AbsentTerm, ...] = ()
     expected_error: float = nan
     expected_mflop: float = 0.0
 
@@ -203,7 +202,7 @@ def _preview(
             terms=terms,
             nx=plan.nx,
             ny=plan.ny,
-            simplifications=(plan.simplifications, *absent_terms(need.terms)),
+            absent=absent_terms(need.terms),
             expected_error=plan.relative_error,
             expected_mflop=plan.flops / 1e6,
         )
@@ -211,12 +210,12 @@ def _preview(
     flops = _expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance)
     return Preview(
         "periodic",
-        domain=("whole", "half", "quarter")[int(need.fold_x[0]) + int(need.fold_y[0])],
+        domain=need.domains[0],
         terms=terms,
         nx=grids[-1].x.full_points,
         ny=grids[-1].y.full_points,
         nt=grids[-1].nt,
-        simplifications=need.simplifications(0),
+        absent=absent_terms(need.terms),
         expected_error=tolerance,
         expected_mflop=flops / 1e6,
     )

@@ -112,14 +112,14 @@ def pad_of(config: Config) -> Pad:
     return Pad(gap=GapShape(**keys.pop("gap")), contour=contour, **keys)
 
 
-def film_of(config: Config, *, simplifications: Iterable[str]) -> dict[str, Any]:
+def film_of(config: Config, *, absent_terms: Iterable[str]) -> dict[str, Any]:
     """The study's film as far as limits of validity go, for a fit's file.
 
     Args:
-        simplifications: of the simulations, a text each; a term that is ``auto`` is included where
+        absent_terms: of the simulations, a text each; a term that is ``auto`` is included where
             one of them has it.
     """
-    gas, solved = dict(config["gas"]), list(simplifications)
+    gas, solved = dict(config["gas"]), list(absent_terms)
     for term in ("inertia", "thermal"):
         if gas[term] == "auto":
             gas[term] = "none" if all(term in each for each in solved) else "included"

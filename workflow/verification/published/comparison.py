@@ -1,8 +1,8 @@
 """Published numbers beside exact solutions, and these beside the solver.
 
 A row is one number. Its deviations are of the exact solution from what was published, of the solver
-from the exact solution, and of the Reynolds equation without inertia and heat from what the exact
-solution is compared with: absolute values, relative, of complex numbers and fields too.
+from the exact solution, and of the Reynolds equation without inertia and thermal effects from what
+the exact solution is compared with: absolute values, relative, of complex numbers and fields too.
 """
 
 from collections.abc import Iterable, Iterator, Sequence

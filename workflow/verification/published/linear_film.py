@@ -26,7 +26,7 @@ WAVES = 2000
 
 
 class Factors(NamedTuple):
-    """A of the flow and B of the density; both are 1 without inertia and heat."""
+    """A of the flow and B of the density; both are 1 without inertia and thermal effects."""
 
     flow: complex = 1.0
     density: complex = 1.0
@@ -47,7 +47,7 @@ def exact(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> Fac
 
 
 def depth_averaged(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> Factors:
-    """A and B of the parabolic profiles that the solver assumes (docs: inertia and heat)."""
+    """A and B of the solver's parabolic profiles (docs: inertia and thermal effects)."""
     inertia, thermal = 1j * reynolds, 1j * prandtl * reynolds
     return Factors(
         1 / (1 + inertia / 10),

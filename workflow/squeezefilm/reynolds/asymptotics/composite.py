@@ -39,7 +39,7 @@ from squeezefilm.reynolds.asymptotics.films import (
     grid_error,
     wide,
 )
-from squeezefilm.reynolds.needs import Needs, Simplification
+from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
 from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.gap import AnyGap
@@ -240,11 +240,6 @@ class Expanded:
         if self.error == 0:
             return 0.0
         return self.error / abs(self.mean) if self.mean else inf
-
-    @property
-    def simplifications(self) -> Simplification:
-        error = f"{self.relative_error:.1e}"
-        return Simplification("time", f"the composite expansion is accurate to {error}")
 
     def holds(self, tolerance: float) -> bool:
         """Return whether the estimate meets a relative tolerance; ``nan`` does not."""

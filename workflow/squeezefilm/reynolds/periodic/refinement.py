@@ -213,6 +213,7 @@ class Refinement:
 
     def _write_grid(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
+        self.solutions.domain[rows] = self.needs.domains[rows]
         self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
         self.solutions.nt[rows] = grid.nt
 
@@ -242,7 +243,7 @@ def solve_periodic(
 ) -> Solutions:
     """The periodic state of each scene, or of those in ``rows``; see ``solver.solve``."""
     solutions = Solutions.of_method("periodic", len(needs))
-    solutions.simplifications[rows] = needs.simplification_texts()[rows]
+    solutions.absent_terms[rows] = needs.absent_terms()[rows]
     refinement = Refinement(
         needs=needs,
         solutions=solutions,

@@ -18,10 +18,10 @@ from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
-from squeezefilm.reynolds.terms.term import HOOKS, Arrays, Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.term import HOOKS, AbsentTerm, Arrays, Numbers, Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 
-__all__ = ["HOOKS", "TERMS", "Arrays", "Simplification", "Term", "Terms"]
+__all__ = ["HOOKS", "TERMS", "AbsentTerm", "Arrays", "Term", "Terms"]
 
 TERMS: tuple[type[Term], ...] = (
     AnyGap,
@@ -40,8 +40,8 @@ def terms_of(scene: Scene) -> Terms:
     return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
 
 
-def absent_terms(terms: Terms) -> tuple[Simplification, ...]:
-    """Return the simplifications by the terms that are absent."""
+def absent_terms(terms: Terms) -> tuple[AbsentTerm, ...]:
+    """Return the terms that are none of some, with the reasons."""
     absent = [kind for kind in TERMS if not any(isinstance(term, kind) for term in terms)]
     return tuple(kind.ABSENT for kind in absent if kind.ABSENT)
 

@@ -10,7 +10,7 @@ import numpy as np
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import flux_matrices
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
-from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, Arrays, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -21,7 +21,7 @@ class Bearing(Term):
     label: str = "Couette term"
 
     NAME = "bearing"
-    ABSENT = Simplification("Couette term", "the pad is at rest")
+    ABSENT = AbsentTerm("Couette term", "the pad is at rest")
     BREAKS = "x"
     OVER_PERIOD = "terms/bearing_over_period.cl"
     HOOKS = ("residual", "response")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
 
 NON_UNIFORM, TWO_COMPONENTS = "non-uniform gap", "two quadrature components"
 # Two preconditioners pay where the widest gap at rest is so many times the narrowest, and nothing
@@ -44,7 +44,7 @@ class AnyGap(Term):
     OVER_PERIOD = "terms/gap_over_period.cl"
     IN_SINGLE = True
     IN_EXPANSIONS = True
-    ABSENT = Simplification(NON_UNIFORM, "it is uniform at rest and moves in phase")
+    ABSENT = AbsentTerm(NON_UNIFORM, "it is uniform at rest and moves in phase")
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:

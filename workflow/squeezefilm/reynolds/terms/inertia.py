@@ -24,7 +24,7 @@ import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.spectral import FluxPoints, flux_points
-from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, Arrays, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -88,7 +88,7 @@ class Inertia(VelocityTerm):
     label: str = "inertia"
 
     NAME = "inertia"
-    ABSENT = Simplification("inertia", "not included by gas.inertia", "no inertia")
+    ABSENT = AbsentTerm("inertia", "not included by gas.inertia", "no inertia")
     OVER_PERIOD = "terms/inertia_over_period.cl"
     HOOKS = ("residual", "response", "step", "carry")
     UNKNOWN_FIELDS = 2

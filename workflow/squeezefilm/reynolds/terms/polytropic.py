@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
 
 
 @dataclass(frozen=True)
@@ -13,7 +13,7 @@ class Polytropic(Term):
     label: str = "polytropic gas"
 
     NAME = "polytropic"
-    ABSENT = Simplification("polytropic gas", "gas.polytropic_exponent is 1")
+    ABSENT = AbsentTerm("polytropic gas", "gas.polytropic_exponent is 1")
     OVER_PERIOD = "terms/polytropic_over_period.cl"
 
     @classmethod

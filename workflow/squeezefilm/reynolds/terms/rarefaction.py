@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import Numbers, Simplification, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
 
 # Poiseuille flow Q by x, from the linearised BGK equation (verification/rarefied_flow.py).
 TABLE = Path(__file__).with_name("rarefied_flow.csv")
@@ -88,7 +88,7 @@ class Rarefaction(Term):
     """
 
     NAME = "rarefaction"
-    ABSENT = Simplification("rarefaction", "gas.rarefaction is none", "no slip")
+    ABSENT = AbsentTerm("rarefaction", "gas.rarefaction is none", "no slip")
     IN_EXPANSIONS = True
 
     @classmethod

@@ -34,14 +34,16 @@ Arrays = Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True)
-class Simplification:
-    """One thing that a scene does not need, and why not.
+class AbsentTerm:
+    """A term that the equation of a scene does not have.
 
     Attributes:
+        name: of the term.
+        why: reason of its absence.
         assumption: what the equation assumes without a term; empty where that is said elsewhere.
     """
 
-    what: str
+    name: str
     why: str
     assumption: str = ""
 
@@ -52,7 +54,7 @@ class Term:
 
     Attributes:
         label: what tables and ``simulate --dry-run`` call it.
-        ABSENT: what is said of a scene that does not have it, if anything is.
+        ABSENT: name and reason for a scene that does not have it, if they are shown.
         BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
         OVER_PERIOD: OpenCL source of its lines for the periodic state.
         HOOKS: those of HOOKS that this source fills, by functions ``HOOK_NAME``.
@@ -72,7 +74,7 @@ class Term:
     label: str
 
     NAME: ClassVar[str]
-    ABSENT: ClassVar[Simplification | None] = None
+    ABSENT: ClassVar[AbsentTerm | None] = None
     BREAKS: ClassVar[str] = ""
     OVER_PERIOD: ClassVar[str] = ""
     HOOKS: ClassVar[tuple[str, ...]] = ()

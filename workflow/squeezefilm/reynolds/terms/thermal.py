@@ -1,4 +1,4 @@
-"""Heat: a gas that compression warms, between walls that stay at ambient temperature.
+"""Thermal effects: a gas that compression warms, between walls that stay at ambient temperature.
 
 The energy equation, weighted with the parabola that the temperature has over the gap, is one
 equation for its mean rise τ, in units of the ambient temperature (lengths by the pad's length
@@ -32,7 +32,7 @@ import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, VelocityTerm
-from squeezefilm.reynolds.terms.term import Arrays, Numbers, Simplification
+from squeezefilm.reynolds.terms.term import AbsentTerm, Arrays, Numbers
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -53,7 +53,7 @@ class Thermal(VelocityTerm):
     label: str = "thermal effects"
 
     NAME = "thermal"
-    ABSENT = Simplification("thermal", "not included by gas.thermal", "isothermal")
+    ABSENT = AbsentTerm("thermal effects", "not included by gas.thermal", "isothermal")
     OVER_PERIOD = "terms/thermal_over_period.cl"
     HOOKS = ("residual", "response")
     OWN_FIELDS = 9

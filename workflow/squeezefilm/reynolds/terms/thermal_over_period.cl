@@ -1,4 +1,4 @@
-/* Heat (thermal.py): what the gas' rise of temperature moves. Newton's steps take what is linear in the
+/* Thermal effects (thermal.py): what the gas' rise of temperature moves. Newton's steps take what is linear in the
  * motion, with a lag as at rest; the rest is so small that it needs no more than a step or two. */
 
 #define THERMAL_FIELDS 9

@@ -54,12 +54,12 @@ def profile_uncertainty(config: Config, *, summary: Path | str | None = None) ->
 
 
 def limits_of(points: pd.DataFrame, config: Config) -> pd.DataFrame:
-    """The physics limits of the scenes of a table."""
+    """The asymptotic forces of the scenes of a table."""
     return with_limits(points, scenes_in(points, config))[as_in(LIMIT_COLUMNS, points)]
 
 
 def limit_table_values(config: Config) -> dict[str, Any]:
-    """A table of the physics limits over the study's space for JSON, or why there is none."""
+    """A table of the asymptotic forces over the study's space for JSON, or why there is none."""
     try:
         return limit_table_of(config).model_dump(mode="json")
     except InputError as error:
@@ -83,8 +83,8 @@ def fit_to_forces(
     By every seed with every bound, and a differential evolution with every bound as a check.
 
     Args:
-        limit_table: a table of the physics limits over the space with which the fit's file can be
-            used alone: computed by default for a model that uses them.
+        limit_table: a table of the asymptotic forces over the space, with which the fit's file
+            can be used alone: computed by default for a model that uses them.
         sample: forces of a validation sample, NaN where there is none.
         uncertainty: fraction of a force, by the scan of a measured profile; the study's by default.
         seeds: of the search, instead of the study's.
@@ -110,10 +110,8 @@ def fit_to_forces(
     ways = [(bound, *search) for bound, search in product(settings["bounds"], searches)]
     runs = fit_by(ways, model, factors, force_n, processes=processes)
     best = min(runs, key=lambda run: run.sum_of_squares)
-    simplifications = forces["simplifications"]
-    about = fit_values(
-        model, config, factors, force_n, best, simplifications, uncertainty=uncertainty
-    )
+    absent_terms = forces["absent_terms"]
+    about = fit_values(model, config, factors, force_n, best, absent_terms, uncertainty=uncertainty)
     about["source"] = {"squeezefilm": __version__, **source}
     if model.column_names and limit_table and "not_supported" not in limit_table:
         about["limit_table"] = limit_table
@@ -129,7 +127,7 @@ def fit_values(
     factors: Factors,
     force_n: np.ndarray,
     fit: Fit,
-    simplifications: Iterable[str],
+    absent_terms: Iterable[str],
     *,
     uncertainty: float,
 ) -> dict[str, Any]:
@@ -156,14 +154,14 @@ def fit_values(
         "error_scale": list(error_scale(missed_n, force_n)),
         "profile_uncertainty": uncertainty,
         "directions": symmetry_of(config).to_dict(),
-        "film": film_of(config, simplifications=simplifications),
+        "film": film_of(config, absent_terms=absent_terms),
     }
 
 
 def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> FittedModel:
     """The same fit with the prediction interval that a validation sample gives.
 
-    Raises InputError where the fit's table of physics limits errs by more than a tenth of the
+    Raises InputError where the fit's table of asymptotic forces errs by more than a tenth of the
     model, against the limits at the sample's points.
     """
     model = fit.force_model

@@ -1,4 +1,4 @@
-"""The physics limits of a study's scenes: forces without solving in time or fitting, and a table.
+"""The asymptotic forces of a study's scenes, without solving in time or fitting, and a table.
 
 `fast_limit_n` is the force at infinite squeeze number, `limit_n` the same with the boundary layer
 at the pad's rim, correct to 1/√σ, `limit_error_n` the estimate of its error. With the
@@ -81,7 +81,7 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
 
 
 def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Config) -> pd.DataFrame:
-    """Points with the physics limits that a model uses, computed unless the table has them."""
+    """Points with the asymptotic forces that a model uses, computed unless the table has them."""
     if not set(model.column_names) - set(points):
         return points
     limits = with_limits(points, scenes_in(points, config))

@@ -31,7 +31,7 @@ from squeezefilm.tables import (
 TYPICAL = 1000
 """Points of the fair sample of the space at which nothing is simulated."""
 CLOSE = 0.3
-"""The physics limit maps a model's error if it leaves less than this share of it unexplained."""
+"""The expansion maps a model's error if it leaves less than this share of it unexplained."""
 
 
 TABLES = ("rounds", "forces", "limits", "where")
@@ -86,7 +86,7 @@ def refine(
 ) -> tuple[dict[str, pd.DataFrame], dict[str, Any], dict[str, Any]]:
     """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
 
-    A model that needs the physics limits where they do not hold is not supported: nothing is
+    A model that needs the asymptotic forces where they do not hold is not supported: nothing is
     simulated: the fit and the verdict have the reason, and the tables are empty.
 
     Args:
@@ -166,8 +166,8 @@ def _map(
 ) -> tuple[pd.DataFrame, str]:
     """The error of the best fit over the space: candidates, then the fair sample.
 
-    Where the physics limit explains it at the simulated points it does so in between; otherwise
-    the errors at these points are interpolated.
+    Where the asymptotic expansion explains it at the simulated points it does so in between;
+    otherwise the errors at these points are interpolated.
     """
     from scipy.interpolate import RBFInterpolator  # slow to import, and only needed here
 
@@ -178,7 +178,7 @@ def _map(
     limit = space.known["limit_n"].to_numpy()
     left = outcome.force_n - limit[points]
     if not model.column_names and np.linalg.norm(left) < CLOSE * np.linalg.norm(seen):
-        error, source = own[places] - limit[places], "physics limit"
+        error, source = own[places] - limit[places], "asymptotic expansion"
     else:
         at = pool.coordinates
         degree = 1 if len(points) > at.shape[1] + 1 else 0
@@ -210,10 +210,10 @@ def _fit_values(
     force_n, seed = forces["force_n"].to_numpy(), space.config["refine"]["seed"]
     fit = Fit.of(model, factors, force_n, last.theta, method="closed loop", bound=0.0, seed=seed)
     ranges = parameter_ranges(model, factors, force_n, last.theta) if len(last.theta) else []
-    simplifications = space.solved["simplifications"]
+    absent_terms = space.solved["absent_terms"]
     return {
         **fit_values(
-            model, space.config, factors, force_n, fit, simplifications, uncertainty=uncertainty
+            model, space.config, factors, force_n, fit, absent_terms, uncertainty=uncertainty
         ),
         "points": len(last.design),
         "parameter_ranges": [each.to_dict() for each in ranges],
