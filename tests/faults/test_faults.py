@@ -19,8 +19,20 @@ from ..cluster.conftest import LONG, LONG_FORCES, write_long_study
 from ..workflow.conftest import copy_checkout
 
 CHECKOUT = Path(__file__).resolve().parents[2]
-# A sweep in parts; a plan, its simulation, a fit and a figure.
-SNAKEMAKE = (sys.executable, "-m", "snakemake", "sweep", "fig08", "--configfile", LONG)
+# Who is killed during which job of which targets: of a sweep in parts, then of a figure too.
+KILLED = (
+    ("group", "simulate", ["sweep"]),
+    ("snakemake", "fit", ["sweep", "fig08"]),
+    ("job", "draw_figures", ["sweep", "fig08"]),
+)
+
+
+def snakemake(*words: str) -> list[str]:
+    return [sys.executable, "-m", "snakemake", *words, "--configfile", LONG]
+
+
+def long_study(folder: Path) -> Path:
+    return write_long_study(copy_checkout(CHECKOUT, folder), points=10_000, seconds=1)
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -30,19 +42,6 @@ def digests(folder: Path) -> dict[str, str]:
         for path in sorted(folder.glob("results/**/*"))
         if path.is_file() and "timings" not in path.name and path.suffix != ".part"
     }
-
-
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    """The results of a run that nothing befell; the sweep's forces are the API's."""
-    new = copy_checkout(CHECKOUT, tmp_path_factory.mktemp("undisturbed"))
-    folder = write_long_study(new, points=10_000, seconds=1)
-    subprocess.run(SNAKEMAKE, cwd=folder, check=True)
-    some = read_forces(folder / LONG_FORCES).iloc[::500]
-    assert len(some) == 20
-    alone = load(folder / LONG).forces(some[list(SCENE_COLUMNS)])
-    assert list(alone["force_n"]) == pytest.approx(list(some["force_n"]), rel=1e-12)
-    return digests(folder)
 
 
 def wait_for_job(running: psutil.Popen, command: str) -> psutil.Process:
@@ -56,29 +55,35 @@ def wait_for_job(running: psutil.Popen, command: str) -> psutil.Process:
     pytest.fail(f"ended before anything of {command}: {running.returncode}")
 
 
-@pytest.mark.parametrize(
-    ("victim", "command"),
-    [("group", "simulate"), ("snakemake", "fit"), ("job", "draw_figures")],
-)
-def test_a_killed_run_goes_on(victim, command, undisturbed, tmp_path):
-    folder = write_long_study(copy_checkout(CHECKOUT, tmp_path), points=10_000, seconds=1)
-    running = psutil.Popen(SNAKEMAKE, cwd=folder, start_new_session=True)
-    job = wait_for_job(running, command)
+def test_a_run_that_is_killed_again_and_again_ends_as_one_that_nothing_befell(tmp_path):
+    """And the sweep's forces are the API's."""
+    sound, folder = (long_study(tmp_path / name) for name in ("sound", "killed"))
+    subprocess.run(snakemake("sweep", "fig08"), cwd=sound, check=True)
+    some = read_forces(sound / LONG_FORCES).iloc[::500]
+    assert len(some) == 20
+    alone = load(sound / LONG).forces(some[list(SCENE_COLUMNS)])
+    assert list(alone["force_n"]) == pytest.approx(list(some["force_n"]), rel=1e-12)
+    undisturbed = digests(sound)
     finished: list[Path] = []
-    while command == "simulate" and not finished:
-        finished = list(folder.glob("results/**/[0-9]*-of-*.parquet"))
-    time.sleep(2 if finished else 0.3)  # until Snakemake knows, too
-    if victim == "group":
-        os.killpg(running.pid, signal.SIGKILL)
-    else:
-        (running if victim == "snakemake" else job).kill()
-    assert running.wait(120) != 0
-    psutil.wait_procs([job], timeout=120)  # or it would write beside the run that follows
-    assert digests(folder).items() <= undisturbed.items()
-    before = {path: path.stat().st_mtime_ns for path in finished}
-    for more in (["--unlock"], ["--rerun-incomplete"]):
-        subprocess.run([*SNAKEMAKE, *more], cwd=folder, check=True)
+    times: dict[Path, int] = {}
+    for victim, command, targets in KILLED:
+        running = psutil.Popen(snakemake(*targets), cwd=folder, start_new_session=True)
+        job = wait_for_job(running, command)
+        while not finished:
+            finished = list(folder.glob("results/**/[0-9]*-of-*.parquet"))
+        time.sleep(2 if command == "simulate" else 0.3)  # until Snakemake knows, too
+        jobs = running.children(recursive=True)
+        if victim == "group":
+            os.killpg(running.pid, signal.SIGKILL)
+        else:
+            (running if victim == "snakemake" else job).kill()
+        assert running.wait(120) != 0
+        psutil.wait_procs(jobs, timeout=120)  # or they would write beside the run that follows
+        assert digests(folder).items() <= undisturbed.items()
+        times = times or {path: path.stat().st_mtime_ns for path in finished}
+        subprocess.run(snakemake("--unlock"), cwd=folder, check=True)
+    subprocess.run(snakemake(*targets, "--rerun-incomplete"), cwd=folder, check=True)
     assert digests(folder) == undisturbed
     # Nothing is computed twice.
-    assert all(path.stat().st_mtime_ns == when for path, when in before.items())
+    assert all(path.stat().st_mtime_ns == when for path, when in times.items())
     assert not list(folder.glob("results/**/.*.part"))

@@ -159,8 +159,10 @@ def test_a_fit_predicts_what_is_simulated(study, fit):
     assert "hv_m outside" in outside["note"]
 
 
-def test_a_model_is_fitted_to_positions_on_a_rectangle(repository):
-    plate = sf.load(repository / "config" / "plate.yaml")
+def test_a_model_is_fitted_to_positions_on_a_rectangle(edited, repository):
+    scan = {"kind": "measured", "file": str(repository / "config/plate.csv")}
+    gas = {"inertia": "none", "thermal": "none"}
+    plate = sf.load(edited("plate", actuator={"profile": scan}, gas=gas))
     points = plate.plan(centred=False)
     assert {"x_m", "y_m"} <= set(points.columns)
     fit = plate.fit("along_x")

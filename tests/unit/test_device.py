@@ -1,7 +1,9 @@
 """The device: chosen by name, refused with a reason, never asked for more than it has."""
 
+import io
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from squeezefilm.api.forces import compile_kernels
@@ -61,6 +63,10 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
             return wrong
         return text
 
+    films = {name: film for name, film in self_test.films().items() if name in ("inertia", "slip")}
+    stored = pd.read_csv(self_test.TABLE, index_col="film").loc[[*films]].to_csv()
+    monkeypatch.setattr(self_test, "films", lambda: films)
+    monkeypatch.setattr(self_test, "TABLE", io.StringIO(stored))
     monkeypatch.setattr(Path, "read_text", compiled_wrongly)
     caches = (device.kernel, device._program, self_test._wrong)
     try:
@@ -70,7 +76,7 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
         [each.cache_clear() for each in caches]
     assert "fails its self-test" in message
     assert "inertia: " in message
-    assert "slip: " not in message.replace("inertia and slip", "")
+    assert "slip: " not in message
 
 
 def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):

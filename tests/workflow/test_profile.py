@@ -10,13 +10,14 @@ from .conftest import copy_checkout, snakemake
     ("study", "target", "message"),
     [
         ("vibrometer", "profile/smoothed.pickle", "Make a smooth profile of the scan"),
-        ("synthetic", "figures/measurements.png", "Measured forces beside computed ones"),
+        ("synthetic", "measurements/summary.json", "Measured forces beside computed ones"),
         ("patch", "simulations/device.json", "Compile the kernels"),
     ],
 )
 def test_a_changed_file_is_read_again(study, target, message, repository, tmp_path):
     folder = copy_checkout(repository, tmp_path / "checkout")
-    (folder / "config/patch.yaml").write_text(STUDY, encoding="utf-8")
+    still = "gas: {inertia: none, thermal: none}\n"
+    (folder / "config/patch.yaml").write_text(STUDY + still, encoding="utf-8")
     write_outline(folder / "config")
     words = (f"results/{study}/{target}", "--configfile", f"config/{study}.yaml")
     done = snakemake(folder, *words)
