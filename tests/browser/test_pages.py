@@ -19,22 +19,22 @@ return [[...list.options].map((o) => o.text)
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_a_page_opens_from_the_disk_and_asks_for_nothing_else(page, browser, results):
+@pytest.mark.parametrize("size", [PHONE, SMALL_PHONE, DESKTOP], ids=str)
+def test_a_page_opens_from_the_disk_as_wide_as_the_window_and_asks_for_nothing_else(
+    page, size, browser, results
+):
     path = results / f"{page}.html"
-    requests = browser.open(path)
+    requests = browser.open(path, size=size)
     assert [each["url"] for each in requests] == [path.as_uri()]
     assert browser.complaints() == []
     assert browser.run("return document.title")
     assert browser.run("return document.documentElement.lang").startswith("en")
     assert browser.run("return document.querySelectorAll('h1').length") >= 1
-
-
-@pytest.mark.parametrize("page", PAGES)
-@pytest.mark.parametrize("size", [PHONE, SMALL_PHONE, DESKTOP], ids=str)
-def test_no_page_is_wider_than_the_window(page, size, browser, results):
-    browser.open(results / f"{page}.html", size=size)
     wide = browser.run("return document.documentElement.scrollWidth")
     assert wide <= browser.run("return innerWidth") == size[0]
+    cut, empty = browser.run(CONTROLS) if page == "explorer" else ([], 0)
+    assert cut == []
+    assert empty < 0.1
 
 
 def test_the_summary_opens_with_its_pictures_each_with_a_conclusion(browser, results):
@@ -48,11 +48,3 @@ def test_the_summary_opens_with_its_pictures_each_with_a_conclusion(browser, res
         assert text.endswith(".")
         assert len(alt) > 30
         assert width > 900
-
-
-@pytest.mark.parametrize("size", [PHONE, SMALL_PHONE, DESKTOP], ids=str)
-def test_controls_fill_their_card_and_show_whole_names(size, browser, results):
-    browser.open(results / "explorer.html", size=size)
-    cut, empty = browser.run(CONTROLS)
-    assert cut == []
-    assert empty < 0.1

@@ -26,26 +26,24 @@ PLACEHOLDERS = {
     "SCENES.csv": f"{MADE}/scenes.csv",
     "/PLAN/": "/screen/",
     "results/paper/": "results/quick/",
+    "STUDIES=mine": "STUDIES=my-actuator",
+    "snakemake --configfile config/mine.yaml": "snakemake --configfile config/my-actuator.yaml",
 }
-"""What stands for a file of the reader's own, and the paper's study in small."""
+"""What stands for a file of the reader's own, the paper's study in small, another study's."""
 
-REPORT_OF_MINE = "make report CONFIG=config/mine.yaml REPORT=results/mine.html"
 SMALLER = {
     "squeezefilm new my-actuator": (
         "squeezefilm new my-actuator && sed -i 's/{start:/{levels: 4, start:/'"
         " config/my-actuator.yaml && cat sizes.yaml >> config/my-actuator.yaml"
     ),
-    "make reference": "make reference STUDIES=mine",
-    "make report CONFIG=config/quick.yaml": REPORT_OF_MINE,
-    "make report CONFIG=config/my-actuator.yaml REPORT=results/my-actuator.html": REPORT_OF_MINE,
-    "make resume CONFIG=config/quick.yaml": "make resume CONFIG=config/mine.yaml",
-    "snakemake verification --configfile config/quick.yaml": "snakemake verification",
+    "make reference": "make reference STUDIES=my-actuator",
 }
 """What is run in the place of a command: the same recipe for a study that is made already."""
 
 ELSEWHERE = {
     "make quick": "make check",
     "make paper-inertia": "make check",
+    "make report CONFIG=config/quick.yaml": "make report",
     "pip install .": "make test-install",
     "pip install '.[fields,fits]'": "make test-install",
     "pip install snakemake-executor-plugin-slurm": "make test-cluster",
