@@ -20,5 +20,5 @@ table = work_precision(
     device=device,
 )
 # Where a solver's error no longer matters.
-model_error = read_fit(snakemake.input[0]).global_error
+model_error = read_fit(snakemake.input.fit).global_error
 write_table(table.assign(model_error=model_error, device=device.name), snakemake.output[0])

@@ -94,7 +94,8 @@ def tabulated(rows: Iterable[Row]) -> pd.DataFrame:
         "exact_deviation": abs(table["exact"] / table["published"] - 1),
         "solver_deviation": abs(table["solver"] / table["exact"] - 1),
     }
-    return table.fillna(pd.DataFrame(own)).fillna({"status": "ok"})
+    table = table.fillna(pd.DataFrame(own)).astype({"status": object})
+    return table.fillna({"status": "ok"})
 
 
 def plate(device: Device | None = None) -> Iterator[Row]:
