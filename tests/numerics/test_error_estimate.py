@@ -41,10 +41,10 @@ def test_a_kink_along_an_axis_is_within_the_estimate(at, sigma, tolerance):
 def test_a_state_with_negative_pressure_is_no_solution(monkeypatch):
     original = reynolds.periodic.launch.Launch.states
 
-    def negative(self):
+    def negative(self, device):
         return [
             [saying(states, lowest=states.said["lowest"] - 2) for states in stages]
-            for stages in original(self)
+            for stages in original(self, device)
         ]
 
     monkeypatch.setattr(reynolds.periodic.launch.Launch, "states", negative)
