@@ -145,7 +145,7 @@ def _result(row: Row) -> Lines:
     noise, bias = row.pop("noise_n", row.pop("h0_noise_m", 0.0)), row.pop("quadrature_n", 0.0)
     error -= noise * (name == "h0_m")  # a gap's has both
     row.pop("error_95_percent" if name == "force_n" else "", None)
-    tolerance = f" (tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
+    tolerance = f" (relative tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
     number, _, rest = value_text(value, unit, error=max(error, noise)).partition("±")
     return [
         (label_of(stem), f"{number}{rest.split()[-1]}"),
