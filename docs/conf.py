@@ -26,7 +26,7 @@ exclude_patterns = ["_build", "**/_generated"]
 autodoc_member_order = "bysource"
 GENERATED = HERE / "reference" / "_generated"
 HEAD_OF_LIMITS = (
-    "| quantity | films | modelling error unknown above | equation does not apply above | source |",
+    "| quantity | films | modelling error unverified above | equation invalid above | source |",
     "| --- | --- | --- | --- | --- |",
 )
 

@@ -100,4 +100,4 @@ def test_a_dry_run_of_one_point_shows_absent_terms_and_why(capsys):
     words = ["--h0", "5um", "--hv", "2um", "--config", "config/paper.yaml", "--dry-run"]
     assert main(["simulate", *words]) == 0
     shown = capsys.readouterr().out
-    assert "inertia: not included by gas.inertia" in shown
+    assert "inertia: gas.inertia does not include it" in shown

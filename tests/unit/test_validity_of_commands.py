@@ -60,7 +60,7 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
     assert re.search(r"\nvalidity +within limits\n", capsys.readouterr().out)
     assert main([*point, "20um"]) == 1
     said = capsys.readouterr()
-    assert "Re = 7.23 is above 3 (inertia neglected): error unknown" in said.out
+    assert "Re = 7.23 is above 3 (inertia neglected): modelling error unverified" in said.out
     assert "0.0479" in said.out
     assert "outside the limits of validity" in said.err
     output = str(tmp_path / "predicted.csv")

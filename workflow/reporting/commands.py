@@ -82,7 +82,7 @@ def check_formats(files: Sequence[Path], formats: Sequence[str]) -> None:
 
 @command(RESULTS, STUDY, OUTPUT)
 def recommend(options: argparse.Namespace) -> None:
-    """Recommend a model in each space, and the amplitude that it asks for at each position.
+    """Recommend a model, pad centred and anywhere, with amplitudes for the target force.
 
       squeezefilm recommend results/plate --output TABLE.csv
 

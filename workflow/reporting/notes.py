@@ -81,7 +81,7 @@ def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
     """Estimate the size of the gas inertia in a study, for pages that have no scene.
 
     Returns ``reynolds_per_h0_square``, the modified Reynolds number ρωh0²/μ over h0² in 1/m²;
-    ``most_reynolds``, that above which the error of a force is unknown; ``beyond``, what a larger
+    ``most_reynolds``, above which its modelling error is unverified; ``beyond``, what a larger
     one means.
     """
     gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
@@ -89,7 +89,7 @@ def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
     kind = "thermal effects included" if gas["thermal"] != "none" else "inertia included"
     kind = kind if gas["inertia"] != "none" else "inertia neglected"
     limit = reynolds_limit(kind)
-    beyond = f"{kind}, error unknown above Re {limit.unknown_above:g}"
+    beyond = f"{kind}, modelling error unverified above Re {limit.unknown_above:g}"
     if limit.not_above < math.inf:
         beyond += f"; above Re {limit.not_above:g} the equation does not apply"
     return {

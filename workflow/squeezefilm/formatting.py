@@ -145,7 +145,7 @@ def _result(row: Row) -> Lines:
     noise, bias = row.pop("noise_n", row.pop("h0_noise_m", 0.0)), row.pop("quadrature_n", 0.0)
     error -= noise * (name == "h0_m")  # a gap's has both
     row.pop("error_95_percent" if name == "force_n" else "", None)
-    tolerance = f" (tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
+    tolerance = f" (relative tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
     number, _, rest = value_text(value, unit, error=max(error, noise)).partition("±")
     return [
         (label_of(stem), f"{number}{rest.split()[-1]}"),
@@ -192,7 +192,7 @@ def _effects(row: Row) -> Lines:
     neglected = {name: effects[name] for name in names if name not in have}
     total = f"{change(*ends)} of the {'force' if unit == 'N' else 'load'}"
     if doubtful := " and ".join(label_of(name) for name in neglected if name in invalid):
-        total += f", rough for {doubtful}"
+        total += f", rough because of {doubtful}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE + f": {status}" * (status != "ok")
     lines = [("modelling error", total)]
@@ -202,7 +202,8 @@ def _effects(row: Row) -> Lines:
         text = change(effect, *[edge] * (name == "edge_loss"))
         text += f" ± {percent(remainder, sign='', digits=1)}" * (name == "depth_averaged")
         if name in invalid:
-            text = f"roughly {percent(effect)}, beyond first order"
+            text = f"roughly {percent(effect)} ± {percent(remainder, sign='', digits=1)}"
+            text += ", beyond first order"
         if not abs(effect) + remainder < LEAST_EFFECT_PERCENT:
             lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
     off = ends[1] - sum(effect for effect, _ in neglected.values())

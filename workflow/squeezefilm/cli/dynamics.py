@@ -35,8 +35,8 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 @command(
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10"),
-    option("--mass", "QUANTITY", "that floats, e.g. 50g, for a resonance"),
-    option("--output", "LEVITATION.csv", "table to write, a row a load, else it is shown"),
+    option("--mass", "QUANTITY", "levitated mass, e.g. 50g, for the resonance"),
+    option("--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"),
     *SOLVER,
     points("h0"),
 )
@@ -47,23 +47,23 @@ def levitate(options: argparse.Namespace) -> None:
       squeezefilm levitate --mass 10g --hv 1.5um
       squeezefilm levitate --load 0.1N:1N:10 --hv 1um,2um --output LEVITATION.csv
 
-    Each gap is sought with simulations, at the pad's place. Its modelling error is that of the
-    force, by what the film equation neglects, over the stiffness; the numerical error and a
-    measured profile's noise are in `h0_error_m` alone.
+    The gap is found by simulations at the pad's position. Its modelling error is the modelling
+    error of the force divided by the stiffness; `h0_error_m` contains only the numerical error and
+    the measurement noise of a scanned profile.
 
-    No gap is given where the modelling error is more than a tenth of the gap, or outside the film
-    equation's limits of validity: a row of a table keeps the reason as its `status`, as a load that
-    no gap carries does; one load alone ends with exit status 1 and the range of loads that have a
-    gap. `stiffness_n_per_m` is that of slow motion, −∂F/∂h0 with the amplitude kept and without the
-    scan's noise, and `stable` is said of vertical motion alone.
+    There is no gap where no gap carries the load, where the modelling error exceeds a tenth of the
+    gap, and outside the limits of validity of the film equation. The `status` of a row gives the
+    reason; a single load ends with exit status 1 and the range of loads that have a gap.
+    `stiffness_n_per_m` is −∂F/∂h0 for slow motion at constant amplitude; its error does not contain
+    the noise of the scan. `stable` refers to vertical motion only.
 
-    `other_gaps_m` are smaller gaps, roughly, that carry the same load. With a mass, which is its
-    own load where none is given, `resonance_hz` and `damping_ratio` (1 is critical) are those of
-    its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is the root of its equation
-    of motion with the film's stiffness at s. `modelling_error_lower_percent` and `…_upper_percent`
-    bound what neglected effects change the force by, and `first_order_invalid` names effects
-    beyond first order, whose estimates are rough. `note` says which terms `auto` does not include
-    and why, what stretches an included term, and why there is no resonance.
+    `other_gaps_m` are approximate smaller gaps that carry the same load. Without --load the load is
+    the weight of the mass. With a mass, `resonance_hz` = |Im s|/2π and `damping_ratio` = −Re s/|s|
+    (1 is critical) describe its vertical free oscillation exp(st), where s is the root of the
+    equation of motion with the film's stiffness at s. `modelling_error_lower_percent` and
+    `…_upper_percent` bound the change of the force by neglected effects; estimates of the effects
+    in `first_order_invalid` are rough. `note` gives the terms that `auto` does not include, those
+    included near their limit, and the reason for a missing resonance.
     """
     film = film_at(options)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")

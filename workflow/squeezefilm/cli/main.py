@@ -21,7 +21,7 @@ from squeezefilm.errors import InputError, RunError
 Groups = Mapping[str, Mapping[str, str]]
 
 GROUPS: Groups = {
-    "Use: one force, one field, one model": {
+    "Forces, fields and fitted models": {
         "squeezefilm.cli.film": "simulate error-budget pressure",
         "squeezefilm.cli.dynamics": "levitate response",
         "squeezefilm.cli.model": "predict amplitude-for export",

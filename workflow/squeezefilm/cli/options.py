@@ -31,7 +31,7 @@ POINTS = {
     "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
     "phi": "and direction, e.g. 45deg",
 }
-MANY = "each one value, several (5um,6um), or a range first:last:count (5:10:6um)"
+MANY = "each a value, several (5um,6um) or first:last:count (5:10:6um), in every combination"
 
 OptionAdder = Callable[[argparse.ArgumentParser], object]
 Run = Callable[[argparse.Namespace], int | None]
@@ -56,7 +56,7 @@ def points(*without: str, many: bool = True) -> OptionAdder:
     """Options for the factors, but for those in ``without``; ``many`` values of each."""
 
     def add(parser: argparse.ArgumentParser) -> None:
-        title = "points: every combination of" if many else "the point"
+        title = "points" if many else "the point"
         group = parser.add_argument_group(title, MANY if many else None)
         for name, text in POINTS.items():
             if name not in without:
@@ -75,7 +75,7 @@ SOLVER, FILM = (CONFIG, TOLERANCE, METHOD, DEVICE, JSON), (CONFIG, DEVICE, JSON)
 FIT = option("fit", "FIT.json", "the fitted model")
 FORCES = option("forces", "FORCES.csv", "simulated forces")
 SCENES = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
-OUTPUT = option("--output", "TABLE.csv", "table to write, else it is shown")
+OUTPUT = option("--output", "TABLE.csv", "table to write; without it the table is shown")
 SHOWN = (OUTPUT, JSON)
 
 

@@ -68,7 +68,7 @@ def new(options: argparse.Namespace) -> None:
     flag("--schema", "print the keys' JSON schema instead"),
 )
 def config(options: argparse.Namespace) -> None:
-    """Show a study as it is computed: every key, its value in SI units, and where that comes from.
+    """Show all keys of a study: values in SI units, and the origin of those that it does not write.
 
       squeezefilm config config/my-actuator.yaml
 

@@ -52,7 +52,7 @@ def profile(options: argparse.Namespace) -> None:
     option("--processes", help="to spread the runs over", type=int, default=1),
 )
 def fit(options: argparse.Namespace) -> None:
-    """Fit an empirical force model to simulated forces, from many seeds.
+    """Fit an empirical force model to simulated forces, from many random starts.
 
       squeezefilm fit FORCES.csv --model two-factor --config C.yaml --output FIT.json \\
           [--runs RUNS.csv]
@@ -118,7 +118,7 @@ def validate(options: argparse.Namespace) -> None:
     option("--output", "DESIGNS.csv", "designs to write", required=True),
 )
 def optimal(options: argparse.Namespace) -> None:
-    """D-optimal designs with a certificate, for a fitted model and points of one's own.
+    """D-optimal designs with proof of optimality, for a fitted model and your points.
 
       squeezefilm optimal FIT.json --forces FORCES.csv --config C.yaml --output DESIGNS.csv \\
           [--existing SCENES.csv]

@@ -248,7 +248,7 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
     for section, key in (*((each, "file") for each in named), (sections["figures"], "style")):
         if folder is not None and key in section:
             section[key] = os.path.relpath(config.path.parent / section[key], start=folder)
-    head = f"# {config.path}, as it is computed: what is not marked was written there.\n"
+    head = f"# {config.path}, all keys: values without a mark are written in that file.\n"
     return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
 
 

@@ -1,8 +1,8 @@
 """Limits of validity of the film equation, as data, and whether there is a film at all.
 
 Within the limits the budget of a force (quantities/model_error.py) states what the equation
-neglects. Beyond them the force is still solved for, and its error as a statement about a real film
-is unknown, or the equation does not apply. The list, with reasons and sources, is ``validity.csv``.
+neglects. Beyond them the force is still solved for, and the estimate of its modelling error is
+unverified, or the equation does not apply. The list, with reasons and sources: ``validity.csv``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from squeezefilm.errors import refuse
 from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
-UNKNOWN, NOT_APPLICABLE = "error unknown", "the equation does not apply"
+UNKNOWN, NOT_APPLICABLE = "modelling error unverified", "the equation does not apply"
 # Squeeze number below which gas is pumped in and out and hardly compressed.
 THICK_SIGMA = 20.0
 # Roughness Ra of a finely ground or lapped surface, in m.
@@ -68,7 +68,7 @@ class Limit:
     Attributes:
         quantity, symbol: in words and as in formulas; QUANTITIES has its value.
         films: which the limit is for, of FILMS.
-        unknown_above: value above which the error of a force is unknown.
+        unknown_above: value above which the modelling error of a force is unverified.
         not_above: value above which the equation does not apply.
         source: reason for the values, and where they are from.
     """

@@ -44,7 +44,7 @@ class AnyGap(Term):
     OVER_PERIOD = "terms/gap_over_period.cl"
     IN_SINGLE = True
     IN_EXPANSIONS = True
-    ABSENT = AbsentTerm(NON_UNIFORM, "it is uniform at rest and moves in phase")
+    ABSENT = AbsentTerm(NON_UNIFORM, "the gap is uniform at rest and moves in phase")
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:

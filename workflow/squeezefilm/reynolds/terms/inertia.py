@@ -88,7 +88,7 @@ class Inertia(VelocityTerm):
     label: str = "inertia"
 
     NAME = "inertia"
-    ABSENT = AbsentTerm("inertia", "not included by gas.inertia", "no inertia")
+    ABSENT = AbsentTerm("inertia", "gas.inertia does not include it", "no inertia")
     OVER_PERIOD = "terms/inertia_over_period.cl"
     HOOKS = ("residual", "response", "step", "carry")
     UNKNOWN_FIELDS = 2

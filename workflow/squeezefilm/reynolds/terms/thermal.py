@@ -53,7 +53,7 @@ class Thermal(VelocityTerm):
     label: str = "thermal effects"
 
     NAME = "thermal"
-    ABSENT = AbsentTerm("thermal effects", "not included by gas.thermal", "isothermal")
+    ABSENT = AbsentTerm("thermal effects", "gas.thermal does not include them", "isothermal")
     OVER_PERIOD = "terms/thermal_over_period.cl"
     HOOKS = ("residual", "response")
     OWN_FIELDS = 9

@@ -107,16 +107,16 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
     forces = errors_in_study(config, smoothed)
     noise, error = (float(forces[f"{each}_fraction"].max()) for each in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net()
-    unsure = float(smoothed.standard_error(x_m=x_m, y_m=y_m).max())
+    unsure = percent(100 * float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()), sign="")
     outliers = smoothed.scan.lines[smoothed.outliers].tolist()
     summary = {"largest_force_noise_fraction": noise, "largest_force_error_fraction": error}
     point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
-    rms = f"{percent(100 * smoothed.quadrature, sign='')} rms with its noise"
+    rms = f"{percent(100 * smoothed.quadrature, sign='')} rms including its noise"
     row = {
         "measurement noise of a force": f"at most {percent(100 * noise, sign='')} (95 %)",
         "largest amplitude": f"{smoothed.peak_m * 1e6:.4g} µm",
         "noise of a point": f"{point_noise} of the largest amplitude",
-        "standard error of the profile": f"at most {percent(100 * unsure, sign='')} of it",
+        "standard error of the profile": f"at most {unsure} of the largest amplitude",
         "quadrature motion": rms + ", neglected" * (not smoothed.profile.is_complex),
         "points": len(smoothed.measured_m),
         "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
