@@ -35,7 +35,7 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 @command(
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10"),
-    option("--mass", "QUANTITY", "that floats, e.g. 50g, for a resonance"),
+    option("--mass", "QUANTITY", "levitated mass, e.g. 50g, for a resonance"),
     option("--output", "LEVITATION.csv", "table to write, a row a load, else it is shown"),
     *SOLVER,
     points("h0"),
@@ -47,23 +47,23 @@ def levitate(options: argparse.Namespace) -> None:
       squeezefilm levitate --mass 10g --hv 1.5um
       squeezefilm levitate --load 0.1N:1N:10 --hv 1um,2um --output LEVITATION.csv
 
-    Each gap is sought with simulations, at the pad's place. Its modelling error is that of the
-    force, by what the film equation neglects, over the stiffness; the numerical error and a
+    Each gap is searched for by simulations at the pad's position. Its modelling error is that of
+    the force, by neglected effects, over the stiffness; the numerical error and a
     measured profile's noise are in `h0_error_m` alone.
 
     No gap is given where the modelling error is more than a tenth of the gap, or outside the film
     equation's limits of validity: a row of a table keeps the reason as its `status`, as a load that
     no gap carries does; one load alone ends with exit status 1 and the range of loads that have a
-    gap. `stiffness_n_per_m` is that of slow motion, −∂F/∂h0 with the amplitude kept and without the
-    scan's noise, and `stable` is said of vertical motion alone.
+    gap. `stiffness_n_per_m` is that of slow motion, −∂F/∂h0 at constant amplitude, and its error is
+    without the scan's noise; `stable` concerns vertical motion alone.
 
     `other_gaps_m` are smaller gaps, roughly, that carry the same load. With a mass, which is its
     own load where none is given, `resonance_hz` and `damping_ratio` (1 is critical) are those of
-    its free oscillation exp(st), vertically, |Im s|/2π and −Re s/|s|: s is the root of its equation
-    of motion with the film's stiffness at s. `modelling_error_lower_percent` and `…_upper_percent`
+    its free vertical oscillation exp(λt), |Im λ|/2π and −Re λ/|λ|: λ is the root of its equation of
+    motion with the film's stiffness at λ. `modelling_error_lower_percent` and `…_upper_percent`
     bound what neglected effects change the force by, and `first_order_invalid` names effects
-    beyond first order, whose estimates are rough. `note` says which terms `auto` does not include
-    and why, what stretches an included term, and why there is no resonance.
+    beyond first order, whose estimates are rough. `note` states which terms `auto` does not include
+    and why, which included term is near its limits, and why there is no resonance.
     """
     film = film_at(options)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
@@ -122,20 +122,20 @@ def response(options: argparse.Namespace) -> None:
       squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]
       squeezefilm response SCENES.csv --config CONFIG.yaml --steps STEPS.csv
 
-    The gain is the relative change of the force per relative change of the amplitude: twice a
-    little for slow modulation (`static_gain`, whose relative error is `error`).
+    The gain is the relative change of the force per relative change of the amplitude: 2 or a
+    little more for slow modulation (`static_gain`, whose relative error is `error`).
 
     Part of the force follows at once (`instantaneous_fraction`; `lasting_fraction` remains when the
     surface stops), the rest with the gas that passes the film edge: `instantaneous_gain` is what
-    remains of the gain above the corner, `corner_hz`; the film passes modulation at any frequency,
-    with another size. `settling_start_s` is the time until the force stays within 5 % after the
-    surface starts, `settling_stop_s` until 5 % is left after it stops, each to about two periods.
+    remains of the gain far above `corner_hz`, at which the difference of both gains has fallen by
+    3 dB. `settling_start_s` is the time until the force stays within 5 % after the surface starts,
+    `settling_stop_s` until 5 % is left after it stops, each to about two periods.
 
     By the film equation averaged over a period of the vibration, without inertia and thermal
-    effects; films whose averaged settled force is more than 3 % off are not supported. What the
+    effects; films whose averaged settled force is over 3 % in error are not supported. What the
     averaged equation neglects is stated as a change in %: first-order slip by the same equation
     with slip, inertia and thermal effects by the periodic forces' gain for slow modulation (their
-    effect on corner and settling times is not known). `validity` is `ok`, or the limits of
+    effect on corner and settling times is not available). `validity` is `ok`, or the limits of
     validity that a scene exceeds under this equation.
     """
     film = film_at(options)
