@@ -164,7 +164,7 @@ def error_budget(options: argparse.Namespace) -> None:
     CONFIG,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
     option("--places", None, "points a side, {} to {}".format(*PLACES), type=int, default=41),
-    option("--instants", help="time points, even, {} to {}".format(*INSTANTS), type=int, default=32),
+    option("--instants", help="times, even, {} to {}".format(*INSTANTS), type=int, default=32),
     points(many=False),
 )
 def pressure(options: argparse.Namespace) -> None:
