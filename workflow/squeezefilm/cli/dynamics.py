@@ -57,7 +57,7 @@ def levitate(options: argparse.Namespace) -> None:
     gap. `stiffness_n_per_m` is that of slow motion, −∂F/∂h0 at constant amplitude, and its error is
     without the scan's noise; `stable` concerns vertical motion alone.
 
-    `other_gaps_m` are smaller gaps, roughly, that carry the same load. With a mass, which is its
+    `other_gaps_m` are smaller gaps that carry about the load. With a mass, which is its
     own load where none is given, `resonance_hz` and `damping_ratio` (1 is critical) are those of
     its free vertical oscillation exp(λt), |Im λ|/2π and −Re λ/|λ|: λ is the root of its equation of
     motion with the film's stiffness at λ. `modelling_error_lower_percent` and `…_upper_percent`
