@@ -10,7 +10,6 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 
-
 # Films that have every term among them but inertia and thermal effects: PoCL compiles a kernel of
 # so many items half a minute, theirs more than five.
 COMPILED = ("slip", "fukui-kaneko, polytropic", "any gap, wide and narrow", "ellipse, sliding")

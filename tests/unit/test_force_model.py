@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+import yaml
 from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_FACTOR
 
 from squeezefilm.errors import InputError
@@ -20,6 +21,12 @@ def test_the_piston_formula_is_a_case_of_the_model():
     factors = Factors.of(h0_m=5e-6, hv_m=2e-6)
     piston = np.sqrt(1 + 1.5 * 0.16) / np.sqrt(1 - 0.16) - 1
     assert TWO_FACTOR.evaluate([1.5, 1.0, -1.0], factors) == pytest.approx([piston], rel=1e-14)
+
+
+def test_the_formula_of_the_docs_is_valid(repository):
+    page = (repository / "docs/reference/formulas.md").read_text(encoding="utf-8")
+    settings = yaml.safe_load(page.partition("\n\n")[2].partition("\n\n")[0])["models"]["mine"]
+    assert make_model("mine", settings, place="docs").parameter_units == ("1/m", "1", "1", "1")
 
 
 def test_position_enters_in_degrees_over_45_and_in_metres():

@@ -7,6 +7,7 @@ import pytest
 from physics_facts import CENTRED_N
 
 from paper.uncertainty import compare
+from reporting.pages import readable
 from squeezefilm.film.scene import Scene
 
 
@@ -38,6 +39,7 @@ def test_the_needed_value_gives_the_papers_force(extrapolated):
 def test_only_a_plausible_value_explains(extrapolated):
     verdicts = extrapolated["verdict"]
     assert verdicts["amplitude"] == "explains"  # 2.2 µm may be 2.15 to 2.25 µm
+    assert readable(extrapolated).loc["amplitude", "plausible upper"] == "2.25"  # not in percent
     assert (verdicts.drop("amplitude") == "cannot explain").all()
     # A pressure would, but not one that is plausible.
     assert np.isfinite(extrapolated["needed"]["ambient pressure"])

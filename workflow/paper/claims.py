@@ -127,7 +127,9 @@ def _design_values(results: Results) -> Values:
         "patterns": len(patterns),
         "searches": summary["searches"],
         "counts": "; ".join(
-            f"{name}: " + ", ".join(f"{pattern['pattern']} {pattern['count']}" for pattern in each)
+            name.replace("unit", "scaled to [0, 1]")
+            + ": "
+            + ", ".join(f"{pattern['pattern']} {pattern['count']}" for pattern in each)
             for name, each in sorted(scalings.items(), key=lambda item: item[0] != own)
         ),
         "behind": excess / patterns[0]["objective"],

@@ -24,7 +24,9 @@ VERDICTS = {
 }
 """How a cell begins that is coloured as good or bad."""
 
-FRACTION = re.compile(r"(\w+_)?(error|relative|upper|coverage|fraction)(_min|_all_points|_in_\w+)?")
+FRACTION = re.compile(
+    r"(\w+_)?(error|relative|global_upper|coverage|fraction)(_min|_all_points|_in_\w+)?"
+)
 """Columns of fractions by their names."""
 
 

@@ -175,7 +175,7 @@ def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
         "plan": plan,
         "simulations": str(len(table)),
         **{name: _range(values) for name, values in columns.items()},
-        "largest estimated error of F": rounded_up(largest_error(table)),
+        "largest relative error of F, estimated": rounded_up(largest_error(table)),
     }
 
 

@@ -1,4 +1,4 @@
-# Where to simulate, with a certificate: `snakemake optimal`; and the loop closed: `snakemake refine`.
+# D-optimal designs with bounds of their efficiency (`optimal`), and the loop (`refine`).
 
 REFINED = ["rounds.csv", "forces.csv", "limits.csv", "where.csv", "fit.json", "verdict.json"]
 
@@ -21,7 +21,7 @@ rule optimal_design:
         code=CODE["models"],
         study=sections("screen", "positions", "optimal", *FILM),
     message:
-        "D-optimal designs of the {wildcards.space} model, with a certificate"
+        "D-optimal designs of the {wildcards.space} model, with bounds of their efficiency"
     script:
         "../scripts/optimal_designs.py"
 

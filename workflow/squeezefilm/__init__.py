@@ -7,8 +7,8 @@
 
 `load` reads a study's file, `Film.of` takes the same keys without one. Both give forces with their
 errors, curves and pressure fields; a study also fits models (`Study.fit`), and `Fit.read` reads
-one from its file. What is wrong with an input is told by `InputError`, what could not be computed
-by `RunError`.
+one from its file. An invalid input raises `InputError`, a result that cannot be computed
+`RunError`.
 """
 
 import re

@@ -38,7 +38,7 @@ class Solution:
         states: the periodic state on the last two grids, the finer one last, where it was asked for
             (reynolds/periodic/launch.State); no column.
         derivatives: of the force, where they were asked for (quantities/derivatives.py).
-        outputs: answers beside the force, where they were asked for (quantities/outputs.py).
+        outputs: quantities beside the force, where they were requested (quantities/outputs.py).
     """
 
     force_n: float = nan
@@ -211,7 +211,7 @@ def checked_outputs(names: Iterable[str]) -> tuple[str, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
-    """A scene's answers beside the mean force.
+    """A scene's quantities beside the mean force.
 
     Attributes:
         asked: the outputs that were asked for, of OUTPUTS.

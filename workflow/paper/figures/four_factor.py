@@ -76,7 +76,7 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
     right.set_ylim(-0.13 * radius, 1.15 * radius)
     right.set_title("(b)")
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.3)
-    note = "Equal numbers: one point; at radius 0 all angles are the same position."
+    note = "Equal numbers in (a) and (b): one point; at radius 0 all angles are the same position."
     style.add_note(figure, note, results.beyond)
     return figure, data
 

@@ -111,11 +111,11 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     ]
     parts.label_points(axes, design, labels=labels)
     note = (
-        f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches; O = "
+        f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches; (12) is "
         f"{pattern['objective']:.7g}"
     )
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]
         note += f", {one_digit(behind)} above A in proportion"
-    style.add_note(figure, f"{note}.", "Dashed: lines of equal hv/h0.", results.beyond)
+    style.add_note(figure, f"{note}.", "Dashed: hv/h0 as at a point.", results.beyond)
     return figure, data

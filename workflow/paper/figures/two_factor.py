@@ -67,6 +67,6 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
         columnspacing=0.8,
         handletextpad=0.4,
     )
-    note = parts.error_note(results, "two_factor_design", "screen")
+    note = f"Fit on the design; on {parts.error_note(results, 'two_factor_design', 'screen')}."
     style.add_note(figure, note, simulations_note(results.forces("screen")), results.beyond)
     return figure, data

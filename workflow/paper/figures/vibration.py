@@ -42,11 +42,11 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     reach = 1.04 * surface["radius_mm"].max()
     axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
     axes.set(xlabel="$x$ (mm)", ylabel="$y$ (mm)")
-    label = "amplitude $h_a/h_v$ (–)"
+    label = "local amplitude $h_a/h_v$ (–)"
     bar = figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)
     bar.set_ticks([tick for tick in np.arange(-0.2, 1.01, 0.2) if tick >= levels[0]])
     figure.legend(loc="outside upper center", ncols=2, handlelength=1.8, columnspacing=1.0)
-    note = f"The pad's centre may be up to {limit_mm:.2f} mm off."
+    note = f"The pad's centre may be up to {limit_mm:.2f} mm from the actuator's."
     style.add_note(figure, note, results.beyond)
     return figure, data.round(DIGITS)
 
@@ -58,7 +58,7 @@ def fig06(results: Results) -> tuple[Figure, pd.DataFrame]:
     axes = parts.add_space(
         figure,
         bottom=style.add_note(figure, results.beyond),
-        labels=("$x$ (mm)", "$y$ (mm)", "amplitude $h_a/h_v$ (–)"),
+        labels=("$x$ (mm)", "$y$ (mm)", "local amplitude $h_a/h_v$ (–)"),
         azimuth_deg=-60,
     )
     parts.mesh(axes, *_polar_grid(data))

@@ -49,7 +49,7 @@ def error_budget(results: Results) -> Figure:
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
     shown = _draw_effects(last, along)
     present = screen["included_effects"].iloc[0]
-    first = "First-order estimates; dashed: beyond first order at some points."
+    first = "First-order estimates; dashed: beyond first order at some points; total: mid-interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
     notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
     included = f"Included in the forces: {present}." if present else ""
@@ -122,7 +122,7 @@ def response(results: Results) -> Figure:
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
     figure, ((corner, prompt), (gain, phase)) = style.subplots(2, 2, wide=True, height_in=4.6)
     _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
-    _draw_map(prompt, maps, "instantaneous_percent", "(b) instantaneous fraction (%)")
+    _draw_map(prompt, maps, "instantaneous_percent", "(b) fraction present at start (%)")
     _draw_lines(gain, lines, "gain", "(c) gain")
     gain.set_ylabel("relative force change over\nrelative amplitude change (–)")
     _draw_lines(phase, lines, "phase_deg", "(d) phase")
@@ -203,10 +203,12 @@ def levitation(results: Results) -> Figure:
         axes.grid(True)
     stiffness.legend(fontsize=6)
     known = table[table["h0_m"].notna()]
-    note = f"A gap is given for {len(known)} of {len(table)} loads"
+    note = f"A gap is given for {len(known)} of {len(table)} pairs of load and amplitude"
     ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
     if (shares := (ends / known["h0_m"]).dropna()).size:
         note += f"; modelling error up to {percent(float(shares.max()))} of a gap"
-    marks = f"Dotted: contact; grey: gaps of the study; hollow: Re above {MOST_REYNOLDS:g}."
-    style.add_note(figure, f"{note}.", marks, results.beyond)
+    marks = "Dotted: contact; grey: gaps of the study"
+    if (known["modified_reynolds"] > MOST_REYNOLDS).any():
+        marks += f"; hollow: Re above {MOST_REYNOLDS:g}"
+    style.add_note(figure, f"{note}.", f"{marks}.", results.beyond)
     return figure

@@ -42,7 +42,7 @@ def error_map(results: Results) -> Figure:
     simulated = results.forces("error_map")
     notes = parts.interpolation_note(simulated), simulations_note(simulated)
     note = parts.error_note(results, "two_factor_design", "error_map")
-    style.add_note(figure, f"Model of the design on {note}.", *notes, results.beyond)
+    style.add_note(figure, f"Fit on the design; on {note}.", *notes, results.beyond)
     return figure
 
 

@@ -117,10 +117,10 @@ TOLERANCE = 1e-4
 
 @dataclass(frozen=True, repr=False)
 class Film:
-    """A gas, an actuator and a pad; gap, amplitude and the pad's place are asked for.
+    """A gas, an actuator and a pad; calls give gap, amplitude and the pad's position.
 
-    A quantity is a number in SI units or a text with its unit, ``"5 um"``; the place is that of
-    the pad's centre from the actuator's, Cartesian (``x``, ``y``) or polar (``phi_r``,
+    A quantity is a number in SI units or a text with its unit, ``"5 um"``; the position is
+    that of the pad's centre from the actuator's, Cartesian (``x``, ``y``) or polar (``phi_r``,
     ``phi`` in degrees), the centre by default.
 
     Attributes:
@@ -141,9 +141,9 @@ class Film:
     ) -> Film:
         """A film without a file, from the keys of a study's sections (config/README.md).
 
-        The gas is air at 20 °C whose inertia counts where it matters, the pad a flat rectangle
-        at rest, the wanted relative error 1e-6, as far as the keys say nothing else. A measured
-        profile's file counts from the working directory.
+        By default the gas is air at 20 °C, with inertia and thermal effects where they matter, the
+        pad a flat rectangle at rest and the relative tolerance 1e-6. The path of a measured
+        profile's file is relative to the working directory.
         Raises InputError naming the key, what is wrong with it and what is allowed.
         """
         given = {"gas": gas, "actuator": actuator, "pad": pad, "solver": solver}
@@ -198,9 +198,9 @@ class Film:
         """The mean force at one operating point, with its numerical and modelling error.
 
         Args:
-            tolerance: wanted relative error, instead of the film's own.
+            tolerance: required relative error, instead of the film's own.
             method: of the solver, instead of the film's own (docs/explanation/physics.md).
-            outputs: answers beside the force, ``solution.outputs`` of it (docs/outputs.md), instead
+            outputs: further quantities, ``solution.outputs`` of it (docs/outputs.md), instead
                 of the study's; ``["all"]`` for all.
 
         Raises InputError as ``scene`` does, RunError saying why there is no force.
@@ -223,14 +223,14 @@ class Film:
         budget: bool = False,
         **position: Unpack[Position],
     ) -> pd.DataFrame:
-        """The forces at every combination of some gaps, amplitudes and places, a row for each.
+        """The forces at every combination of some gaps, amplitudes and positions, a row for each.
 
         Several values are a sequence, or a text such as ``"0.5, 1, 2 um"`` or ``"0.5:2.5:9 um"``
-        (first:last:count). ``force_error_n`` is all that is known of the numbers' error; ``status``
-        is ``ok``, or why there is no force. With ``budget``, ``modelling_error_lower_percent`` and
-        ``modelling_error_upper_percent`` bound the effects that the equation neglects, with their
-        higher orders. ``outputs`` are as for a force, each a column with its unit and one with its
-        error. Raises InputError as ``scene`` does.
+        (first:last:count). ``force_error_n`` is the numerical error with the noise of a scan;
+        ``status`` is ``ok``, or why there is no force. With ``budget``,
+        ``modelling_error_lower_percent`` and ``modelling_error_upper_percent`` bound the effects
+        that the equation neglects, with higher orders. ``outputs`` are as for a force, each a
+        column with its unit and one with its error. Raises InputError as ``scene`` does.
         """
         points = points_of(h0=h0, hv=hv, **position)
         return self.forces(
@@ -272,15 +272,15 @@ class Film:
         tolerance: float = TOLERANCE,
         **position: Unpack[Position],
     ) -> xarray.Dataset:
-        """Overpressure (Pa) and gap (m) under the pad over one period, with coordinates.
+        """Gauge pressure (Pa) and gap (m) under the pad over one period, with coordinates.
 
         ``phase`` and ``time`` of the vibration, ``y`` and ``x`` from the pad's centre along its
         own axes; NaN outside an elliptical pad.
 
         Args:
-            places: along x and along y, evenly spaced, rim included.
-            instants: over the period; even.
-            tolerance: by which no value changes any more as grids are refined, of the largest.
+            places: number along x and along y, evenly spaced, film edge included.
+            instants: number over the period; even.
+            tolerance: largest change of a value under grid refinement, over the largest value.
 
         Raises InputError as ``scene`` does, for numbers out of range and without xarray, RunError
         where there is no state.

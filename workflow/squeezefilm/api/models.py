@@ -29,7 +29,7 @@ class Fit:
     """A force model with its parameters and the prediction interval of a validation sample.
 
     Attributes:
-        model: all that its file tells.
+        model: contents of its file.
     """
 
     model: FittedModel
@@ -109,7 +109,7 @@ class Fit:
         """The smallest amplitude that gives a force, a row for each gap and position.
 
         Args:
-            force: wanted, in newtons or with its unit.
+            force: target, in newtons or with its unit.
             h0: gaps; evenly spaced over the range of the fit by default.
 
         ``hv_error_95_m`` is the 95 % error of the force over its slope, ``error_95_percent`` that
@@ -138,7 +138,7 @@ class Fit:
     def gaps(self) -> list[float]:
         """A few gaps in metres, evenly spaced over those of the fit.
 
-        Raises InputError where the fit tells none.
+        Raises InputError where the fit has none.
         """
         ranges = self.model.ranges
         if "h0_m" not in ranges:
@@ -150,7 +150,7 @@ class Fit:
     def code(self, language: str) -> str:
         """The model as code without dependencies, in ``c``, ``python`` or ``javascript``.
 
-        Raises InputError for a model of physics whose file has no table of it.
+        Raises InputError for a model with asymptotic forces whose file has no table of them.
         """
         from squeezefilm.models.export import source
 

@@ -122,20 +122,20 @@ def response(options: argparse.Namespace) -> None:
       squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]
       squeezefilm response SCENES.csv --config CONFIG.yaml --steps STEPS.csv
 
-    The gain is the relative change of the force per relative change of the amplitude: twice a
-    little for slow modulation (`static_gain`, whose relative error is `error`).
+    The gain is the relative change of the force per relative change of the amplitude: 2 or a
+    little more for slow modulation (`static_gain`, whose relative error is `error`).
 
     Part of the force follows at once (`instantaneous_fraction`; `lasting_fraction` remains when the
     surface stops), the rest with the gas that passes the film edge: `instantaneous_gain` is what
-    remains of the gain above the corner, `corner_hz`; the film passes modulation at any frequency,
-    with another size. `settling_start_s` is the time until the force stays within 5 % after the
-    surface starts, `settling_stop_s` until 5 % is left after it stops, each to about two periods.
+    remains of the gain far above `corner_hz`, at which the difference of both gains has fallen by
+    3 dB. `settling_start_s` is the time until the force stays within 5 % after the surface starts,
+    `settling_stop_s` until 5 % is left after it stops, each to about two periods.
 
     By the film equation averaged over a period of the vibration, without inertia and thermal
-    effects; films whose averaged settled force is more than 3 % off are not supported. What the
+    effects; films whose averaged settled force is over 3 % in error are not supported. What the
     averaged equation neglects is stated as a change in %: first-order slip by the same equation
     with slip, inertia and thermal effects by the periodic forces' gain for slow modulation (their
-    effect on corner and settling times is not known). `validity` is `ok`, or the limits of
+    effect on corner and settling times is not available). `validity` is `ok`, or the limits of
     validity that a scene exceeds under this equation.
     """
     film = film_at(options)

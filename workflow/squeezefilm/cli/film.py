@@ -37,9 +37,9 @@ from squeezefilm.tables import read_scenes, write_table
     option("--output", "FORCES.csv", "table of forces to write"),
     *SOLVER,
     flag("--dry-run", "show how scenes would be solved, and solve nothing"),
-    flag("--derivatives", "of the force too, to each number of a scene"),
+    flag("--derivatives", "derivatives of the force too, by each quantity of a scene"),
     flag("--budget", "the modelling error too, as columns of several points"),
-    option("--outputs", "NAME,…", f"answers beside the force, of {', '.join(OUTPUTS)}, or all"),
+    option("--outputs", "NAME,…", f"further quantities, of {', '.join(OUTPUTS)}, or all"),
     points(),
 )
 def simulate(options: argparse.Namespace) -> None:
@@ -51,8 +51,8 @@ def simulate(options: argparse.Namespace) -> None:
 
     The first takes a table of scenes. The others take quantities: a number with its unit, several
     with commas, or evenly spaced ones as first:last:count; every combination is a point. One point
-    is shown with all that is known of its force; several make a table, in which `force_error_n` has
-    the part of a scan too and, with `--budget`, `modelling_error_lower_percent` and
+    is shown with its force, errors and numbers; several make a table, in which `force_error_n`
+    includes the noise of a scan and, with `--budget`, `modelling_error_lower_percent` and
     `…_upper_percent` bound the effects that the film equation neglects.
 
     `validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with
@@ -62,13 +62,13 @@ def simulate(options: argparse.Namespace) -> None:
     Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
     largest gauge pressure times the pad's area. The exit status is 1 when a scene has no force; all
     rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is the
-    solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
+    solver's error alone; `squeezefilm profile` estimates what the noise of a measured profile adds.
 
-    `--derivatives` adds those of the force to h0, hv, the pad's place (x, y) and each number of the
-    gas, the others kept, with their errors, by one adjoint problem per scene; `derivatives_status`
-    says why there are none. `--outputs thrust,power` adds answers beside the force instead of the
-    study's `outputs`: each with its error, by the periodic state; `outputs_status` says what is not
-    known and why. `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms,
+    `--derivatives` adds those of the force by h0, hv, the pad's position (x, y) and each property
+    of the gas, with their errors, by one adjoint problem per scene; `derivatives_status` states why
+    there are none. `--outputs thrust,power` adds these quantities instead of the study's `outputs`,
+    each with its error, from the periodic state; `outputs_status` states which are missing and
+    why. `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms,
     absent terms and why, first grid and expected cost, or with --output writes them, a row
     for each scene.
     """
@@ -163,8 +163,8 @@ def error_budget(options: argparse.Namespace) -> None:
 @command(
     CONFIG,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
-    option("--places", None, "each way, {} to {}".format(*PLACES), type=int, default=41),
-    option("--instants", help="even, {} to {}".format(*INSTANTS), type=int, default=32),
+    option("--places", None, "points a side, {} to {}".format(*PLACES), type=int, default=41),
+    option("--instants", help="times, even, {} to {}".format(*INSTANTS), type=int, default=32),
     points(many=False),
 )
 def pressure(options: argparse.Namespace) -> None:

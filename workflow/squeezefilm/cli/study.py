@@ -29,9 +29,9 @@ def profile(options: argparse.Namespace) -> None:
     The profile is the one that every simulation of the study uses. Its noise is drawn again, from
     the residuals, and some of the study's scenes are simulated with each profile that comes out.
     FORCES.csv has their forces with the half of the interval that holds the noise's part in 95 % of
-    all scans (`noise_n`), by what they are low without motion out of phase (`quadrature_n`), and
-    the sum of both (`scan_error_n`), which the solver's own error adds to. PROFILE.csv has the
-    scan's points with their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
+    all scans (`noise_n`), the force missing for a neglected quadrature component
+    (`quadrature_n`), and the sum of both (`scan_error_n`), without the solver's error. PROFILE.csv
+    has the scan's points with their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
     """
     forces, table, _, text = scan_report(load_config(options.config))
     if options.forces:
@@ -125,7 +125,7 @@ def optimal(options: argparse.Namespace) -> None:
 
     The model is FIT.json's, FORCES.csv what it was fitted to: they give the parameters, and how far
     these can go; the study's ranges are the box in which points may lie. DESIGNS.csv has these
-    designs, all certified by the equivalence theorem:
+    designs, all verified by the equivalence theorem:
 
       local      the best weights of points anywhere in the space, for the fitted parameters
       bayesian   for the mean over the parameter vectors at the ends of the parameters' ranges

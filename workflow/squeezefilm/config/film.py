@@ -128,10 +128,10 @@ class Gas:
     Attributes:
         viscosity_pa_s: dynamic viscosity μ; default: that of `name`, 1.81e-5 of air at 20 °C
         ambient_pressure_pa: pressure p0 around the pad
-        density_kg_per_m3: density at ambient pressure, by which the gas has inertia; default: that
+        density_kg_per_m3: density at ambient pressure, for the inertia of the gas; default: that
             of `name` under the pressure, 1.204 of air at 20 °C and 101325 Pa
         mean_free_path_m: mean free path at ambient density, for `rarefaction` and the budget; in
-            the film it goes like 1/density; default: that of `name` under the pressure, 67 nm of
+            the film it varies as 1/density; default: that of `name` under the pressure, 67 nm of
             air at 20 °C and 101325 Pa
         rarefaction: `none` (viscous flow), `slip` (first order, 6 Kn H²) or `fukui-kaneko` (flow
             factor of the linearised Boltzmann equation, at any Kn, for walls that reflect
@@ -289,7 +289,7 @@ class BesselMode(Section):
     Attributes:
         nodal_diameters: n
         wave_number_rad_per_m: k
-        edge_share: c, share of the near field of the disc's edge; 0 leaves it out
+        edge_share: c, amplitude of the near field of the disc's edge; 0 for none
         direction_deg: φ0, direction of an antinode, from the x axis
     """
 
@@ -463,14 +463,14 @@ class Solver(Section):
     """Settings of the solver.
 
     Attributes:
-        method: `auto` takes, for each scene, the composite expansion where that holds the tolerance
-            and costs less, else the periodic state; or one by name
-        tolerance: wanted relative error of each force
+        method: `auto` takes, for each scene, the composite expansion where that meets the tolerance
+            at lower cost, else the periodic state; or one by name
+        tolerance: required relative error of each force
         model_tolerance: relative change of a force from which on `auto` includes a term of the
             equation
         device: OpenCL device: a part of its platform's or its own name, or `auto`. The environment
-            variable `SQUEEZEFILM_DEVICE` goes before it, and the option `--device` of a command
-            before both
+            variable `SQUEEZEFILM_DEVICE` overrides it, and the option `--device` of a command
+            overrides both
     """
 
     method: Literal["auto", "composite", "periodic"] = "auto"
@@ -493,6 +493,6 @@ class FilmSections(Section):
     solver: Solver = Field(default_factory=Solver)
     outputs: Annotated[list[Output], Different] = Field(
         default=[],
-        description="answers beside the mean force in every `forces.csv`, each with its error "
+        description="quantities beside the mean force in every `forces.csv`, each with its error "
         "(docs/outputs.md)",
     )

@@ -103,7 +103,7 @@ class Seeds(Section):
 
     Attributes:
         two_factor: for models of gap and amplitude alone
-        four_factor: for models that know the pad's position
+        four_factor: for models that contain the pad's position
     """
 
     two_factor: Count = 4
@@ -301,7 +301,7 @@ class Refine(Section):
 
 
 class Optimal(Section):
-    """`snakemake optimal`: D-optimal designs with a certificate.
+    """`snakemake optimal`: D-optimal designs with bounds of their efficiency.
 
     Attributes:
         candidates: most points of the grid that designs are chosen from
@@ -344,8 +344,8 @@ class Extrapolation(Section):
             the screen's smallest gap
         hv_m: its amplitude, up to 1.5 times the screen's largest; default: 1.1 times the screen's
             largest amplitude; that itself where 1.1 times it reaches the gap
-        force_n: the wanted force: each model is asked for the amplitude that gives it at `h0`, and
-            a simulation checks it
+        force_n: the target force: each model gives an amplitude for it at `h0`, and a simulation
+            checks it
     """
 
     h0_m: FilmLength = DERIVED
