@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm import units
 from squeezefilm.film.validity import LIMITS, Limit
 
 VERDICTS = {
@@ -54,11 +55,7 @@ def one_digit(value: float) -> str:
 
 def rounded_up(value: float) -> str:
     """The next number with one digit that is not below a positive value: 2.1e-7 → 3e-7."""
-    if value <= 0:
-        return "0"
-    exponent = math.floor(math.log10(value))
-    digit = math.ceil(round(value / 10.0**exponent, 6))
-    return one_digit(digit * 10.0**exponent)
+    return one_digit(units.rounded_up(value)) if value > 0 else "0"
 
 
 def largest_error(forces: pd.DataFrame) -> float:

@@ -146,8 +146,14 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
     return [float(f"{first + step * number:.12g}") for number in range(int(count))]
 
 
+def rounded_up(error: float) -> float:
+    """The next number of one digit that is not below a positive error."""
+    digit = 10.0 ** math.floor(math.log10(error))
+    return float(f"{math.ceil(round(error / digit, 6)) * digit:.1g}")
+
+
 def to_its_error(value: float, error: float) -> tuple[str, str]:
-    """A value with the digits that its error leaves it, and the error.
+    """A value with the digits that its error leaves it, and the error, rounded up to one digit.
 
     Three digits where the error is not known.
     """
@@ -157,8 +163,7 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
         return f"{value:g}", "0"
     if not math.isfinite(error):
         return f"{value:.3g}", "unknown"
-    error = abs(error)
-    shown = f"{error:.1g}"
+    shown = f"{rounded_up(abs(error)):.1g}"
     places = -math.floor(math.log10(float(shown)))
     if 0 <= places <= MOST_PLACES and abs(value) >= LEAST_PLAIN:
         return f"{value:.{places}f}", shown

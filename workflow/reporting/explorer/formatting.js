@@ -29,11 +29,13 @@ function percent(share) {
   return `${value > 0 ? "+" : ""}${text.replace("-", "−")} %`;
 }
 
-// A value with the digits that its error leaves it, and the error with one; three digits where
-// the error is not known: as squeezefilm.units.to_its_error.
+// A value with the digits that its error leaves it, and the error, rounded up to one; three digits
+// where the error is not known: as squeezefilm.units.to_its_error.
 function toItsError(value, error) {
   if (!(error > 0)) return [plain(value, 3), ""];
-  const shown = Number(error.toPrecision(1)), places = -Math.floor(Math.log10(shown));
+  const digit = 10 ** Math.floor(Math.log10(error));
+  const shown = Number((Math.ceil(error / digit - 1e-6) * digit).toPrecision(1));
+  const places = -Math.floor(Math.log10(shown));
   if (places < 0) return [plain(Math.round(value / 10 ** -places) * 10 ** -places, 15), String(shown)];
   return [value.toFixed(Math.min(places, 9)).replace("-", "−"), String(shown)];
 }
