@@ -101,7 +101,7 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     for value, text, colour in sorted(ends):
         last = max(value, last + LABEL_SHARE * (high - low))
         parts.beside(axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6)
-    axes.set_xlim(least - 0.05 * farthest, farthest + 0.35 * (farthest - least) or 1.0)
+    axes.set_xlim(least - 0.05 * farthest, farthest + 0.7 * (farthest - least) or 1.0)
     axes.axhline(0, color="black", linewidth=0.5)
     label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
     axes.set(xlabel=label, ylabel="change of the force (%)")
