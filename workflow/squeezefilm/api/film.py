@@ -142,7 +142,7 @@ class Film:
         """A film without a file, from the keys of a study's sections (config/README.md).
 
         The gas is air at 20 °C whose inertia counts where it matters, the pad a flat rectangle
-        at rest, the wanted relative error 1e-6, as far as the keys say nothing else. A measured
+        at rest, the required relative error 1e-6, as far as the keys say nothing else. A measured
         profile's file counts from the working directory.
         Raises InputError naming the key, what is wrong with it and what is allowed.
         """
@@ -198,7 +198,7 @@ class Film:
         """The mean force at one operating point, with its numerical and modelling error.
 
         Args:
-            tolerance: wanted relative error, instead of the film's own.
+            tolerance: required relative error, instead of the film's own.
             method: of the solver, instead of the film's own (docs/explanation/physics.md).
             outputs: answers beside the force, ``solution.outputs`` of it (docs/outputs.md), instead
                 of the study's; ``["all"]`` for all.

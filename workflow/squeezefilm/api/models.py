@@ -109,7 +109,7 @@ class Fit:
         """The smallest amplitude that gives a force, a row for each gap and position.
 
         Args:
-            force: wanted, in newtons or with its unit.
+            force: the target, in newtons or with its unit.
             h0: gaps; evenly spaced over the range of the fit by default.
 
         ``hv_error_95_m`` is the 95 % error of the force over its slope, ``error_95_percent`` that

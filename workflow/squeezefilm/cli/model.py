@@ -50,12 +50,12 @@ def predict(options: argparse.Namespace) -> None:
 
 @command(
     FIT,
-    option("--force", "QUANTITY", "wanted, e.g. 1.0N", required=True),
+    option("--force", "QUANTITY", "target, e.g. 1.0N", required=True),
     *SHOWN,
     points("hv"),
 )
 def amplitude_for(options: argparse.Namespace) -> None:
-    """The amplitude that gives a wanted force, by a fitted model, from its file alone.
+    """The amplitude that gives a target force, by a fitted model, from its file alone.
 
       squeezefilm amplitude-for FIT.json --force 1.0N --h0 5um:10um:6 --x 0mm,1mm
 

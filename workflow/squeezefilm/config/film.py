@@ -465,7 +465,7 @@ class Solver(Section):
     Attributes:
         method: `auto` takes, for each scene, the composite expansion where that holds the tolerance
             and costs less, else the periodic state; or one by name
-        tolerance: wanted relative error of each force
+        tolerance: required relative error of each force
         model_tolerance: relative change of a force from which on `auto` includes a term of the
             equation
         device: OpenCL device: a part of its platform's or its own name, or `auto`. The environment

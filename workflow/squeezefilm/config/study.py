@@ -277,9 +277,9 @@ class Refine(Section):
             the pad or its gas
         four_factor: models to refine with the pad anywhere; default: `limit_2`, or
             `polynomial_5`
-        global_error: wanted |model − simulation|/|simulation| over the space; its upper 95 % limit
-            must be below
-        worst_error: wanted largest error, over the root mean square force of the space
+        global_error: target of |model − simulation|/|simulation| over the space, for its upper
+            95 % limit
+        worst_error: target of the largest error, over the root mean square force of the space
         simulations: most simulations, verification included
         verification: of these, points drawn from the space that are never fitted
         batch: points designed in each round
@@ -344,7 +344,7 @@ class Extrapolation(Section):
             the screen's smallest gap
         hv_m: its amplitude, up to 1.5 times the screen's largest; default: 1.1 times the screen's
             largest amplitude; that itself where 1.1 times it reaches the gap
-        force_n: the wanted force: each model is asked for the amplitude that gives it at `h0`, and
+        force_n: the target force: each model is asked for the amplitude that gives it at `h0`, and
             a simulation checks it
     """
 
