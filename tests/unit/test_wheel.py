@@ -10,6 +10,7 @@ import pytest
 
 # What the extras bring: the library must do without.
 EXTRAS = ("matplotlib", "markdown_it", "plotly", "pyarrow", "pygments", "pymoo", "skfem", "xarray")
+SUFFIXES = {".py", ".pyi", ".typed", ".cl", ".csv", ".in", ".yaml"}
 ALONE = f"""
 import sys
 class Absent:
@@ -65,7 +66,7 @@ def test_the_wheel_is_the_library_with_all_its_data_and_nothing_else(installed, 
         if path.is_file()
     }
     assert found == wanted
-    assert {path.suffix for path in found} == {".py", ".pyi", ".cl", ".csv", ".in", ".yaml"}
+    assert {path.suffix for path in found} == SUFFIXES
     assert {path.name.partition("-")[0] for path in installed.iterdir()} == {"squeezefilm"}
 
 

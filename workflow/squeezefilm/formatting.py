@@ -180,7 +180,8 @@ def _effects(row: Row) -> Lines:
         size, unit = 1e4 * row["load_n"] / abs(row["stiffness_n_per_m"]), "µm"
 
     def change(*percents: float, sign: str = "+") -> str:
-        ends = " to ".join(plain(size * each, sign=sign) for each in percents)
+        scale = size if sign else abs(size)
+        ends = " to ".join(plain(scale * each, sign=sign) for each in percents)
         return f"{ends} {unit}, " * isfinite(size) + percent(*percents, sign=sign)
 
     have, invalid = (row.pop(k).split("; ") for k in ("included_effects", "first_order_invalid"))

@@ -34,7 +34,7 @@ SOURCES = {
     "solver": SOLVER,
     "models": MODELS,
     "verification": [*MODELS, "verification"],
-    "figures": [*MODELS, "paper", "report", "reporting"],
+    "figures": [*MODELS, "squeezefilm/columns.csv", "paper", "report", "reporting"],
 }
 """The folders and files, below workflow/, that decide the numbers of a stage, but its scripts."""
 

@@ -277,9 +277,9 @@ class Refine(Section):
             the pad or its gas
         four_factor: models to refine with the pad anywhere; default: `limit_2`, or
             `polynomial_5`
-        global_error: wanted |model − simulation|/|simulation| over the space; its upper 95 % limit
-            must be below
-        worst_error: wanted largest error, over the root mean square force of the space
+        global_error: target of |model − simulation|/|simulation| over the space, for its upper
+            95 % limit
+        worst_error: target of the largest error, over the root mean square force of the space
         simulations: most simulations, verification included
         verification: of these, points drawn from the space that are never fitted
         batch: points designed in each round

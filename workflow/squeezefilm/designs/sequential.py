@@ -19,11 +19,11 @@ Simulations are deterministic, so s is no noise, and "95 %" is about where in th
 
 The loop ends in one of these ways:
 
-- *reached*: the upper limit of the global error and the worst error are as small as wanted;
+- *reached*: the upper limit of the global error and the worst error meet their targets;
 - *model*: no parameters are good enough. Of all parameters the least-squares ones leave the least
   root mean square residual on the points simulated so far, and the largest of any residuals is no
-  less than their root mean square: if that exceeds the wanted worst error, this is proved. Or the
-  wanted global error is below the lower limit of what the best fit to the verification points
+  less than their root mean square: if that exceeds the target worst error, this is proved. Or the
+  target global error is below the lower limit of what the best fit to the verification points
   themselves leaves, with as many fewer degrees of freedom as it has parameters;
 - *simulation*: the same, but what is left is no more than the simulations' own error;
 - *budget*: one more round would take more simulations than allowed.
@@ -257,10 +257,10 @@ class Sequential:
 
     def verdict(self, last: Round, hindsight: Array) -> tuple[str, str]:
         """The loop's end and the reason for it; nothing while it should go on."""
-        wanted, parameters = self.settings, self.parameters
+        settings, parameters = self.settings, self.parameters
         below = (
-            last.global_upper <= wanted["global_error"]
-            and last.worst_error <= wanted["worst_error"]
+            last.global_upper <= settings["global_error"]
+            and last.worst_error <= settings["worst_error"]
         )
         if below and (last.number > 1 or parameters == 0):
             return "reached", (
@@ -269,24 +269,24 @@ class Sequential:
             )
         numerical = last.floor <= NUMERICAL * last.simulation_error
         what = "simulation" if numerical else "model"
-        if last.simulations > parameters and last.floor > wanted["worst_error"]:
+        if last.simulations > parameters and last.floor > settings["worst_error"]:
             return what, (
                 f"no parameters bring the largest residual on the {last.simulations} points "
-                f"simulated below {last.floor:.2g} of the mean force; wanted are "
-                f"{wanted['worst_error']:.2g}"
+                f"simulated below {last.floor:.2g} of the mean force; the target is "
+                f"{settings['worst_error']:.2g}"
             )
         least = self.least_global_error(hindsight)
-        if least > wanted["global_error"]:
+        if least > settings["global_error"]:
             return what, (
                 "even the best fit to the verification points leaves a global error above "
-                f"{least:.2g} with 95 %; wanted are {wanted['global_error']:.2g}"
+                f"{least:.2g} with 95 %; the target is {settings['global_error']:.2g}"
             )
         if parameters == 0:
             return what, "the model has no parameter that more simulations could improve"
-        if last.simulations + wanted["batch"] > wanted["simulations"]:
+        if last.simulations + settings["batch"] > settings["simulations"]:
             return "budget", (
-                f"{last.simulations} of {wanted['simulations']} simulations are done; global error "
-                f"{last.global_error:.2g} to {last.global_upper:.2g}, worst error "
+                f"{last.simulations} of {settings['simulations']} simulations are done; global "
+                f"error {last.global_error:.2g} to {last.global_upper:.2g}, worst error "
                 f"{last.worst_error:.2g}"
             )
         return "", ""

@@ -1,6 +1,6 @@
 """A fitted model as its file holds it: all that its users need, without the study it came from.
 
-And its use: forces with their errors, and the amplitude at which a film gives a wanted force.
+And its use: forces with their errors, and the amplitude at which a film gives a target force.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from squeezefilm.tables import read_json
 FILM_UNKNOWN = "not known: the fit's file does not describe its film"
 NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
 LOOKED_AT = 400
-"""Places at which a model is looked at before the one for a wanted force is refined."""
+"""Places at which a model is looked at before the one for a target force is refined."""
 STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
 
@@ -282,7 +282,7 @@ def amplitude_for(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
 def amplitude_for_force(
     evaluate: Callable[[Factors], Array], *, force_n: float, h0_m: float, **position: float
 ) -> float:
-    """Smallest amplitude hv in metres that gives the wanted force at a gap and position.
+    """Smallest amplitude hv in metres that gives the target force at a gap and position.
 
     ``evaluate`` gives a model's forces in newtons, the position is as Factors.of takes it. A model
     may reach any force just before the edge of the region in which it is defined: beyond it the

@@ -129,7 +129,7 @@ def scenes_of(name: str, config: Config, *, design: pd.DataFrame | None = None) 
 def _extrapolation(config: Config, fits: Mapping[str, FittedModel]) -> pd.DataFrame:
     """The operating point of the section ``extrapolation``, and one scene of each fit.
 
-    Each fit adds the scene at which it expects the wanted force at that gap, named as the fit is.
+    Each fit adds the scene at which it expects the target force at that gap, named as the fit is.
     """
     point = config["extrapolation"]
     amplitudes = {"operating_point": point["hv_m"]}

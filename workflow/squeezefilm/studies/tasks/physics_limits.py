@@ -43,7 +43,7 @@ points of a line, by which the decay of coefficients is measured."""
 LEAST_POINTS, MOST_NODES = 3, 15_000
 """Of an axis; of a table, whose file grows with them."""
 LARGEST_EPSILON_SQUARE = 0.5
-"""Amplitudes up to 0.7 of the gap: beyond a study's, since a wanted force may lie there."""
+"""Amplitudes up to 0.7 of the gap: beyond a study's, since a target force may lie there."""
 TABLE_TOLERANCE, TABLE_TOLERANCE_WITH_INERTIA = 3e-7, 1e-5
 """Of a table, relative; the best fitted corrections of the limits leave 3e-5 of the force."""
 
