@@ -138,6 +138,9 @@ def test_a_wrong_parquet_table_is_refused(tmp_path):
     table.assign(hv_m=[1e-6, np.nan]).to_parquet(tmp_path / "scenes.parquet")
     with pytest.raises(InputError, match="row 2: hv_m is nan"):
         read_scenes(tmp_path / "scenes.parquet")
+    table.assign(hv_m=[True, False]).to_parquet(tmp_path / "scenes.parquet")
+    with pytest.raises(InputError, match="row 1: hv_m is True, not a finite number"):
+        read_scenes(tmp_path / "scenes.parquet")
 
 
 def test_a_column_has_one_meaning_and_the_unit_of_its_name(tmp_path):

@@ -294,9 +294,11 @@ def _parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, 
 
 
 def number_in(cell: Any) -> float:
-    """The number in a cell; NaN where there is none, as in 1_000, which Python would read."""
+    """The number in a cell; NaN where there is none, as in True or 1_000, which Python reads."""
+    if isinstance(cell, bool | np.bool_) or (isinstance(cell, str) and "_" in cell):
+        return nan
     try:
-        return nan if isinstance(cell, str) and "_" in cell else float(cell)
+        return float(cell)
     except (TypeError, ValueError):
         return nan
 
