@@ -1,5 +1,6 @@
 """Whatever of a run is killed, going on as `make resume` does ends with the same results."""
 
+import base64
 import contextlib
 import hashlib
 import os
@@ -44,6 +45,15 @@ def digests(folder: Path) -> dict[str, str]:
     }
 
 
+def recorded(folder: Path) -> list[Path]:
+    """Files of jobs that Snakemake has recorded as finished."""
+    made, unfinished = (
+        {each.name for each in (folder / ".snakemake" / kind).glob("*")}
+        for kind in ("metadata", "incomplete")
+    )
+    return [folder / base64.urlsafe_b64decode(name).decode() for name in made - unfinished]
+
+
 def wait_for_job(running: psutil.Popen, command: str) -> psutil.Process:
     """The process of a command of the library, as soon as it runs."""
     while running.poll() is None:
@@ -70,8 +80,8 @@ def test_a_run_that_is_killed_again_and_again_ends_as_one_that_nothing_befell(tm
         running = psutil.Popen(snakemake(*targets), cwd=folder, start_new_session=True)
         job = wait_for_job(running, command)
         while not finished:
-            finished = list(folder.glob("results/**/[0-9]*-of-*.parquet"))
-        time.sleep(2 if command == "simulate" else 0.3)  # until Snakemake knows, too
+            finished = [path for path in recorded(folder) if path.match("[0-9]*-of-*.parquet")]
+        time.sleep(0.3)  # into the job
         jobs = running.children(recursive=True)
         if victim == "group":
             os.killpg(running.pid, signal.SIGKILL)
