@@ -16,7 +16,7 @@ from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.tables import COLUMNS
-from squeezefilm.units import error_column, to_its_error, unit_of_column
+from squeezefilm.units import error_column, rounded_up, to_its_error, unit_of_column
 
 LABELS = {unit_of_column(each.name)[0]: each.label for each in COLUMNS if each.label}
 """Of columns without their unit, where the name itself is none."""
@@ -138,9 +138,11 @@ def _result(row: Row) -> Lines:
         return [(label_of(stem or "force"), NOT_AVAILABLE + why)] if name or why else []
 
     def off(error: float, source: str) -> str:
-        share = f", {percent(100 * abs(error / value), sign='', digits=1)}" if value else ""
-        text = f"± {value_text(error, unit, digits=1)}{share}{source}"
-        return text if isfinite(error) else NOT_AVAILABLE
+        if not isfinite(error):
+            return NOT_AVAILABLE
+        part = rounded_up(100 * abs(error / value)) if value else 0.0
+        share = f", {percent(part, sign='', digits=1)}" if value else ""
+        return f"± {value_text(rounded_up(error), unit, digits=1)}{share}{source}"
 
     noise, bias = row.pop("noise_n", row.pop("h0_noise_m", 0.0)), row.pop("quadrature_n", 0.0)
     error -= noise * (name == "h0_m")  # a gap's has both

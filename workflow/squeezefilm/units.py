@@ -147,7 +147,9 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
 
 
 def rounded_up(error: float) -> float:
-    """The next number of one digit that is not below a positive error."""
+    """The next number of one digit that is not below an error; 0 of none."""
+    if error == 0:
+        return 0.0
     digit = 10.0 ** math.floor(math.log10(error))
     return float(f"{math.ceil(round(error / digit, 6)) * digit:.1g}")
 
