@@ -228,7 +228,9 @@ def _at_the_load(
     h0_m = _root(excess, low, high)
     values, (status,) = falls(_at(scene, h0_m), "h0_m", **rough)
     slope = float(_known(values[2, 0], h0_m, status))
-    if not exceeded(replace(scene, h0_m=h0_m)):  # else no gap is given, and these numbers show why
+    # The gap may lie anywhere here; where all of it is outside, none is given and these show why.
+    ends = (replace(scene, h0_m=(1 + off) * h0_m) for off in (-ROUGH_TOLERANCE, ROUGH_TOLERANCE))
+    if not all(map(exceeded, ends)):
         for _ in range(MOST_STEPS):
             step_m = excess(h0_m, how) / slope
             h0_m += step_m
