@@ -100,7 +100,7 @@ class Levitation:
         reasons = list(exceeded(self.scene))
         error_m = max(map(abs, replace(self, budget=self.budget.known).modelling_error_m))
         if not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
-            names = ", ".join(map(label_of, self.budget.first_order_invalid))
+            names = ", ".join(map(label_of, self.budget.unknown_effects))
             above = f" (beyond first order: {names})" if names else ""
             reasons.append(
                 f"the gap's modelling error, up to {1e6 * error_m:.2g} µm{above}, is more than a "
@@ -361,7 +361,7 @@ COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "inertia": lambda found: found.scene.gas.inertia,
     "modelling_error_lower_percent": lambda found: found.budget.modelling_error_percent[0],
     "modelling_error_upper_percent": lambda found: found.budget.modelling_error_percent[1],
-    "first_order_invalid": lambda found: "; ".join(found.budget.first_order_invalid),
+    "unknown_effects": lambda found: "; ".join(found.budget.first_order_invalid),
 }
 
 

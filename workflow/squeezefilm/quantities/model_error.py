@@ -1,14 +1,14 @@
 """The modelling error of a force: what the film equation neglects, effect by effect, in % of it.
 
-Every effect is taken at first order about the state of the scene's own equation on a coarse grid:
-one adjoint solve gives what any source of mass does to the mean force (adjoint.py), and the effects
-are such sources (first_order.py). A first order is accurate to about a fiftieth of the effect;
-what that misses stands beside it.
+An effect is the difference of two solved forces, with and without it: slip, inertia and thermal
+effects are terms of the solver, the edge loss is a pressure on the edge that is solved for
+(edge_loss.py). Effects interact, so all that are neglected together are one solve more, and not the
+sum of the rows. What cannot be solved for is unknown, and so is the total then.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import isfinite, isnan, nan
@@ -19,70 +19,37 @@ import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
-from squeezefilm.quantities import first_order
-from squeezefilm.quantities.adjoint import Solved, alike, fields_of, sensitivity, with_states
-from squeezefilm.quantities.first_order import EDGE_LOSS_LEAST, EDGE_LOSS_MOST, Answers
+from squeezefilm.quantities.edge_loss import mean_changes
 from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
+from squeezefilm.solution import Solution
 
-# Relative error of the force of the states taken, and of the adjoint.
-GRID_TOLERANCE = 1e-3
-ADJOINT_TOLERANCE = 3e-5
-# By which an effect on such grids may be off, as a share of it; in layers of σ above 2e4 by more.
-OFF_ON_GRIDS = 1 / 50
-# Numbers of a field, all scenes together: more fall out of the caches. Scenes solved together.
-MOST_NUMBERS, MOST_SCENES = 2**17, 1024
-# Remainder of the first order, as a fraction of it per unit of the modified Reynolds number, and
-# its growth with ε²: of strips with velocity and temperature resolved, ε 0.05 to 0.8
-# (tests/numerics/test_stored_strip.py).
-INERTIA_REMAINDER = (0.12, 0.13)
-THERMAL_REMAINDER = (0.33, 0.58)
-# Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
-SLIP_REMAINDER = 1.2
-# Of the edge loss, for each unit of C Re, and of that times ε: the lesser (strips with the loss at
-# every order, σ 2–2e4, ε 0.05–0.95, up to 0.4 of the force).
-EDGE_LOSS_REMAINDER, EDGE_LOSS_PER_EPSILON = 0.022, 0.04
-# Of the convected profile, for each unit of the squared bearing number (marched on a strip).
-CONVECTED_REMAINDER = 4.0
+# Relative error of the forces whose differences are effects.
+FORCE_TOLERANCE = 1e-5
+# Scenes whose budgets are solved for together, so that not all states are held.
+MOST_SCENES = 128
+# Terms that a study may leave to be decided, in the order in which they are.
+OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
-NAMES = (
-    *("inertia", "thermal", "depth_averaged", "slip", "flow_factor"),
-    *("edge_loss", "bearing", "convected"),
-)
+NAMES = (*OPEN, "depth_averaged", "slip", "flow_factor", "edge_loss", "bearing")
 
 
 class Effect(NamedTuple):
     """One effect on the mean force.
 
     Attributes:
-        percent: of the force, at first order, of a convected profile at second; NaN where it is
-            not known.
-        remainder_percent: size of what higher orders add; NaN where that is not known.
+        percent: of the force; NaN where it is unknown.
+        error_percent: by which that may be off.
         included: the force has it already.
-        estimate: it is no first order, and may be smaller than what it misses.
     """
 
     percent: float
-    remainder_percent: float = nan
+    error_percent: float = nan
     included: bool = False
-    estimate: bool = False
-
-    @property
-    def usable(self) -> bool:
-        """Return whether the first order is larger than its remainder allows."""
-        return self.estimate or not abs(self.remainder_percent) > abs(self.percent) / 2
-
-    def below(self, percent: float) -> bool:
-        """Return whether it is known to be smaller; not where it is unknown or no first order."""
-        return self.usable and abs(self.percent) + self.remainder_percent < percent
-
-    @property
-    def off_percent(self) -> float:
-        """Return the error of the estimate: higher orders and coarse grids."""
-        return self.remainder_percent + OFF_ON_GRIDS * abs(self.percent)
 
 
 UNKNOWN, NONE = Effect(nan), Effect(0.0, 0.0)
@@ -94,156 +61,203 @@ class ErrorBudget:
 
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
-            walls at ambient temperature; ``depth_averaged``, error of both as the scene has them;
-            ``slip``, by the flow factor, or as the scene has it; ``flow_factor``, the difference of
-            first-order slip from that factor; ``edge_loss``, for the coefficient C = 1,
-            with the remainder at the largest C; ``bearing`` of a sliding pad, for a profile at rest
-            under it; ``convected``, of the profile moving past it.
+            walls at ambient temperature; ``depth_averaged``, error of both as averages over the
+            gap; ``slip`` of first order, or as the scene has it; ``flow_factor``, the difference of
+            the flow factor from first-order slip; ``edge_loss`` for the coefficient C = 1;
+            ``bearing`` of a sliding pad.
+        edge_loss_upper_percent: the edge loss for the largest C.
+        modelling_error_percent: lower and upper end of all neglected effects together, with C from
+            its smallest to its largest; NaN where an effect is unknown.
         status: ``ok``, or why there are none.
     """
 
     effects: Mapping[str, Effect] = field(default_factory=lambda: dict.fromkeys(NAMES, UNKNOWN))
+    edge_loss_upper_percent: float = nan
+    modelling_error_percent: tuple[float, float] = (nan, nan)
     status: str = "ok"
 
     @property
-    def known(self) -> ErrorBudget:
-        """The budget as if what is not known in it were nothing."""
-        effects = {k: NONE if isnan(each.percent) else each for k, each in self.effects.items()}
-        return replace(self, effects=effects)
+    def neglected(self) -> dict[str, Effect]:
+        """The effects that the force does not have."""
+        return {name: effect for name, effect in self.effects.items() if not effect.included}
 
     @property
-    def first_order_invalid(self) -> list[str]:
-        """The names of neglected effects beyond first order."""
-        effects = self.effects.items()
-        return [name for name, each in effects if not (each.usable or each.included)]
-
-    def sums(self, *, neglected_only: bool) -> tuple[float, float]:
-        """Lower and upper end of all effects together, or of those that the force does not have.
-
-        The band holds both ends of the edge loss' coefficient and by what the effects may be off,
-        all in one direction. NaN where an effect is not known.
-        """
-        some = [each for each in self.effects.values() if not (neglected_only and each.included)]
-        for_one, edge = sum(each.percent for each in some), self.effects["edge_loss"]
-        ends = [for_one + (share - 1) * edge.percent for share in (EDGE_LOSS_LEAST, EDGE_LOSS_MOST)]
-        off = sum(each.off_percent for each in some) + (EDGE_LOSS_MOST - 1) * edge.off_percent
-        return min(ends) - off, max(ends) + off
+    def unknown(self) -> list[str]:
+        """The names of neglected effects that could not be solved for."""
+        return [name for name, effect in self.neglected.items() if isnan(effect.percent)]
 
     @property
-    def modelling_error_percent(self) -> tuple[float, float]:
-        """Lower and upper end of all neglected effects together."""
-        return self.sums(neglected_only=True)
+    def higher_orders_percent(self) -> float:
+        """By how much all neglected effects together differ from the sum of them, each alone."""
+        alone = sum(effect.percent for effect in self.neglected.values())
+        alone += (self.edge_loss_upper_percent - self.effects["edge_loss"].percent) / 2
+        return sum(self.modelling_error_percent) / 2 - alone
 
-
-NOT_FOUND = "not converged: GMRES for the adjoint problem of the error budget"
+    @property
+    def known_error_percent(self) -> float:
+        """Largest size of the modelling error; of the known effects alone where one is unknown."""
+        if isfinite(sum(self.modelling_error_percent)):
+            return max(map(abs, self.modelling_error_percent))
+        known = [effect for effect in self.neglected.values() if not isnan(effect.percent)]
+        return sum(abs(effect.percent) + effect.error_percent for effect in known)
 
 
 def error_budgets(
-    scenes: Sequence[Scene], *, device: Device | None = None, names: Collection[str] = NAMES
+    scenes: Sequence[Scene], *, device: Device | None = None
 ) -> list[ErrorBudget]:
-    """The budget of each scene's force.
+    """The budget of each scene's force; what of their gases is ``auto`` must be decided."""
+    device = device or choose_device()
+    budgets: list[ErrorBudget] = []
+    for first in range(0, len(scenes), MOST_SCENES):
+        films = [FilmWithEffects(scene) for scene in scenes[first : first + MOST_SCENES]]
+        budgets += _budgets(films, device)
+    return budgets
 
-    Every effect is one about the film without inertia and thermal effects, which are two of them.
+
+class FilmWithEffects:
+    """The scenes whose forces tell a scene's budget.
+
+    Attributes:
+        scene: whose budget it is.
+        without: by effects that the scene includes, the scene that does not.
+        reference: the scene that neglected effects are added to: itself, but that first-order slip
+            stands for the flow factor, which inertia and thermal effects are not derived with.
+        alone: by solvable effects that it neglects, the reference with that one.
+        together: the reference with all of them.
+        flow_factor: the film with that flow, and with first-order slip, without inertia and
+            thermal effects; empty where the scene has it.
+        unsolvable: neglected effects that the solver has no term for.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        gas = scene.gas
+        self.scene = scene
+        self.without: dict[str, Scene] = {
+            name: scene.with_gas(**{name: "none"})
+            for name in OPEN
+            if getattr(gas, name) == "included"
+        }
+        if gas.rarefaction != "none":
+            self.without["slip"] = scene.with_gas(rarefaction="none")
+        if scene.bearing_number:
+            self.without["bearing"] = replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.0))
+        slipping = gas.rarefaction == "fukui-kaneko"
+        self.reference = scene.with_gas(rarefaction="slip") if slipping else scene
+        self.alone: dict[str, Scene] = {}
+        self.unsolvable: list[str] = []
+        for name in OPEN:
+            if getattr(gas, name) == "included":
+                continue
+            with_effect = self.reference.with_gas(**{name: "included"})
+            if refused_on_grid(with_effect, terms_of(with_effect)):
+                self.unsolvable.append(name)
+            else:
+                self.alone[name] = with_effect
+        if gas.rarefaction == "none":
+            self.alone["slip"] = scene.with_gas(rarefaction="slip")
+        changed = {name: "included" for name in self.alone if name in OPEN}
+        if "slip" in self.alone:
+            changed["rarefaction"] = "slip"
+        self.together = self.reference.with_gas(**changed)
+        viscous = scene.viscous()
+        self.flow_factor = [] if slipping else [
+            viscous.with_gas(rarefaction=kind) for kind in ("fukui-kaneko", "slip")
+        ]
+
+    @property
+    def scenes(self) -> list[Scene]:
+        """All of them; some may be the same."""
+        return [
+            *(self.scene, self.reference, self.together),
+            *self.without.values(),
+            *self.alone.values(),
+            *self.flow_factor,
+        ]
+
+
+def _budgets(films: Sequence[FilmWithEffects], device: Device) -> list[ErrorBudget]:
+    moving = [film for film in films if film.scene.epsilon]
+    with_states = {scene: None for film in moving for scene in (film.scene, film.together)}
+    others = {
+        scene: None for film in moving for scene in film.scenes if scene not in with_states
+    }
+    solutions: dict[Scene, Solution] = {}
+    for distinct, keep_states in ((with_states, True), (others, False)):
+        solved = solve(
+            list(distinct),
+            tolerance=FORCE_TOLERANCE,
+            method="periodic",
+            device=device,
+            keep_states=keep_states,
+        )
+        solutions |= zip(distinct, solved, strict=True)
+    edge = mean_changes(
+        list(with_states), [solutions[scene] for scene in with_states], device=device
+    )
+    edge_losses = dict(zip(with_states, np.moveaxis(edge, -1, 0), strict=True))
+    return [_budget(film, solutions, edge_losses) for film in films]
+
+
+def _budget(
+    film: FilmWithEffects,
+    solutions: Mapping[Scene, Solution],
+    edge_losses: Mapping[Scene, np.ndarray],
+) -> ErrorBudget:
+    """A scene's budget from the forces of its films.
 
     Args:
-        names: of the effects that are needed; others are those of NONE.
+        edge_losses: relative changes of forces, and their errors, (2, coefficients).
     """
-    found: list[ErrorBudget] = []
-    for first in range(0, len(scenes), MOST_SCENES):
-        some = list(scenes[first : first + MOST_SCENES])
-        plain = [each.viscous() for each in some]
-        found += map(_with_terms_of, _budgets(plain, device, names), some)
-    return found
+    scene = film.scene
+    if not scene.epsilon:
+        return ErrorBudget(status="no vibration, no force")
+    own = solutions[scene]
+    if own.status != "ok":
+        return ErrorBudget(status=own.status)
 
+    def change(with_effect: Scene, without: Scene) -> tuple[float, float]:
+        """Return the difference of two forces and its error, in per cent of the own force."""
+        one, other = solutions[with_effect], solutions[without]
+        error_n = one.force_error_n + other.force_error_n if with_effect != without else 0.0
+        per_force = 100 / own.force_n
+        return per_force * (one.force_n - other.force_n), abs(per_force) * error_n
 
-def _budgets(
-    scenes: list[Scene], device: Device | None, names: Collection[str]
-) -> list[ErrorBudget]:
-    found = [ErrorBudget(status="no vibration, no force")] * len(scenes)
-    moving = [k for k, scene in enumerate(scenes) if scene.epsilon]
-    solved = with_states([scenes[k] for k in moving], tolerance=GRID_TOLERANCE, device=device)
-    with_state: Solved = {}
-    for k, solution in zip(moving, solved, strict=True):
-        found[k] = ErrorBudget(status=solution.status)
-        if solution.states:
-            with_state[k] = scenes[k], solution
-    for group in alike(with_state, numbers=MOST_NUMBERS):
-        shares = _shares(group, device, names)
-        for n, k in enumerate(group):
-            percent = {name: 100 * float(share[n]) for name, share in shares.items()}
-            found[k] = _budget(scenes[k], percent)
-    return found
-
-
-def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
-    """The budget with what a scene's force has of inertia and thermal effects, and their error."""
-    own = {
-        name: budget.effects[name]._replace(included=getattr(scene.gas, name) == "included")
-        for name in OPEN
-    }
-    if budget.status == "ok":
-        own["depth_averaged"] = Effect(*depth_averaging_percent(scene), estimate=True)
-    return replace(budget, effects={**budget.effects, **own})
-
-
-# Effects that are sources of mass in a scene's own state.
-BY_FLUX: dict[tuple[str, ...], Callable[..., np.ndarray | tuple[np.ndarray, ...]]] = {
-    ("inertia",): first_order.by_inertia,
-    ("thermal",): first_order.by_thermal,
-    ("slip", "flow_factor"): first_order.by_slip,
-    ("edge_loss",): first_order.by_edge_loss,
-}
-
-
-def _shares(group: Solved, device: Device | None, names: Collection[str]) -> dict[str, np.ndarray]:
-    """Change of the mean force by each effect, relative to it, of scenes of like terms."""
-    scenes, solutions = map(list, zip(*group.values(), strict=True))
-    films = fields_of(scenes, solutions, grid=0)
-    with np.errstate(all="ignore"):
-        answers = Answers(films, sensitivity(films, tolerance=ADJOINT_TOLERANCE))
-        force = films.mean(films.overpressure)
-        shares = {
-            name: change / force
-            for effects, change_by in BY_FLUX.items()
-            if not set(effects).isdisjoint(names)
-            for name, change in zip(
-                effects, np.atleast_2d(change_by(scenes, films, answers)), strict=True
-            )
-        }
-        if "bearing" in names and any(scene.bearing_number for scene in scenes):
-            shares["bearing"], shares["convected"] = first_order.by_sliding(
-                scenes, films.grid, device=device or choose_device()
-            )
-    return shares
-
-
-def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
-    """A scene's budget from its effects; without those that its gas does not allow."""
-    if not all(map(isfinite, percent.values())):
-        return ErrorBudget(status=NOT_FOUND)
-    reynolds, isothermal = scene.modified_reynolds, scene.gas.polytropic_exponent == 1
-    remainder = {
-        "inertia": (INERTIA_REMAINDER[0] + INERTIA_REMAINDER[1] * scene.epsilon**2) * reynolds,
-        "thermal": (THERMAL_REMAINDER[0] + THERMAL_REMAINDER[1] * scene.epsilon**2) * reynolds,
-        "slip": SLIP_REMAINDER * 6 * scene.knudsen,
-        "flow_factor": SLIP_REMAINDER * 6 * scene.knudsen,
-        "edge_loss": edge_loss_remainder(EDGE_LOSS_MOST * reynolds, scene.epsilon),
-        "bearing": 0.0,
-        "convected": CONVECTED_REMAINDER * scene.bearing_number**2,
-    }
-    included = {"slip": scene.gas.rarefaction != "none", "bearing": True}
-    effects = dict.fromkeys(NAMES, NONE) | {
-        name: Effect(each, remainder[name] * abs(each), included.get(name, False))
-        for name, each in percent.items()
-    }
-    if not isothermal:  # it stands for thermal effects; a convected profile's is that of such a gas
-        effects |= {name: UNKNOWN for name in ("thermal", "convected") if name in percent}
-    return ErrorBudget(effects)
-
-
-def edge_loss_remainder(coefficient_reynolds: float, epsilon: float) -> float:
-    """Return the remainder of the edge loss as a fraction of its first order, for C Re."""
-    return coefficient_reynolds * min(EDGE_LOSS_REMAINDER, EDGE_LOSS_PER_EPSILON * epsilon)
+    effects = dict.fromkeys(NAMES, NONE)
+    for name, without in film.without.items():
+        effects[name] = Effect(*change(scene, without), included=True)
+    for name, with_effect in film.alone.items():
+        effects[name] = Effect(*change(with_effect, film.reference))
+    for name in film.unsolvable:
+        effects[name] = UNKNOWN
+    effects["depth_averaged"] = Effect(*depth_averaging_percent(film.together))
+    (edge, edge_upper), (edge_error, edge_upper_error) = 100 * edge_losses[scene]
+    effects["edge_loss"] = Effect(float(edge), float(edge_error))
+    together, error = change(film.together, film.reference)
+    if film.flow_factor:
+        percent, flow_error = change(*film.flow_factor)
+        # Of a film without inertia and thermal effects, which it may interact with.
+        doubt = 0.0 if film.together.viscous() == film.together else abs(percent)
+        effects["flow_factor"] = Effect(percent, flow_error + doubt)
+    else:  # first-order slip stood for the flow factor
+        apart, apart_error = change(scene, film.reference)
+        error += abs(together) * (abs(apart) + apart_error) / 100
+    # The edge loss of the film with all other effects, over that film's force.
+    with_all = solutions[film.together].force_n / own.force_n
+    ends, errors = 100 * with_all * edge_losses[film.together]
+    error += max(map(abs, errors))
+    for name in ("flow_factor", "depth_averaged"):
+        together += effects[name].percent
+        error += effects[name].error_percent
+    if film.unsolvable:
+        together = nan
+    return ErrorBudget(
+        effects,
+        edge_loss_upper_percent=float(edge_upper),
+        modelling_error_percent=(
+            float(together + min(ends) - error),
+            float(together + max(ends) + error),
+        ),
+    )
 
 
 # Mean force of a square piston at second order of small motion, over ε² and p0 times the pad's
@@ -305,11 +319,9 @@ def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.n
     return np.append(0.0, nodes), reynolds, change
 
 
-# Change of the force, relative, from which on a term that is ``auto`` is included. An effect of
-# this share of it is included too: its first order is good to a few per cent where it is small.
-MODEL_TOLERANCE, NEARLY = 1e-3, 0.8
-# Terms that a study may leave to be decided, in the order in which they are.
-OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
+# Change of the force, relative, below which a term that is ``auto`` is not included; the forces that
+# show it are solved to this fraction of it.
+MODEL_TOLERANCE, DECIDING = 1e-3, 0.1
 
 
 def resolve_auto_terms(
@@ -321,36 +333,69 @@ def resolve_auto_terms(
 ) -> Scenes | Sequence[Scene]:
     """The scenes with each term of OPEN ``included`` or ``none`` in the place of ``auto``.
 
-    It is included where it changes the force by more than the tolerance, relative, or by what is
-    not known, or not by a first order; and excluded where the method or the scene's other terms do
-    not allow it, which the scene's budget shows.
+    Terms are excluded where the force without them differs by less than the tolerance, relative,
+    from that with all of them, both solved for; and where the method or the scene's other terms do
+    not allow them, which the scene's budget shows.
     """
     if not any(map(_auto, scenes.films if isinstance(scenes, Scenes) else scenes)):
         return scenes
     scenes = Scenes.of(scenes)
-    index = scenes.film_index.tolist()
+    closed = replace(scenes, films=tuple(map(_closed, scenes.films)))
+    index = scenes.film_index
     # Whether a term is supported does not depend on the operating point.
     asked = {
-        index[row]: [name for name in _auto(scene) if not _refused(scene, name, method)]
-        for row in np.unique(index, return_index=True)[1].tolist()
-        for scene in [scenes[row]]
+        int(film): [name for name in _auto(scene) if not _refused(scene, name, method)]
+        for film, row in zip(*np.unique(index, return_index=True), strict=True)
+        for scene in [scenes[int(row)]]
     }
-    closed = replace(scenes, films=tuple(map(_closed, scenes.films)))
-    rows = np.flatnonzero([bool(asked[film]) for film in index])
-    names = {name for some in asked.values() for name in some}
-    found = error_budgets(closed[rows], device=device, names=names)
-    budgets, limit = dict(zip(rows.tolist(), found, strict=True)), 100 * NEARLY * model_tolerance
-    # Unknown effects, as without a budget, are not below.
-    chosen = [
-        (film, tuple(k for k in asked[film] if not budgets[row].effects[k].below(limit)))
-        for row, film in enumerate(index)
-    ]
+    choices = _Choices(closed, [asked[int(film)] for film in index], model_tolerance, device)
+    chosen = list(zip(index.tolist(), choices.decided(), strict=True))
     places = {choice: place for place, choice in enumerate(dict.fromkeys(chosen))}
-    films = tuple(
-        closed.films[film].with_gas(**dict.fromkeys(included, "included"))
-        for film, included in places
-    )
+    films = tuple(_with_terms(closed.films[film], included) for film, included in places)
     return replace(scenes, films=films, film_index=np.array([places[each] for each in chosen]))
+
+
+class _Choices:
+    """Terms of scenes to be decided by solving them with and without."""
+
+    def __init__(
+        self, scenes: Scenes, asked: list[list[str]], model_tolerance: float, device: Device | None
+    ) -> None:
+        """Args: scenes: without the terms; asked: names of the terms that each may have."""
+        self.scenes, self.asked = scenes, asked
+        self.model_tolerance, self.device = model_tolerance, device
+
+    def decided(self) -> list[tuple[str, ...]]:
+        """The terms that each scene needs."""
+        needed = [tuple(names) for names in self.asked]
+        full_n, full_error_n = self._solved({row: names for row, names in enumerate(needed) if names})
+        # Fewer terms are tried first; a scene that needs both has none of these.
+        waiting = {row for row, names in enumerate(needed) if names and np.isfinite(full_n[row])}
+        for fewer in ((), ("inertia",), ("thermal",)):
+            tried = {row: fewer for row in waiting if set(fewer) < set(self.asked[row])}
+            force_n, error_n = self._solved(tried)
+            for row in tried:
+                off_n = abs(force_n[row] - full_n[row]) + error_n[row] + full_error_n[row]
+                if off_n < self.model_tolerance * abs(full_n[row]):
+                    needed[row] = fewer
+                    waiting.discard(row)
+        return needed
+
+    def _solved(self, terms: Mapping[int, tuple[str, ...]]) -> tuple[np.ndarray, np.ndarray]:
+        """Forces and errors in newtons of some rows with some terms, (scenes,), NaN elsewhere."""
+        force_n, error_n = np.full((2, len(self.scenes)), nan)
+        if not terms:
+            return force_n, error_n
+        rows = list(terms)
+        some = [_with_terms(self.scenes[row], terms[row]) for row in rows]
+        solved = solve(
+            some,
+            tolerance=DECIDING * self.model_tolerance,
+            method="periodic",
+            device=self.device,
+        )
+        force_n[rows], error_n[rows] = solved.force_n, solved.force_error_n
+        return force_n, error_n
 
 
 def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
@@ -374,6 +419,10 @@ def _closed(scene: AnyFilm) -> AnyFilm:
     return scene.with_gas(**dict.fromkeys(_auto(scene), "none"))
 
 
+def _with_terms(scene: AnyFilm, names: Sequence[str]) -> AnyFilm:
+    return scene.with_gas(**dict.fromkeys(names, "included")) if names else scene
+
+
 def _refused(scene: Scene, name: str, method: str) -> str:
     """Return the reason why the method does not support a term; empty if it does."""
     scene = _closed(scene).with_gas(**{name: "included"})
@@ -386,23 +435,21 @@ def _refused(scene: Scene, name: str, method: str) -> str:
 def budget_row(budget: ErrorBudget) -> dict[str, object]:
     """A budget as columns of a table, in per cent of the force.
 
-    ``…_remainder_percent`` is the size of what higher orders add, where it is known. The edge loss
-    is for C = 1, and for the largest C in ``edge_loss_upper_percent``; the sums' ends hold both,
-    and the errors of all effects. ``included_effects`` names the effects that the force includes,
-    ``first_order_invalid`` those beyond first order.
+    The edge loss is for C = 1, and for the largest C in ``edge_loss_upper_percent``.
+    ``included_effects`` names the effects that the force includes, ``unknown_effects`` those
+    that could not be solved for.
     """
     row: dict[str, object] = {}
-    effects = budget.effects.items()
-    for name, effect in effects:
+    for name, effect in budget.effects.items():
         row[f"{name}_percent"] = effect.percent
-        if name != "bearing":
-            row[f"{name}_remainder_percent"] = effect.remainder_percent
-    row["edge_loss_upper_percent"] = EDGE_LOSS_MOST * budget.effects["edge_loss"].percent
-    for what, only in (("sum", False), ("modelling_error", True)):
-        ends = budget.sums(neglected_only=only)
-        row[f"{what}_lower_percent"], row[f"{what}_upper_percent"] = ends
+        row[f"{name}_error_percent"] = effect.error_percent
+    row["edge_loss_upper_percent"] = budget.edge_loss_upper_percent
+    row["higher_orders_percent"] = budget.higher_orders_percent
+    lower, upper = budget.modelling_error_percent
+    row |= {"modelling_error_lower_percent": lower, "modelling_error_upper_percent": upper}
+    included = [name for name, effect in budget.effects.items() if effect.included]
     return row | {
-        "included_effects": "; ".join(name for name, each in effects if each.included),
-        "first_order_invalid": "; ".join(name for name, each in effects if not each.usable),
+        "included_effects": "; ".join(included),
+        "unknown_effects": "; ".join(budget.unknown) if budget.status == "ok" else "",
         "status": budget.status,
     }

@@ -18,8 +18,8 @@ import numpy as np
 
 from squeezefilm.errors import unexpected
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.adjoint import remainder, with_rim, with_states
 from squeezefilm.quantities.derivatives import with_derivatives
+from squeezefilm.quantities.states import remainder, weights_with_edge, with_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
 from squeezefilm.reynolds.grid import Grid
@@ -277,14 +277,14 @@ class Sample:
         # With zeros on the rim; what is not among the unknowns is an image.
         in_x, in_y = (each.at(each.all_nodes) for each in (grid.x, grid.y))
         field = np.einsum("pa,abi,qb->pqi", in_x, state.unknowns[0], in_y, optimize=True)
-        along_x = with_rim(axis(grid.x.full_points, folded=False)).weights
+        along_x = weights_with_edge(axis(grid.x.full_points, folded=False))
         if outline:
             mu, nu = outline.rim * (2 * grid.x.all_nodes[:, None] - 1), grid.y.all_nodes
             density = outline.stretch(mu, nu) / outline.mean_stretch
             weights = along_x[:, None] * density / len(nu)
             mirrored = list(grid.around.mirrored)
         else:
-            along_y = with_rim(axis(grid.y.full_points, folded=False)).weights
+            along_y = weights_with_edge(axis(grid.y.full_points, folded=False))
             weights = np.multiply.outer(along_x, along_y)
             mirrored = [slice(None, None, -1)] * grid.y.folded
         places = np.arange(weights.size).reshape(weights.shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import accumulate
@@ -33,6 +33,7 @@ from squeezefilm.reynolds.problems import (
     terms_of_all,
 )
 from squeezefilm.reynolds.terms import Terms, own_fields, parts_of, unknown_fields
+from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 
 MOST_NEWTON = 40
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
@@ -139,6 +140,8 @@ class Batch:
         guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
             film at rest by default.
         every: whether the states on all grids are asked for, and not that on the last alone.
+        edge: on a single grid, what a given pressure on the edge adds (terms/edge_pressure.py), by
+            the arrays' names, shape (scenes, nx, ny, nt) each; ``terms`` have EdgePressure then.
     """
 
     scenes: Scenes
@@ -147,6 +150,7 @@ class Batch:
     tolerances: Sequence[float]
     guess: np.ndarray | None = None
     every: bool = True
+    edge: Mapping[str, np.ndarray] | None = None
 
 
 @lru_cache(maxsize=256)
@@ -163,16 +167,32 @@ def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
 
 
 def solve_batch(
-    scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: float, device: Device
+    scenes: Scenes | Sequence[Scene],
+    grid: Grid,
+    *,
+    tolerance: float,
+    device: Device,
+    guess: np.ndarray | None = None,
+    edge: Mapping[str, np.ndarray] | None = None,
 ) -> States:
     """The periodic states of scenes of one pad shape and like terms on one grid.
+
+    Args:
+        guess, edge: as of a ``Batch``.
 
     Raises:
         ValueError: for scenes of unlike terms.
     """
     scenes = Scenes.of(scenes)
-    batch = Batch(scenes, terms_of_all(scenes), [grid], [tolerance])
-    return launch([batch], device=device).states(device)[0][0]
+    terms = terms_of_all(scenes)
+    if edge is not None:
+        terms = (EdgePressure(), *terms)
+    batch = Batch(scenes, terms, [grid], [tolerance], guess, edge=edge)
+    launched = launch([batch], device=device)
+    (((states,),)) = launched.states(device)
+    kept = States(states.unknowns.copy(), states.said.copy())
+    device.release(*launched.arrays)
+    return kept
 
 
 @dataclass(eq=False)
@@ -348,6 +368,8 @@ def _arrays(batch: Batch, numbers: np.ndarray) -> Iterator[tuple[Packed, np.ndar
     fields, at, means = profiles_at(batch.scenes, grids, terms)
     yield fields, at
     yield modes_of(grids, aspect=aspect, numbers=numbers, motion=mean_motion(numbers, means))
+    if batch.edge is not None:
+        yield packed([batch.edge]), np.arange(len(batch.scenes))
     for term in terms:
         operators = [term.operators(numbers, grid, aspect=aspect) for grid in grids]
         if operators[0]:

@@ -129,6 +129,9 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         field4 logarithm = (field4)spare;
         along_axis(g, axis, d.values, NODES_TO_NODES, (field)film->p, (field)p, 0);
         along_axis(g, axis, d.slope, NODES_TO_SLOPES, (field)film->p, (field)slope, 0);
+#ifdef HAS_edge_pressure
+        add_edge_pressure(g, film, axis, (field)p, (field)slope);
+#endif
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)

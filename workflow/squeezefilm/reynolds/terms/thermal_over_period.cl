@@ -95,6 +95,9 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
         field4 u4 = (field4)u;
         along_axis(g, axis, ON_AXIS(axis, flux_values), NODES_TO_NODES, (field)film->p, pressure, 0);
         along_axis(g, axis, ON_AXIS(axis, flux_slope), NODES_TO_SLOPES, (field)film->p, u, 0);
+#ifdef HAS_edge_pressure
+        add_edge_pressure(g, film, axis, pressure, u);
+#endif
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);

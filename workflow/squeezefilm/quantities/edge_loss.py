@@ -1,0 +1,245 @@
+"""Edge loss: gas that flows in has come from rest, and its pressure at the edge is below ambient.
+
+    P = 1 − C (σ Re/24) ū_n²  where gas flows in (Bernoulli),  P = 1 where it flows out,
+
+with the mean velocity ū over the gap, lengths by the pad's length along x, time by 1/ω. C is the
+kinetic energy of a plug or of a parabola, over that of the mean velocity, and more with losses: it is
+not known better than to the two. The edge's pressure and the film's state are solved for in turn, each
+with the other's last one, until the force settles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.quantities.states import alike, remainder, weights_with_edge
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.spectral import Axis, FluxPoints
+from squeezefilm.reynolds.terms.rarefaction import (
+    flow_over_viscous,
+    slip_flow,
+    slip_growth,
+    slip_of,
+)
+from squeezefilm.solution import Solution
+
+# Coefficients C of a plug and of a parabola.
+COEFFICIENTS = (1.0, 1.54)
+# Relative error of the force that an iteration of the state may leave.
+STATE_TOLERANCE = 1e-7
+# Change of the effect, over it, at which the iteration ends; steps that it may take.
+SETTLED, MOST_STEPS = 1e-3, 25
+# Numbers of the finer states of films that are solved together.
+MOST_TOGETHER = 2**19
+
+
+def mean_changes(
+    scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
+) -> np.ndarray:
+    """Return what the edge loss changes of the forces, over them, and the errors of that.
+
+    Args:
+        solutions: of the scenes, with their states on two grids.
+
+    Returns:
+        Changes and errors for each of COEFFICIENTS, shape (2, coefficients, scenes); NaN where a
+        solution has no states, or the iteration does not settle.
+    """
+    changes = np.full((2, len(COEFFICIENTS), len(scenes)), np.nan)
+    solved = {
+        row: (scene, solution)
+        for row, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
+        if solution.states
+    }
+    for group in alike(solved, numbers=MOST_TOGETHER):
+        rows = list(group)
+        own_scenes, own_solutions = zip(*group.values(), strict=True)
+        coarse, fine = (
+            _changes_on_grid(
+                own_scenes,
+                [solution.states[grid].unknowns for solution in own_solutions],
+                own_solutions[0].states[grid].grid,
+                device=device,
+            )
+            for grid in (0, 1)
+        )
+        factor = np.array(
+            [remainder(*each, tolerance=STATE_TOLERANCE)[0] for each in group.values()]
+        )
+        changes[0][:, rows] = fine
+        changes[1][:, rows] = factor * np.abs(fine - coarse) + SETTLED * np.abs(fine)
+    return changes
+
+
+def _changes_on_grid(
+    scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid, *, device: Device
+) -> np.ndarray:
+    """Changes of the mean pressure over it on one grid, (coefficients, scenes)."""
+    film = EdgeFilms(scenes, grid)
+    own = np.stack(unknowns)
+
+    def solved(guess: np.ndarray, edge: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        states = solve_batch(
+            scenes,
+            grid,
+            tolerance=STATE_TOLERANCE,
+            device=device,
+            guess=guess,
+            edge=film.arrays(edge),
+        )
+        mean = states.mean + film.mean_of_edge(edge)
+        return states.unknowns, np.where(states.status == 0, mean, np.nan)
+
+    own, mean = solved(own, film.ambient())
+    changes = []
+    for coefficient in COEFFICIENTS:
+        state, edge, change = own, film.ambient(), np.zeros(len(scenes))
+        settled = np.zeros(len(scenes), dtype=bool)
+        for _ in range(MOST_STEPS):
+            edge = film.pressure_of_inflow(state, edge, coefficient)
+            state, mean_with_loss = solved(state, edge)
+            before, change = change, mean_with_loss / mean - 1
+            settled = np.abs(change - before) <= SETTLED / 2 * np.abs(change)
+            if (settled | np.isnan(change)).all():
+                break
+        changes.append(np.where(settled, change, np.nan))
+    return np.array(changes)
+
+
+class EdgeFilms:
+    """Films of like terms on one grid, and what a pressure on their edge adds to the equation.
+
+    A pressure on the edge is g = P − 1 at the ends of each axis that has some, of shape (scenes,
+    ends, nodes of the other axis, times); a folded axis has one end. An outline's angle has none.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], grid: Grid) -> None:
+        problems = problems_of(scenes, grid)
+        self.grid, self.numbers = grid, problems.numbers
+        self.lengths = grid.lengths(problems.aspect)
+        self.exponent = scenes[0].gas.polytropic_exponent
+        reynolds = np.array([scene.modified_reynolds for scene in scenes])
+        self.bernoulli = (problems.numbers["sigma"] * reynolds / 24)[:, None, None, None]
+        self.axes = [axis for axis in (grid.x, grid.y) if isinstance(axis, Axis)]
+        parts = problems.parts[problems.places][..., None]
+        epsilon = problems.numbers["epsilon"][:, None, None, None]
+        gap = 1 + epsilon * parts[:, 0] * np.sin(grid.t.nodes)
+        if parts.shape[1] > 1:
+            per_rise = problems.numbers["per_rise"][:, None, None, None]
+            gap = gap + epsilon * parts[:, 1] * np.cos(grid.t.nodes) + per_rise * parts[:, 2]
+        # Over h0, on the nodes that are solved for, and at each axis' ends.
+        self.gap = gap[:, grid.x.inner, grid.y.inner]
+        at_ends = (gap[:, _ends(grid.x)][:, :, grid.y.inner],)
+        if len(self.axes) == 2:
+            at_ends += (gap[:, grid.x.inner][:, :, _ends(self.axes[1])].swapaxes(1, 2),)
+        self.gap_at_ends = at_ends
+
+    def ambient(self) -> list[np.ndarray]:
+        """The ambient pressure on the edge."""
+        return [np.zeros_like(gap) for gap in self.gap_at_ends]
+
+    def pressure_of_inflow(
+        self, unknowns: np.ndarray, edge: list[np.ndarray], coefficient: float
+    ) -> list[np.ndarray]:
+        """Return the pressure on the edge by the velocity of a state that has some pressure there.
+
+        Args:
+            unknowns: overpressure and deficits of the velocity, (scenes, fields, nx, ny, times).
+        """
+        pressures = []
+        area = np.asarray(self.grid.area(np.array([0.0, 1.0])))
+        for k, (axis, gap, at_ends) in enumerate(
+            zip(self.axes, self.gap_at_ends, edge, strict=True)
+        ):
+            ends = _ends(axis)
+            slope = axis.derivative[ends] / self.lengths[k]
+            field = np.moveaxis(unknowns[:, 0], 1 + k, 1)
+            inner = axis.fold(slope[:, 1:-1], rows=len(ends))
+            gradient = np.einsum("en,snqt->seqt", inner, field)
+            gradient += np.einsum("ef,sfqt->seqt", _of_ends(slope, axis), at_ends)
+            mass = gap * (1 + at_ends) ** (1 / self.exponent)
+            mobility = gap**2 * flow_over_viscous(self.numbers, mass)
+            velocity = -mobility / self.numbers["sigma"][:, None, None, None] * gradient
+            if unknowns.shape[1] > 1:
+                deficit = np.moveaxis(unknowns[:, 1 + k], 1 + k, 1)
+                at = FluxPoints(axis).at(axis.all_nodes[ends])
+                deficit_at = axis.fold(at, odd=True, rows=len(ends))
+                velocity -= np.einsum("en,snqt->seqt", deficit_at, deficit)
+            inwards = np.array([1.0, -1.0])[: len(ends), None, None]
+            inflow = np.maximum(inwards * velocity, 0.0)
+            per_area = area[: len(ends), :, None] if self.grid.outline else 1.0
+            pressures.append(-coefficient * self.bernoulli * inflow**2 / per_area)
+        return pressures
+
+    def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
+        """Return what a pressure on the edge adds, by the names in terms/edge_pressure_over_period.cl."""
+        found = {"edge_flow": np.zeros_like(self.gap)}
+        for name in ("edge_values_x", "edge_slope_x", "edge_values_y", "edge_slope_y"):
+            found[name] = np.zeros_like(self.gap)
+        flows = self._flow_at_ends(edge)
+        for k, (axis, name) in enumerate(zip(self.axes, "xy", strict=False)):
+            ends, length = _ends(axis), self.lengths[k]
+            second = (axis.derivative @ axis.derivative)[axis.inner] / length**2
+            points = FluxPoints(axis)
+            values = points.from_all_nodes
+            slope = values @ axis.derivative / length
+
+            def spread(matrix: np.ndarray, at_ends: np.ndarray, k: int = k) -> np.ndarray:
+                field = np.einsum("nf,sfqt->snqt", matrix, at_ends)
+                return np.moveaxis(field, 1, 1 + k)
+
+            found[f"edge_values_{name}"] = spread(_of_ends(values, axis), edge[k])
+            found[f"edge_slope_{name}"] = spread(_of_ends(slope, axis), edge[k])
+            for term, at_ends in enumerate(flows[k]):
+                power = self.gap ** (0.5 * (3 - term))
+                found["edge_flow"] += power * spread(_of_ends(second, axis), at_ends)
+        return found
+
+    def _flow_at_ends(self, edge: list[np.ndarray]) -> list[list[np.ndarray]]:
+        """v of each flow term on the edge, c_k H^((3−k)/2) (g_k(P) − g_k(1)), for each axis."""
+        flows = []
+        for gap, rise in zip(self.gap_at_ends, edge, strict=True):
+            power = 1 + 1 / self.exponent
+            viscous = ((1 + rise) ** power - 1) / power
+            of_axis = [gap**1.5 * viscous]
+            if self.numbers["flow"].shape[1] > 1:
+                slip, inverse = slip_of(self.numbers, gap)
+                if inverse is None:
+                    of_axis.append(slip * gap * rise)
+                else:  # to first order in the pressure, as flow_from splits the flow
+                    growth = slip_growth(inverse)[0]
+                    of_axis[0] = of_axis[0] + gap**1.5 * slip / gap * growth * rise
+                    of_axis.append(slip * gap * (slip_flow(inverse) - growth) * rise)
+            flows.append(of_axis)
+        return flows
+
+    def mean_of_edge(self, edge: list[np.ndarray]) -> np.ndarray:
+        """What the edge's nodes have of the mean pressure over film and period, (scenes,)."""
+        along_x, along_y = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
+        inner_x, inner_y = along_x[self.grid.x.inner], along_y[self.grid.y.inner]
+        ends = along_x[_ends(self.grid.x)]
+        area = np.ones((len(ends), len(inner_y)))
+        if self.grid.outline:
+            area = np.asarray(self.grid.area(np.array([0.0, 1.0])))[: len(ends)]
+            area = area * self.grid.mean_area
+        mean = np.einsum("seqt,e,q,eq->s", edge[0], ends, inner_y, area)
+        if len(self.axes) == 2:
+            mean += np.einsum("seqt,e,q->s", edge[1], along_y[_ends(self.axes[1])], inner_x)
+        return np.asarray(mean / self.grid.nt)
+
+
+def _ends(axis: Axis) -> list[int]:
+    """The nodes of an axis at its ends; one of a folded axis, whose ends are alike."""
+    return [0] if axis.folded else [0, -1]
+
+
+def _of_ends(matrix: np.ndarray, axis: Axis) -> np.ndarray:
+    """The columns of a matrix on all nodes for what stands at the ends."""
+    ends = matrix[:, [0, -1]]
+    return ends.sum(axis=1, keepdims=True) if axis.folded else ends

@@ -1,0 +1,29 @@
+"""A given pressure on the film's edge, P = 1 + g, in place of the ambient one.
+
+Unknown stays the pressure on the inner nodes, zero on the edge: by collocation the flow is affine in
+what stands there, and so are the pressure and its slope on the points of velocities. What g adds
+are arrays of the host, which knows it (quantities/edge_loss.py). That gas at the edge is warmer by
+g is neglected.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms.term import Term
+
+
+@dataclass(frozen=True)
+class EdgePressure(Term):
+    """No scene has it by itself: a batch brings its arrays (periodic/launch.py)."""
+
+    label: str = "edge pressure"
+
+    NAME = "edge_pressure"
+    OVER_PERIOD = "terms/edge_pressure_over_period.cl"
+    HOOKS = ("residual",)
+
+    @classmethod
+    def of(cls, scene: Scene) -> EdgePressure | None:
+        return None
