@@ -79,11 +79,11 @@ class Results:
 
     def budget(self, plan: str, *effects: str) -> pd.DataFrame:
         """Return the neglected effects on the forces of a plan, which has at least these."""
-        columns = (*MODELLING_ERROR, "first_order_invalid", "included_effects")
+        columns = (*MODELLING_ERROR, "unknown_effects", "included_effects")
         table = self.table(
             f"simulations/{plan}/error_budget.csv", "h0_m", "hv_m", *columns, *effects
         )
-        texts = ("first_order_invalid", "included_effects")
+        texts = ("unknown_effects", "included_effects")
         return table.assign(**{name: table[name].astype(object).fillna("") for name in texts})
 
     def table(self, file: str, *columns: str) -> pd.DataFrame:

@@ -136,13 +136,7 @@ def _neglected(results: Results) -> dict[str, Any] | None:
     ends = table[MODELLING_ERROR].to_numpy(dtype=float)
     if not np.isfinite(ends).all():
         return None
-    texts = (table[name].str.split("; ") for name in ("first_order_invalid", "included_effects"))
-    effects = zip(*texts, strict=True)
-    return {
-        "lower": signed(ends.min()),
-        "upper": signed(ends.max()),
-        "first_order_invalid": any({*names} - {"", *included} for names, included in effects),
-    }
+    return {"lower": signed(ends.min()), "upper": signed(ends.max())}
 
 
 def _effects(results: Results) -> pd.DataFrame:

@@ -26,10 +26,13 @@ RESULTS = ("force_n", "h0_m", "hv_m")
 LAST = ("device", "model", "validation", "absent_term_reasons", "notes", "note")
 FRACTIONS = ("error", "expected_error", "global_error", "worst_relative_error", "worst_error")
 NOT_SHOWN = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
-    *("sum_lower_percent", "sum_upper_percent", "bearing_percent"),
+    *("bearing_percent", "bearing_error_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
-NOT_AVAILABLE, REMAINDER = "not available", "_remainder_percent"
+NOT_AVAILABLE, EFFECT_ERROR = "not available", "_error_percent"
+EFFECTS = ("inertia", "thermal", "depth_averaged", "slip", "flow_factor", "edge_loss")
+# Effects whose error is no numerical one.
+WITH_ERROR = ("depth_averaged", "flow_factor")
 SYMMETRIES = {"whole": "none", "quarter": "x and y"}
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.01
 
@@ -186,32 +189,29 @@ def _effects(row: Row) -> Lines:
         ends = " to ".join(plain(scale * each, sign=sign) for each in percents)
         return f"{ends} {unit}, " * isfinite(size) + percent(*percents, sign=sign)
 
-    have, invalid = (row.pop(k).split("; ") for k in ("included_effects", "first_order_invalid"))
+    included, unknown = (row.pop(k).split("; ") for k in ("included_effects", "unknown_effects"))
     ends = [row.pop(f"modelling_error_{end}_percent") for end in ("lower", "upper")]
-    edge = row.pop("edge_loss_upper_percent")
+    edge, higher = row.pop("edge_loss_upper_percent"), row.pop("higher_orders_percent")
     status = row.pop("budget_status" if "budget_status" in row else "status")
-    names = [name.removesuffix(REMAINDER) for name in row if name.endswith(REMAINDER)]
-    effects = {name: (row.pop(f"{name}_percent"), row.pop(name + REMAINDER)) for name in names}
-    neglected = {name: effects[name] for name in names if name not in have}
+    names = [name for name in EFFECTS if f"{name}_percent" in row]
+    effects = {name: (row.pop(f"{name}_percent"), row.pop(name + EFFECT_ERROR)) for name in names}
+    neglected = {name: effects[name] for name in names if name not in included}
     total = f"{change(*ends)} of the {'force' if unit == 'N' else 'load'}"
-    if doubtful := " and ".join(label_of(name) for name in neglected if name in invalid):
-        total += f", rough because of {doubtful}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE + f": {status}" * (status != "ok")
+        if reason := " and ".join(label_of(name) for name in unknown if name):
+            total += f": {reason} not known"
     lines = [("modelling error", total)]
     if status != "ok":
         return lines
-    for name, (effect, remainder) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
+    for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
         text = change(effect, *[edge] * (name == "edge_loss"))
-        text += f" ± {percent(remainder, sign='', digits=1)}" * (name == "depth_averaged")
-        if name in invalid:
-            text = f"roughly {percent(effect)} ± {percent(remainder, sign='', digits=1)}"
-            text += ", beyond first order"
-        if not abs(effect) + remainder < LEAST_EFFECT_PERCENT:
+        if name in WITH_ERROR:
+            text += f" ± {percent(error, sign='', digits=1)}"
+        if not abs(effect) + error < LEAST_EFFECT_PERCENT:
             lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
-    off = ends[1] - sum(effect for effect, _ in neglected.values())
-    off -= max(edge - effects["edge_loss"][0], 0.0) + effects["depth_averaged"][1]
-    return [*lines, ("  higher orders", f"± {change(off, sign='')}" * isfinite(off))]
+    together = change(higher) if isfinite(higher) and abs(higher) >= LEAST_EFFECT_PERCENT else ""
+    return [*lines, ("  higher orders", together)]
 
 
 def _solver(row: Row) -> Lines:

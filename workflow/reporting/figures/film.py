@@ -40,16 +40,14 @@ def error_budget(results: Results) -> Figure:
     along = positions[largest >= largest.max() * (1 - 1e-9)]
     figure, grid = style.subplots(2, 3, wide=True, height_in=4.3)
     *panels, last = grid.flat
-    too_large = "; ".join(screen["first_order_invalid"]).split("; ")
     for letter, axes, (name, colour) in zip("abcde", panels, EFFECTS.items(), strict=True):
-        beyond = any(too_large) if name == "total" else name in too_large
-        look: dict[str, Any] = {"colors": colour, "linestyles": "dashed" if beyond else "solid"}
+        look: dict[str, Any] = {"colors": colour, "linestyles": "solid"}
         look["levels"] = _inner_levels(screen[f"{name}_percent"])
         title = f"({letter}) {label_of(name)} (%)"
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
     shown = _draw_effects(last, along)
     present = screen["included_effects"].iloc[0]
-    first = "First-order estimates; dashed: beyond first order at some points; total: mid-interval."
+    first = "Differences of solved forces; total: middle of the interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
     notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
     included = f"Included in the forces: {present}." if present else ""

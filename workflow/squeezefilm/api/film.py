@@ -229,7 +229,7 @@ class Film:
         (first:last:count). ``force_error_n`` is the numerical error with the noise of a scan;
         ``status`` is ``ok``, or why there is no force. With ``budget``,
         ``modelling_error_lower_percent`` and ``modelling_error_upper_percent`` bound the effects
-        that the equation neglects, with higher orders. ``outputs`` are as for a force, each a
+        that the equation neglects. ``outputs`` are as for a force, each a
         column with its unit and one with its error. Raises InputError as ``scene`` does.
         """
         points = points_of(h0=h0, hv=hv, **position)

@@ -92,8 +92,7 @@ class Force:
     def modelling_error_percent(self) -> tuple[float, float]:
         """Return the bounds of the modelling error in per cent of the force.
 
-        First orders, and what higher ones may add. NaN where an effect is not known or the budget
-        was not asked for; ``print(force)`` says where a first order is not enough.
+        NaN where an effect is unknown or the budget was not asked for.
         """
         return self.budget.modelling_error_percent
 
@@ -216,7 +215,7 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     ``status`` is ``ok``, or why there is no force; ``validity`` is ``ok``, or the limits of
     validity that the scene exceeds. What was asked for stands behind: derivatives, outputs and,
     with a budget, ``modelling_error_lower_percent`` and ``…_upper_percent``, the bounds of the
-    effects that the film equation neglects, with their higher orders.
+    effects that the film equation neglects, all together.
     """
     rows = []
     for force in forces:

@@ -48,7 +48,7 @@ def compare_measurements(config: Config) -> pd.DataFrame:
 
 def _computed(force: Force) -> dict[str, Any]:
     """Return a computed force and its errors, by names of columns."""
-    known = force.validity == OK and not force.budget.first_order_invalid
+    known = force.validity == OK
     bounds = force.modelling_error_percent if known else (np.nan, np.nan)
     lower_n, upper_n = sorted(percent / 100 * force.force_n for percent in bounds)
     return {

@@ -61,8 +61,8 @@ def levitate(options: argparse.Namespace) -> None:
     the weight of the mass. With a mass, `resonance_hz` = |Im s|/2π and `damping_ratio` = −Re s/|s|
     (1 is critical) describe its vertical free oscillation exp(st), where s is the root of the
     equation of motion with the film's stiffness at s. `modelling_error_lower_percent` and
-    `…_upper_percent` bound the change of the force by neglected effects; estimates of the effects
-    in `first_order_invalid` are rough. `note` gives the terms that `auto` does not include, those
+    `…_upper_percent` bound the change of the force by neglected effects; they are unknown with the
+    effects in `unknown_effects`. `note` gives the terms that `auto` does not include, those
     included near their limit, and the reason for a missing resonance.
     """
     film = film_at(options)

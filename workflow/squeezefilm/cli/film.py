@@ -144,16 +144,15 @@ def error_budget(options: argparse.Namespace) -> None:
       squeezefilm error-budget --h0 5um --hv 2.2um --x -2mm
 
     A row for each scene. `inertia_percent`, `thermal_percent`, `slip_percent`, `edge_loss_percent`
-    (for its coefficient C = 1; `edge_loss_upper_percent` for 1.54), `bearing_percent` and
-    `convected_percent` (the profile that moves past a sliding pad) are changes of the mean force at
-    first order, `…_remainder_percent` the size of what higher orders add.
+    (for its coefficient C = 1; `edge_loss_upper_percent` for 1.54) and `bearing_percent` are changes
+    of the mean force: the difference of two solved forces, with and without the effect.
 
-    `sum_…` adds all of them, `modelling_error_…` those that the force neglects (`included_effects`
-    names the others): from `…_lower` to `…_upper`, with C from 1 to 1.54 and the errors of higher
-    orders and coarse grids. `first_order_invalid` names effects beyond first order, whose
-    estimates are rough; `status` says why there are none.
-    `depth_averaged_percent` is the estimated error of included inertia and thermal effects, as
-    averages over the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
+    `modelling_error_lower_percent` and `…_upper_percent` bound all effects that the force neglects
+    together, with C from 1 to 1.54; `included_effects` names the others. `higher_orders_percent` is
+    by how much they differ from the sum of each alone. `unknown_effects` names those that could not
+    be solved for; `status` says why there are none.
+    `depth_averaged_percent` is the estimated error of inertia and thermal effects as averages over
+    the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
     """
     points, film = points_or_scenes(options), film_at(options)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)

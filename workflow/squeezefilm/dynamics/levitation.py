@@ -20,7 +20,7 @@ from squeezefilm.dynamics.response import MOST_MODULATION
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
-from squeezefilm.formatting import label_of, scene_row
+from squeezefilm.formatting import scene_row
 from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import (
     OPEN,
@@ -45,6 +45,10 @@ ROUGH_TOLERANCE = 1e-3
 MOST_STEPS = 40
 # A gap is not given where its modelling error is more than this fraction of it.
 MOST_MODELLING_ERROR = 0.1
+# Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
+EFFECTS_GROW = 2.0
+# Gaps at which the modelling error is looked at for the range of those that are given.
+BUDGETS = 6
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2
@@ -88,23 +92,34 @@ class Levitation:
     def modelling_error_m(self) -> tuple[float, float]:
         """Lower and upper end of the gap's: the force's, by the budget, over the stiffness.
 
-        NaN where an effect is not known.
+        Each end is wider by what that misses at second order. NaN where an effect is unknown.
         """
-        per_percent_m = self.force_n / abs(self.stiffness_n_per_m) / 100
-        lower, upper = self.budget.modelling_error_percent
-        return lower * per_percent_m, upper * per_percent_m
+        lower, upper = (self._moved_m(each) for each in self.budget.modelling_error_percent)
+        return lower - self._curved_m(lower), upper + self._curved_m(upper)
+
+    def _moved_m(self, percent: float) -> float:
+        """Change of the gap by that of the force."""
+        return percent / 100 * self.force_n / abs(self.stiffness_n_per_m)
+
+    def _curved_m(self, moved_m: float) -> float:
+        """Bound on the second order of a change of the gap.
+
+        With forces ~ h^−m it is (m + 1)/2 of the square of the relative change, and with effects that
+        grow with h² twice that square more.
+        """
+        steepness = abs(self.stiffness_n_per_m) * self.scene.h0_m / abs(self.force_n)
+        return (EFFECTS_GROW + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
 
     @property
     def untrustworthy(self) -> list[str]:
         """Return the reasons why the gap is not valid for a real film; empty where it is."""
         reasons = list(exceeded(self.scene))
-        error_m = max(map(abs, replace(self, budget=self.budget.known).modelling_error_m))
-        if not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
-            names = ", ".join(map(label_of, self.budget.unknown_effects))
-            above = f" (beyond first order: {names})" if names else ""
+        error_m = abs(self._moved_m(self.budget.known_error_percent))
+        error_m += self._curved_m(error_m)
+        if self.budget.status == "ok" and not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
             reasons.append(
-                f"the gap's modelling error, up to {1e6 * error_m:.2g} µm{above}, is more than a "
-                f"tenth of the gap"
+                f"the gap's modelling error, up to {1e6 * error_m:.2g} µm, is more than a tenth of "
+                "the gap"
             )
         return reasons
 
@@ -165,11 +180,14 @@ def levitate(
                 raise RunError(reasons) from error
             not_included[name] = str(error).removeprefix("load: ")
             chosen = chosen.with_gas(**{name: "none"})
-    (budget,) = error_budgets([found.scene], device=device)
+    # Outside the limits of validity no gap is given, whatever its modelling error.
+    budget = ErrorBudget(status="outside the limits of validity")
+    if not exceeded(found.scene):
+        (budget,) = error_budgets([found.scene], device=device)
     notes = excluded_terms(near, method=method)
     for name, reason in not_included.items():
-        usable = budget.effects[name].usable
-        effect = "its first order is in the modelling error" if usable else "its effect is unknown"
+        unknown = name in budget.unknown
+        effect = "its effect is unknown" if unknown else "its effect is in the modelling error"
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
     stretched = notes_of(found.scene)
     found = replace(
@@ -195,6 +213,7 @@ def trustworthy(
         for k, there in enumerate(_at(open_to_all, *gaps_m))
         if slopes[k] < 0 < forces_n[k] and not exceeded(there)
     ]
+    some = some[:: -(-len(some) // BUDGETS) or 1]
     how: dict[str, Any] = {"model_tolerance": model_tolerance, "method": method, "device": device}
     scenes = resolve_auto_terms(_at(scene, *gaps_m[some]), **how)
     given = [
@@ -361,7 +380,7 @@ COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "inertia": lambda found: found.scene.gas.inertia,
     "modelling_error_lower_percent": lambda found: found.budget.modelling_error_percent[0],
     "modelling_error_upper_percent": lambda found: found.budget.modelling_error_percent[1],
-    "unknown_effects": lambda found: "; ".join(found.budget.first_order_invalid),
+    "unknown_effects": lambda found: "; ".join(found.budget.unknown),
 }
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import isfinite, isnan, nan
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.rarefaction import slip_flow
 from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import Solution
@@ -62,8 +63,8 @@ class ErrorBudget:
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as averages over the
-            gap; ``slip`` of first order, or as the scene has it; ``flow_factor``, the difference of
-            the flow factor from first-order slip; ``edge_loss`` for the coefficient C = 1;
+            gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as the scene has
+            it; ``flow_factor``, the difference of the flow factor from that; ``edge_loss`` for the coefficient C = 1;
             ``bearing`` of a sliding pad.
         edge_loss_upper_percent: the edge loss for the largest C.
         modelling_error_percent: lower and upper end of all neglected effects together, with C from
@@ -114,6 +115,12 @@ def error_budgets(
     return budgets
 
 
+def ambient_slip_coefficient(scene: Scene) -> float:
+    """Return the coefficient of first-order slip with the flow factor's flow in the gap h0 at rest."""
+    inverse = scene.inverse_knudsen
+    return float(slip_flow(inverse) / inverse / scene.knudsen)
+
+
 class FilmWithEffects:
     """The scenes whose forces tell a scene's budget.
 
@@ -153,15 +160,16 @@ class FilmWithEffects:
                 self.unsolvable.append(name)
             else:
                 self.alone[name] = with_effect
+        slip: dict[str, Any] = {}
         if gas.rarefaction == "none":
-            self.alone["slip"] = scene.with_gas(rarefaction="slip")
-        changed = {name: "included" for name in self.alone if name in OPEN}
-        if "slip" in self.alone:
-            changed["rarefaction"] = "slip"
-        self.together = self.reference.with_gas(**changed)
+            slip = {"rarefaction": "slip", "slip_coefficient": ambient_slip_coefficient(scene)}
+            self.alone["slip"] = scene.with_gas(**slip)
+        included = {name: "included" for name in OPEN if name in self.alone}
+        self.together = self.reference.with_gas(**included, **slip)
         viscous = scene.viscous()
         self.flow_factor = [] if slipping else [
-            viscous.with_gas(rarefaction=kind) for kind in ("fukui-kaneko", "slip")
+            viscous.with_gas(rarefaction="fukui-kaneko"),
+            viscous.with_gas(**slip or {"rarefaction": "slip"}),
         ]
 
     @property
