@@ -15,7 +15,7 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.derivatives import with_derivatives
+from squeezefilm.quantities.derivatives import moved, with_derivatives
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import Derivatives
 from squeezefilm.tables import read_forces, write_table
@@ -136,16 +136,26 @@ def test_errors_hold(tolerance: float) -> None:
     assert max(found) <= 1
 
 
-@pytest.mark.parametrize(
-    ("scene", "reason"),
-    [
-        (film(epsilon=0.3, sigma=300.0, inertia="included"), "not known with inertia"),
-        (film(epsilon=0.4, sigma=100.0, profile=Sinc(wave_number_per_m=1e6)), "no force"),
-    ],
-)
-def test_what_has_no_derivatives_says_why(scene: Scene, reason: str) -> None:
+def test_a_gas_with_inertia_and_thermal_effects_has_derivatives() -> None:
+    """Against quotients of forces solved anew, for each number that such a gas has."""
+    terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
+    scene = film(epsilon=0.3, sigma=300.0, **terms)
+    found = derivatives(scene, tolerance=1e-6)
+    assert found.status == "ok"
+    for name in ("h0_m", "hv_m", "density_kg_per_m3", "prandtl", "viscosity_exponent"):
+        unit = scene.h0_m if name.endswith("_m") else getattr(scene.gas, name)
+        beside = [moved(scene, name, sign * 2e-3 * unit) for sign in (1, -1)]
+        ahead, behind = (each.force_n for each in solve(beside, tolerance=1e-8))
+        quotient = (ahead - behind) / (4e-3 * unit)
+        assert abs(found.value[name] - quotient) <= found.error[name] + 2e-4 * abs(quotient)
+    # Another exponent would stand for thermal effects, which this gas has.
+    assert np.isnan(found.value["polytropic_exponent"])
+
+
+def test_what_has_no_derivatives_says_why() -> None:
+    scene = film(epsilon=0.4, sigma=100.0, profile=Sinc(wave_number_per_m=1e6))
     found = derivatives(scene, tolerance=1e-3)
-    assert reason in found.status
+    assert "no force" in found.status
     assert np.isnan([*found.value.values(), *found.error.values()]).all()
 
 
@@ -160,6 +170,7 @@ def test_a_table_of_forces_takes_them_and_stages_that_need_none_read_it(
     table, forces = pd.read_csv(output), read_forces(output)
     assert list(table)[len(forces.columns) :] == list(Derivatives(status="").columns())
     assert (table["dforce_dh0_n_per_m"] < 0).all()
-    message = refused(*command, "--config", edited("paper", gas={"inertia": "included"}), status=1)
-    assert "no force or no derivatives for point 1: derivatives are not known with" in message
-    assert (read_forces(output)["status"] == "ok").all()
+    assert main([*command, "--config", str(edited("paper", gas={"inertia": "included"}))]) == 0
+    with_inertia = pd.read_csv(output)
+    assert (with_inertia["derivatives_status"] == "ok").all()
+    assert (with_inertia["dforce_ddensity_n_m3_per_kg"] > 0).all()

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from films import H0_M, LENGTH_M, PISTON, PRESSURE_PA, film
+from host_film import Fields, dot
 from physics_facts import piston_response
 from random_scenes import random_films, shares
 
@@ -19,7 +20,6 @@ from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.quantities.adjoint import Fields, dot
 from squeezefilm.quantities.outputs import FROM_STATE, at_ends, refusals, with_outputs
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds import solve

@@ -34,7 +34,10 @@ COEFFICIENTS = (1.0, 1.54)
 # Relative error of the force that an iteration of the state may leave.
 STATE_TOLERANCE = 1e-7
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
-SETTLED, MOST_STEPS = 1e-3, 25
+SETTLED, MOST_STEPS = 1e-3, 40
+# A step towards the pressure of the last state is halved where that moves by more than this
+# fraction of its last move.
+OVERSHOT = 0.7
 # Numbers of the finer states of films that are solved together.
 MOST_TOGETHER = 2**19
 
@@ -101,11 +104,18 @@ def _changes_on_grid(
     for coefficient in COEFFICIENTS:
         state, edge, change = own, film.ambient(), np.zeros(len(scenes))
         settled = np.zeros(len(scenes), dtype=bool)
+        step, moved = np.ones(len(scenes)), np.full(len(scenes), np.inf)
         for _ in range(MOST_STEPS):
-            edge = film.pressure_of_inflow(state, edge, coefficient)
+            new = film.pressure_of_inflow(state, edge, coefficient)
+            moves = [each - known for each, known in zip(new, edge, strict=True)]
+            before, moved = moved, np.max([_largest(move) for move in moves], axis=0)
+            # High harmonics of a large loss overshoot.
+            step = np.where(moved > OVERSHOT * before, step / 2, step)
+            columns = step[:, None, None, None]
+            edge = [known + columns * move for known, move in zip(edge, moves, strict=True)]
             state, mean_with_loss = solved(state, edge)
-            before, change = change, mean_with_loss / mean - 1
-            settled = np.abs(change - before) <= SETTLED / 2 * np.abs(change)
+            last, change = change, mean_with_loss / mean - 1
+            settled = np.abs(change - last) <= step * SETTLED / 2 * np.abs(change)
             if (settled | np.isnan(change)).all():
                 break
         changes.append(np.where(settled, change, np.nan))
@@ -232,6 +242,11 @@ class EdgeFilms:
         if len(self.axes) == 2:
             mean += np.einsum("seqt,e,q->s", edge[1], along_y[_ends(self.axes[1])], inner_x)
         return np.asarray(mean / self.grid.nt)
+
+
+def _largest(values: np.ndarray) -> np.ndarray:
+    """Largest size of each scene's values, (scenes,)."""
+    return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1))
 
 
 def _ends(axis: Axis) -> list[int]:
