@@ -110,7 +110,8 @@ def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_
     assert lower < moved_m < upper
     share = without["modelling_error_upper_percent"] / 100
     stiffness = without["load_n"] / without["stiffness_n_per_m"]
-    assert without[ends[1]] == pytest.approx(share * stiffness, rel=1e-4)
+    first_order_m = share * stiffness
+    assert first_order_m < without[ends[1]] < 1.2 * first_order_m
 
 
 DISC = {
@@ -126,13 +127,9 @@ DISC = {
         (
             ["--mass", "10g", "--hv", "3um"],
             DISC,
-            [
-                "modified Reynolds number",
-                "more than a tenth of the gap",
-                "thermal is auto and not",
-            ],
+            ["modified Reynolds number"],
         ),
-        (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 13.2", "tenth of the gap"]),
+        (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 13.2"]),
     ],
 )
 def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(

@@ -34,7 +34,7 @@ EFFECTS = ("inertia", "thermal", "depth_averaged", "slip", "flow_factor", "edge_
 # Effects whose error is no numerical one.
 WITH_ERROR = ("depth_averaged", "flow_factor")
 SYMMETRIES = {"whole": "none", "quarter": "x and y"}
-LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.01
+LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]
 Lines = list[tuple[str, str]]

@@ -216,25 +216,25 @@ def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
 def _neglected(
     scene: Scene, budget: ErrorBudget
 ) -> Iterator[tuple[str, Scene, float, float, bool]]:
-    """Effects that a force does not have and the solver knows: the scene that has them, what they
-    change of the force by their first orders, by how much that may be off, and whether it is valid.
+    """Effects that a force does not have and the solver knows: the scene that has one, what it
+    changes of the force, by how much that may be off, and whether it is known.
 
     The loss of pressure where gas flows in, of no equation here, is not among them.
     """
-    both, flow = {"inertia": "included", "thermal": "included"}, {"rarefaction": "fukui-kaneko"}
     gas = scene.gas
-    slips = gas.rarefaction != "fukui-kaneko" and gas.inertia == gas.thermal == "none"
-    for name, effects, choices in (
-        ("inertia, thermal effects", ("inertia", "thermal"), both),
-        ("rarefaction", ("slip", "flow_factor") if slips else (), flow),
+    slips = gas.rarefaction == "none" and gas.inertia == gas.thermal == "none"
+    choices = {"inertia": {"inertia": "included"}, "thermal": {"thermal": "included"}}
+    rarefied = {"rarefaction": "fukui-kaneko"}
+    for name, effects, having in (
+        *((name, (name,), choices[name]) for name in choices),
+        ("rarefaction", ("slip", "flow_factor") if slips else (), rarefied),
     ):
-        lacking = {each: budget.effects[each] for each in effects}
-        lacking = {each: effect for each, effect in lacking.items() if not effect.included}
+        lacking = {each: budget.neglected[each] for each in effects if each in budget.neglected}
         if lacking:
-            usable = not lacking.keys() & {*budget.first_order_invalid}
             change = sum(effect.percent for effect in lacking.values()) / 100
-            off = sum(effect.off_percent for effect in lacking.values()) / 100
-            yield name, scene.with_gas(**choices), change, off, usable and budget.status == "ok"
+            off = sum(effect.error_percent for effect in lacking.values()) / 100
+            known = budget.status == "ok" and not {*budget.unknown} & lacking.keys()
+            yield name, scene.with_gas(**having), change, off, known
 
 
 def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:

@@ -297,13 +297,12 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
     reynolds, sigma = scene.modified_reynolds, scene.sigma
     if not (inertia or thermal):
         return 0.0, 0.0
-    from scipy.interpolate import PchipInterpolator
-
     thick = sigma < THICK_SIGMA
     nodes, known, changes = _depth_averaging_errors(thermal)
     if reynolds > (MOST_REYNOLDS_THICK if thick else known[-1]):
         return nan, nan
-    along = reynolds**2 * PchipInterpolator(known, changes)(max(reynolds, known[0]))
+    per_square = [np.interp(reynolds, known, column) for column in changes.T]
+    along = reynolds**2 * np.array(per_square)
     largest = float(np.abs(along).max())
     if thick or not inertia:
         return 0.0, largest * (OFF_THICK + OFF_THICK_PER_EPSILON * scene.epsilon)
