@@ -226,8 +226,6 @@ def along_t(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.asarray(product.reshape(*values.shape[:-1], len(matrix)))
 
 
-
-
 def fields_of(scenes: Sequence[Scene], solutions: Sequence[Solution], *, grid: int = -1) -> Fields:
     """The films of ``alike`` scenes, by default on the finer grid."""
     states = [solution.states[grid] for solution in solutions]

@@ -145,8 +145,10 @@ def forces_of(
         budget: whether to estimate the modelling error too, from separate states.
     """
     notes = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
-    scenes, device = settings.resolved(scenes), settings.device
-    solutions = solved_with(scenes, settings=settings, derivatives=derivatives)
+    (scenes, known_solutions), device = settings.solved(scenes), settings.device
+    solutions = solved_with(
+        scenes, settings=settings, derivatives=derivatives, known=known_solutions
+    )
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
     with_force = [scenes[k] for k in known]
     reason = "no force to compare with" if budget else NOT_ASKED
@@ -170,11 +172,22 @@ def solved_with(
     *,
     settings: SolverSettings,
     derivatives: bool = False,
+    known: Mapping[int, Solution] | None = None,
     report: Callable[[int], object] = lambda solved: None,
 ) -> Sequence[Solution]:
-    """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
+    """Forces of scenes whose terms are decided, with the derivatives and outputs asked for.
+
+    Args:
+        known: solutions that there are already, by row.
+    """
     if not (derivatives or settings.outputs):
-        return solve(scenes, **settings.how, report=report)
+        if not known or settings.method == "composite":
+            return solve(scenes, **settings.how, report=report)
+        report(len(known))
+        rest = [row for row in range(len(scenes)) if row not in known]
+        solved_rest = solve([scenes[row] for row in rest], **settings.how, report=report)
+        solutions = dict(known) | dict(zip(rest, solved_rest, strict=True))
+        return [solutions[row] for row in range(len(scenes))]
     from squeezefilm.quantities.derivatives import with_derivatives
     from squeezefilm.quantities.outputs import with_outputs
 
@@ -339,7 +352,8 @@ def simulate_table(
             rows, batch = table.iloc[first : first + PIECE], planned[first : first + PIECE]
             start = time.perf_counter()
             how: dict[str, Any] = {"derivatives": derivatives, "report": bar.update}
-            solutions = solved_with(settings.resolved(batch), settings=settings, **how)
+            decided, known = settings.solved(batch)
+            solutions = solved_with(decided, settings=settings, known=known, **how)
             wall = time.perf_counter() - start
             solved = Solutions.of(solutions).to_frame(rows.index)
             asked = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)

@@ -144,8 +144,8 @@ def error_budget(options: argparse.Namespace) -> None:
       squeezefilm error-budget --h0 5um --hv 2.2um --x -2mm
 
     A row for each scene. `inertia_percent`, `thermal_percent`, `slip_percent`, `edge_loss_percent`
-    (for its coefficient C = 1; `edge_loss_upper_percent` for 1.54) and `bearing_percent` are changes
-    of the mean force: the difference of two solved forces, with and without the effect.
+    (for its coefficient C = 1; `edge_loss_upper_percent` for 1.54) and `bearing_percent` are
+    changes of the mean force: the difference of two solved forces, with and without the effect.
 
     `modelling_error_lower_percent` and `…_upper_percent` bound all effects that the force neglects
     together, with C from 1 to 1.54; `included_effects` names the others. `higher_orders_percent` is

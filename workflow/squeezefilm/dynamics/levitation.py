@@ -104,8 +104,8 @@ class Levitation:
     def _curved_m(self, moved_m: float) -> float:
         """Bound on the second order of a change of the gap.
 
-        With forces ~ h^−m it is (m + 1)/2 of the square of the relative change, and with effects that
-        grow with h² twice that square more.
+        With forces ~ h^−m it is (m + 1)/2 of the square of the relative change, and with effects
+        that grow with h² twice that square more.
         """
         steepness = abs(self.stiffness_n_per_m) * self.scene.h0_m / abs(self.force_n)
         return (EFFECTS_GROW + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m

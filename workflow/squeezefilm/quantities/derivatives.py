@@ -1,8 +1,8 @@
-"""Derivatives of the mean force to gap, amplitude, position and the gas' numbers: by solved differences.
+"""Derivatives of the mean force to gap, amplitude, position and the gas' numbers.
 
-A derivative is the difference of the forces of two films whose number is a little larger and smaller,
-solved from the scene's own state, on the grids of that state: whatever terms the film has. All is done
-on the kept states' two grids, whose difference gives the error.
+A derivative is the difference of the forces of two films whose number is a little larger and
+smaller, solved from the scene's own state on the grids of that state: whatever terms the film has.
+All is done on the kept states' two grids, whose difference gives the error.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ LEAST_TOLERANCE = 1e-8
 # A derivative's change from grid to grid is no less than this fraction of the largest of a scene's:
 # without it 15 of 5156 of 200 random films were off by up to 8 times their error.
 FRACTION_OF_OTHERS = 0.3
-# Half of the difference, over the number's unit, and what the quotient misses of itself: third order.
+# Half of the difference, over the number's unit, and what third order misses of the quotient.
 STEP, STEP_MISSES = 3e-5, 1e-6
 # Fraction of the tolerance, times the step, that the iterations of the two films may leave.
 LEFT = 0.1

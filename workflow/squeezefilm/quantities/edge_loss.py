@@ -3,9 +3,9 @@
     P = 1 − C (σ Re/24) ū_n²  where gas flows in (Bernoulli),  P = 1 where it flows out,
 
 with the mean velocity ū over the gap, lengths by the pad's length along x, time by 1/ω. C is the
-kinetic energy of a plug or of a parabola, over that of the mean velocity, and more with losses: it is
-not known better than to the two. The edge's pressure and the film's state are solved for in turn, each
-with the other's last one, until the force settles.
+kinetic energy of a plug or of a parabola, over that of the mean velocity, and more with losses: it
+is not known better than to the two. The edge's pressure and the film's state are solved for in
+turn, each with the other's last one, until the force settles.
 """
 
 from __future__ import annotations
@@ -145,10 +145,10 @@ class EdgeFilms:
             gap = gap + epsilon * parts[:, 1] * np.cos(grid.t.nodes) + per_rise * parts[:, 2]
         # Over h0, on the nodes that are solved for, and at each axis' ends.
         self.gap = gap[:, grid.x.inner, grid.y.inner]
-        at_ends = (gap[:, _ends(grid.x)][:, :, grid.y.inner],)
+        self.gap_at_ends = [gap[:, _ends(grid.x)][:, :, grid.y.inner]]
         if len(self.axes) == 2:
-            at_ends += (gap[:, grid.x.inner][:, :, _ends(self.axes[1])].swapaxes(1, 2),)
-        self.gap_at_ends = at_ends
+            ends_of_y = gap[:, grid.x.inner][:, :, _ends(self.axes[1])]
+            self.gap_at_ends.append(ends_of_y.swapaxes(1, 2))
 
     def ambient(self) -> list[np.ndarray]:
         """The ambient pressure on the edge."""
@@ -188,13 +188,13 @@ class EdgeFilms:
         return pressures
 
     def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
-        """Return what a pressure on the edge adds, by the names in terms/edge_pressure_over_period.cl."""
+        """Return what a pressure on the edge adds, by the kernels' names (terms/edge_pressure.py)."""
         found = {"edge_flow": np.zeros_like(self.gap)}
         for name in ("edge_values_x", "edge_slope_x", "edge_values_y", "edge_slope_y"):
             found[name] = np.zeros_like(self.gap)
         flows = self._flow_at_ends(edge)
         for k, (axis, name) in enumerate(zip(self.axes, "xy", strict=False)):
-            ends, length = _ends(axis), self.lengths[k]
+            length = self.lengths[k]
             second = (axis.derivative @ axis.derivative)[axis.inner] / length**2
             points = FluxPoints(axis)
             values = points.from_all_nodes

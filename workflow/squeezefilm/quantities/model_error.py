@@ -63,9 +63,9 @@ class ErrorBudget:
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as averages over the
-            gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as the scene has
-            it; ``flow_factor``, the difference of the flow factor from that; ``edge_loss`` for the coefficient C = 1;
-            ``bearing`` of a sliding pad.
+            gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as the
+            scene has it; ``flow_factor``, the difference of the flow factor from that;
+            ``edge_loss`` for the coefficient C = 1; ``bearing`` of a sliding pad.
         edge_loss_upper_percent: the edge loss for the largest C.
         modelling_error_percent: lower and upper end of all neglected effects together, with C from
             its smallest to its largest; NaN where an effect is unknown.
@@ -103,9 +103,7 @@ class ErrorBudget:
         return sum(abs(effect.percent) + effect.error_percent for effect in known)
 
 
-def error_budgets(
-    scenes: Sequence[Scene], *, device: Device | None = None
-) -> list[ErrorBudget]:
+def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
     """The budget of each scene's force; what of their gases is ``auto`` must be decided."""
     device = device or choose_device()
     budgets: list[ErrorBudget] = []
@@ -116,7 +114,7 @@ def error_budgets(
 
 
 def ambient_slip_coefficient(scene: Scene) -> float:
-    """Return the coefficient of first-order slip with the flow factor's flow in the gap h0 at rest."""
+    """Return the coefficient of slip with the flow factor's flow in the gap h0 at rest."""
     inverse = scene.inverse_knudsen
     return float(slip_flow(inverse) / inverse / scene.knudsen)
 
@@ -167,10 +165,14 @@ class FilmWithEffects:
         included = {name: "included" for name in OPEN if name in self.alone}
         self.together = self.reference.with_gas(**included, **slip)
         viscous = scene.viscous()
-        self.flow_factor = [] if slipping else [
-            viscous.with_gas(rarefaction="fukui-kaneko"),
-            viscous.with_gas(**slip or {"rarefaction": "slip"}),
-        ]
+        self.flow_factor = (
+            []
+            if slipping
+            else [
+                viscous.with_gas(rarefaction="fukui-kaneko"),
+                viscous.with_gas(**slip or {"rarefaction": "slip"}),
+            ]
+        )
 
     @property
     def scenes(self) -> list[Scene]:
@@ -186,9 +188,7 @@ class FilmWithEffects:
 def _budgets(films: Sequence[FilmWithEffects], device: Device) -> list[ErrorBudget]:
     moving = [film for film in films if film.scene.epsilon]
     with_states = {scene: None for film in moving for scene in (film.scene, film.together)}
-    others = {
-        scene: None for film in moving for scene in film.scenes if scene not in with_states
-    }
+    others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
     for distinct, keep_states in ((with_states, True), (others, False)):
         solved = solve(
@@ -238,7 +238,7 @@ def _budget(
     for name in film.unsolvable:
         effects[name] = UNKNOWN
     effects["depth_averaged"] = Effect(*depth_averaging_percent(film.together))
-    (edge, edge_upper), (edge_error, edge_upper_error) = 100 * edge_losses[scene]
+    (edge, edge_upper), (edge_error, _) = 100 * edge_losses[scene]
     effects["edge_loss"] = Effect(float(edge), float(edge_error))
     together, error = change(film.together, film.reference)
     if film.flow_factor:
@@ -326,8 +326,8 @@ def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.n
     return np.append(0.0, nodes), reynolds, change
 
 
-# Change of the force, relative, below which a term that is ``auto`` is not included; the forces that
-# show it are solved to this fraction of it.
+# Change of the force, relative, below which a term that is ``auto`` is not included; the forces
+# that show it are solved to this fraction of it.
 MODEL_TOLERANCE, DECIDING = 1e-3, 0.1
 
 
@@ -338,14 +338,35 @@ def resolve_auto_terms(
     method: str = "auto",
     device: Device | None = None,
 ) -> Scenes | Sequence[Scene]:
+    """The scenes of ``solve_auto_terms`` alone."""
+    scenes, _ = solve_auto_terms(
+        scenes, model_tolerance=model_tolerance, method=method, device=device
+    )
+    return scenes
+
+
+def solve_auto_terms(
+    scenes: Scenes | Sequence[Scene],
+    *,
+    model_tolerance: float = MODEL_TOLERANCE,
+    tolerance: float = 1.0,
+    method: str = "auto",
+    device: Device | None = None,
+) -> tuple[Scenes | Sequence[Scene], dict[int, Solution]]:
     """The scenes with each term of OPEN ``included`` or ``none`` in the place of ``auto``.
 
-    Terms are excluded where the force without them differs by less than the tolerance, relative,
-    from that with all of them, both solved for; and where the method or the scene's other terms do
-    not allow them, which the scene's budget shows.
+    Terms are excluded where the force without them differs by less than the model tolerance,
+    relative, from that with all of them, both solved for; and where the method or the scene's other
+    terms do not allow them, which the scene's budget shows.
+
+    Args:
+        tolerance: relative error to which forces are wanted.
+
+    Returns:
+        the scenes, and the solutions of those that were solved to the tolerance for it, by row.
     """
     if not any(map(_auto, scenes.films if isinstance(scenes, Scenes) else scenes)):
-        return scenes
+        return scenes, {}
     scenes = Scenes.of(scenes)
     closed = replace(scenes, films=tuple(map(_closed, scenes.films)))
     index = scenes.film_index
@@ -355,54 +376,32 @@ def resolve_auto_terms(
         for film, row in zip(*np.unique(index, return_index=True), strict=True)
         for scene in [scenes[int(row)]]
     }
-    choices = _Choices(closed, [asked[int(film)] for film in index], model_tolerance, device)
-    chosen = list(zip(index.tolist(), choices.decided(), strict=True))
+    needed = [tuple(asked[int(film)]) for film in index]
+
+    def solved(terms: Mapping[int, tuple[str, ...]], tolerance: float) -> dict[int, Solution]:
+        """Solutions of some rows with some terms."""
+        films = [_with_terms(closed[row], names) for row, names in terms.items()]
+        solutions = solve(films, tolerance=tolerance, method="periodic", device=device)
+        return dict(zip(terms, solutions, strict=True))
+
+    deciding = DECIDING * model_tolerance
+    every = {row: names for row, names in enumerate(needed) if names}
+    full = solved(every, min(tolerance, deciding))
+    # Where that has no force, all terms stay, and the scene's own solution says why.
+    waiting = {row: names for row, names in every.items() if full[row].status == "ok"}
+    for fewer in ((), ("inertia",), ("thermal",)):
+        tried = {row: fewer for row, names in waiting.items() if set(fewer) < set(names)}
+        for row, solution in solved(tried, deciding).items():
+            off_n = abs(solution.force_n - full[row].force_n)
+            off_n += solution.force_error_n + full[row].force_error_n
+            if off_n < model_tolerance * abs(full[row].force_n):
+                needed[row] = fewer
+                del waiting[row]
+    chosen = list(zip(index.tolist(), needed, strict=True))
     places = {choice: place for place, choice in enumerate(dict.fromkeys(chosen))}
     films = tuple(_with_terms(closed.films[film], included) for film, included in places)
-    return replace(scenes, films=films, film_index=np.array([places[each] for each in chosen]))
-
-
-class _Choices:
-    """Terms of scenes to be decided by solving them with and without."""
-
-    def __init__(
-        self, scenes: Scenes, asked: list[list[str]], model_tolerance: float, device: Device | None
-    ) -> None:
-        """Args: scenes: without the terms; asked: names of the terms that each may have."""
-        self.scenes, self.asked = scenes, asked
-        self.model_tolerance, self.device = model_tolerance, device
-
-    def decided(self) -> list[tuple[str, ...]]:
-        """The terms that each scene needs."""
-        needed = [tuple(names) for names in self.asked]
-        full_n, full_error_n = self._solved({row: names for row, names in enumerate(needed) if names})
-        # Fewer terms are tried first; a scene that needs both has none of these.
-        waiting = {row for row, names in enumerate(needed) if names and np.isfinite(full_n[row])}
-        for fewer in ((), ("inertia",), ("thermal",)):
-            tried = {row: fewer for row in waiting if set(fewer) < set(self.asked[row])}
-            force_n, error_n = self._solved(tried)
-            for row in tried:
-                off_n = abs(force_n[row] - full_n[row]) + error_n[row] + full_error_n[row]
-                if off_n < self.model_tolerance * abs(full_n[row]):
-                    needed[row] = fewer
-                    waiting.discard(row)
-        return needed
-
-    def _solved(self, terms: Mapping[int, tuple[str, ...]]) -> tuple[np.ndarray, np.ndarray]:
-        """Forces and errors in newtons of some rows with some terms, (scenes,), NaN elsewhere."""
-        force_n, error_n = np.full((2, len(self.scenes)), nan)
-        if not terms:
-            return force_n, error_n
-        rows = list(terms)
-        some = [_with_terms(self.scenes[row], terms[row]) for row in rows]
-        solved = solve(
-            some,
-            tolerance=DECIDING * self.model_tolerance,
-            method="periodic",
-            device=self.device,
-        )
-        force_n[rows], error_n[rows] = solved.force_n, solved.force_error_n
-        return force_n, error_n
+    decided = replace(scenes, films=films, film_index=np.array([places[each] for each in chosen]))
+    return decided, {row: full[row] for row in waiting}
 
 
 def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:

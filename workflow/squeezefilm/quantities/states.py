@@ -1,4 +1,4 @@
-"""Periodic states on two grids: a quantity is a function of them, its change between the two its error."""
+"""Periodic states on two grids: a quantity's change between the two tells its error."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence

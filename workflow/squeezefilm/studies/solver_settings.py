@@ -7,10 +7,10 @@ from typing import Any
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.model_error import resolve_auto_terms
+from squeezefilm.quantities.model_error import resolve_auto_terms, solve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device, one_build_at_a_time
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.solution import checked_outputs
+from squeezefilm.solution import Solution, checked_outputs
 
 TOLERANCES = (1e-10, 0.1)
 
@@ -34,6 +34,13 @@ class SolverSettings:
         """The scenes with what of their gas is ``auto`` decided."""
         how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
         return resolve_auto_terms(scenes, **how, device=self.device)
+
+    def solved(
+        self, scenes: Scenes | Sequence[Scene]
+    ) -> tuple[Scenes | Sequence[Scene], dict[int, Solution]]:
+        """The same, with the solutions that were needed for it and hold the tolerance, by row."""
+        how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
+        return solve_auto_terms(scenes, **how, tolerance=self.tolerance, device=self.device)
 
 
 def device_of(config: Config, *, option: str | None = None) -> Device:

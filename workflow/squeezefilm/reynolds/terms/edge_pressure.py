@@ -1,7 +1,7 @@
 """A given pressure on the film's edge, P = 1 + g, in place of the ambient one.
 
-Unknown stays the pressure on the inner nodes, zero on the edge: by collocation the flow is affine in
-what stands there, and so are the pressure and its slope on the points of velocities. What g adds
+Unknown stays the pressure on the inner nodes, zero on the edge: by collocation the flow is affine
+in what stands there, and so are the pressure and its slope on the points of velocities. What g adds
 are arrays of the host, which knows it (quantities/edge_loss.py). That gas at the edge is warmer by
 g is neglected.
 """
