@@ -11,6 +11,10 @@ from scipy.optimize import brentq
 from squeezefilm.film.scene import Scenes
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic import launch
+from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import numbers_table
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
@@ -178,3 +182,36 @@ def test_slip_is_by_a_length_whatever_makes_it(more):
     assert abs(one / plain - 1) > 1e-3
     first, second = (each.effects["slip"].percent for each in error_budgets([kinetic, long]))
     assert first == pytest.approx(second, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "terms",
+    [
+        {"rarefaction": "slip"},
+        {"rarefaction": "fukui-kaneko"},
+        {"polytropic_exponent": 1.4},
+        {"inertia": "included"},
+        {"inertia": "included", "rarefaction": "slip"},
+        {"bearing": 5.0},
+    ],
+    ids=lambda terms: " ".join(map(str, terms.values())),
+)
+def test_a_term_s_response_is_the_difference_quotient_of_its_residual(monkeypatch, terms):
+    """One step of Newton's method from a neighbour's state leaves the square of the residual.
+
+    A response that lacks a twentieth of a term's part leaves more. That of thermal effects, which
+    takes their lag as at rest, leaves ten times as much (thermal_over_period.cl).
+    """
+    scene = film(epsilon=0.4, sigma=100.0, x=0.2, **terms)
+    neighbour = replace(scene, hv_m=1.01 * scene.hv_m)
+    grid = Grid(nx=16, ny=16, nt=12, fold_x=False, fold_y=False)
+    device = choose_device()
+    guess = solve_batch([neighbour], grid, tolerance=1e-12, device=device).unknowns
+    residuals = []
+    for steps in (0, 1):
+        monkeypatch.setattr(launch, "MOST_NEWTON", steps)
+        states = solve_batch([scene], grid, tolerance=0.0, device=device, guess=guess)
+        residuals.append(float(states.said["residual"][0]))
+    before, after = residuals
+    assert 1e-3 < before < 1e-2
+    assert after < 4 * before**2

@@ -188,7 +188,7 @@ class EdgeFilms:
         return pressures
 
     def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
-        """Return what a pressure on the edge adds, by the kernels' names (terms/edge_pressure.py)."""
+        """Return what a pressure on the edge adds, by the kernels' names of arrays."""
         found = {"edge_flow": np.zeros_like(self.gap)}
         for name in ("edge_values_x", "edge_slope_x", "edge_values_y", "edge_slope_y"):
             found[name] = np.zeros_like(self.gap)
