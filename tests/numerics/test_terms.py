@@ -13,7 +13,6 @@ from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import numbers_table
 from squeezefilm.reynolds.terms import terms_of
@@ -196,7 +195,7 @@ def test_slip_is_by_a_length_whatever_makes_it(more):
     ],
     ids=lambda terms: " ".join(map(str, terms.values())),
 )
-def test_a_term_s_response_is_the_difference_quotient_of_its_residual(monkeypatch, terms):
+def test_a_term_s_response_is_the_difference_quotient_of_its_residual(terms):
     """One step of Newton's method from a neighbour's state leaves the square of the residual.
 
     A response that lacks a twentieth of a term's part leaves more. That of thermal effects, which
@@ -209,8 +208,8 @@ def test_a_term_s_response_is_the_difference_quotient_of_its_residual(monkeypatc
     guess = solve_batch([neighbour], grid, tolerance=1e-12, device=device).unknowns
     residuals = []
     for steps in (0, 1):
-        monkeypatch.setattr(launch, "MOST_NEWTON", steps)
-        states = solve_batch([scene], grid, tolerance=0.0, device=device, guess=guess)
+        how = {"tolerance": 0.0, "device": device, "guess": guess, "most_newton": steps}
+        states = solve_batch([scene], grid, **how)
         residuals.append(float(states.said["residual"][0]))
     before, after = residuals
     assert 1e-3 < before < 1e-2

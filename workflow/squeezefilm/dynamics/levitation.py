@@ -48,7 +48,7 @@ MOST_MODELLING_ERROR = 0.1
 # Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
 EFFECTS_GROW = 2.0
 # Gaps at which the modelling error is looked at for the range of those that are given.
-BUDGETS = 6
+BUDGETS = 4
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2

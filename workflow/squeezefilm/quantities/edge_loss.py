@@ -32,12 +32,13 @@ from squeezefilm.solution import Solution
 # Coefficients C of a plug and of a parabola.
 COEFFICIENTS = (1.0, 1.54)
 # Relative error of the force that an iteration of the state may leave.
-STATE_TOLERANCE = 1e-7
+STATE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
-SETTLED, MOST_STEPS = 1e-3, 40
-# A step towards the pressure of the last state is halved where that moves by more than this
-# fraction of its last move.
-OVERSHOT = 0.7
+SETTLED, MOST_STEPS = 3e-3, 30
+# Shortest step towards the pressure by the last state, over the whole.
+SHORTEST = 1 / 100
+# Newton steps of a state whose edge has moved.
+MOST_NEWTON = 8
 # Numbers of the finer states of films that are solved together.
 MOST_TOGETHER = 2**19
 
@@ -76,7 +77,8 @@ def mean_changes(
             [remainder(*each, tolerance=STATE_TOLERANCE)[0] for each in group.values()]
         )
         changes[0][:, rows] = fine
-        changes[1][:, rows] = factor * np.abs(fine - coarse) + SETTLED * np.abs(fine)
+        left = SETTLED * np.abs(fine) + 2 * STATE_TOLERANCE
+        changes[1][:, rows] = factor * np.abs(fine - coarse) + left
     return changes
 
 
@@ -95,14 +97,15 @@ def _changes_on_grid(
             device=device,
             guess=guess,
             edge=film.arrays(edge),
+            most_newton=MOST_NEWTON,
         )
         mean = states.mean + film.mean_of_edge(edge)
         return states.unknowns, np.where(states.status == 0, mean, np.nan)
 
     own, mean = solved(own, film.ambient())
     changes = []
+    state, edge, change = own, film.ambient(), np.zeros(len(scenes))
     for coefficient in COEFFICIENTS:
-        state, edge, change = own, film.ambient(), np.zeros(len(scenes))
         settled = np.zeros(len(scenes), dtype=bool)
         step, moved = np.ones(len(scenes)), np.full(len(scenes), np.inf)
         for _ in range(MOST_STEPS):
@@ -110,13 +113,19 @@ def _changes_on_grid(
             moves = [each - known for each, known in zip(new, edge, strict=True)]
             before, moved = moved, np.max([_largest(move) for move in moves], axis=0)
             # High harmonics of a large loss overshoot.
-            step = np.where(moved > OVERSHOT * before, step / 2, step)
+            step = np.where(moved > before, step / 4, step)
             columns = step[:, None, None, None]
-            edge = [known + columns * move for known, move in zip(edge, moves, strict=True)]
-            state, mean_with_loss = solved(state, edge)
-            last, change = change, mean_with_loss / mean - 1
-            settled = np.abs(change - last) <= step * SETTLED / 2 * np.abs(change)
-            if (settled | np.isnan(change)).all():
+            tried = [known + columns * move for known, move in zip(edge, moves, strict=True)]
+            new_state, mean_with_loss = solved(state, tried)
+            failed = np.isnan(mean_with_loss)
+            last, change = change, np.where(failed, change, mean_with_loss / mean - 1)
+            settled = ~failed & (np.abs(change - last) <= step * SETTLED / 2 * np.abs(change))
+            # Where Newton's method does not follow, a shorter step is tried.
+            keep = failed[:, None, None, None]
+            edge = [np.where(keep, known, new) for known, new in zip(edge, tried, strict=True)]
+            state = np.where(keep[..., None], state, new_state)
+            step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
+            if (settled | (step < SHORTEST)).all():
                 break
         changes.append(np.where(settled, change, np.nan))
     return np.array(changes)

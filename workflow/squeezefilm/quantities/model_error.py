@@ -29,8 +29,9 @@ from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import Solution
 
-# Relative error of the forces whose differences are effects.
-FORCE_TOLERANCE = 1e-5
+# Relative error of the forces whose differences are effects, and of those that are dear: where a
+# force takes more operations than these, a fraction of a second, it is not solved more closely.
+FORCE_TOLERANCE, LOOSE_TOLERANCE, DEAR = 1e-5, 1e-3, 2e9
 # Scenes whose budgets are solved for together, so that not all states are held.
 MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
@@ -191,14 +192,23 @@ def _budgets(films: Sequence[FilmWithEffects], device: Device) -> list[ErrorBudg
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
     for distinct, keep_states in ((with_states, True), (others, False)):
-        solved = solve(
-            list(distinct),
-            tolerance=FORCE_TOLERANCE,
-            method="periodic",
-            device=device,
-            keep_states=keep_states,
-        )
-        solutions |= zip(distinct, solved, strict=True)
+        waiting = list(distinct)
+        for tolerance in (LOOSE_TOLERANCE, FORCE_TOLERANCE):
+            solved = solve(
+                waiting,
+                tolerance=tolerance,
+                method="periodic",
+                device=device,
+                keep_states=keep_states,
+            )
+            for scene, solution in zip(waiting, solved, strict=True):
+                if solution.status == "ok" or scene not in solutions:
+                    solutions[scene] = solution
+            waiting = [
+                scene
+                for scene in waiting
+                if solutions[scene].status == "ok" and solutions[scene].work < DEAR
+            ]
     edge = mean_changes(
         list(with_states), [solutions[scene] for scene in with_states], device=device
     )

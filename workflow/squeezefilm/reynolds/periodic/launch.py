@@ -174,11 +174,13 @@ def solve_batch(
     device: Device,
     guess: np.ndarray | None = None,
     edge: Mapping[str, np.ndarray] | None = None,
+    most_newton: int = MOST_NEWTON,
 ) -> States:
     """The periodic states of scenes of one pad shape and like terms on one grid.
 
     Args:
         guess, edge: as of a ``Batch``.
+        most_newton: steps of Newton's method.
 
     Raises:
         ValueError: for scenes of unlike terms.
@@ -188,7 +190,7 @@ def solve_batch(
     if edge is not None:
         terms = (EdgePressure(), *terms)
     batch = Batch(scenes, terms, [grid], [tolerance], guess, edge=edge)
-    launched = launch([batch], device=device)
+    launched = launch([batch], device=device, most_newton=most_newton)
     (((states,),)) = launched.states(device)
     kept = States(states.unknowns.copy(), states.said.copy())
     device.release(*launched.arrays)
@@ -260,7 +262,7 @@ def sources_of(terms: Terms, *, single: bool) -> tuple[str, ...]:
     return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
-def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
+def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_NEWTON) -> Launch:
     """Let the device solve batches of like terms; each scene is solved on its own.
 
     All of a scene's grids come in one launch, for the way to the device and back costs as much as
@@ -297,7 +299,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         (groups * device.work_items,),
         (device.work_items,),
         scenes,
-        MOST_NEWTON,
+        most_newton,
         device.sent(launched.begins),
         device.sent(launched.rows),
         device.shared(launched.values),
