@@ -55,6 +55,14 @@ def test_a_figure_is_whole_legible_as_wide_as_a_journal_s_and_has_units(name, st
     assert any(UNITS.get(name, "(µm)") in axes.get_ylabel() for axes in figure.axes)
 
 
+def test_figure_14_has_a_panel_of_each_fit_with_its_own_errors(study):
+    figure = drawn("fig14", study.results)
+    for axes, fit in zip(figure.axes, ("two_factor_design", "screen"), strict=True):
+        errors = 100 * study.results.errors(fit, "screen")["relative_error"]
+        curves = [line.get_ydata() for line in axes.lines if line.get_label()[0] != "_"]
+        assert min(map(min, curves)) == pytest.approx(errors.min())
+
+
 def test_the_same_results_give_the_same_files_and_others_do_not(study, tmp_path):
     kinds = ("svg", "png", "plain.png", "csv")
     paths = {run: [tmp_path / f"{run}.{kind}" for kind in kinds] for run in "abc"}
