@@ -66,7 +66,7 @@ def _draw_errors(axes: Axes, data: pd.DataFrame) -> None:
     axes.axhspan(-band, band, color="0.94", zorder=0)
     for edge in (-band, band):
         axes.axhline(edge, color="0.45", linestyle=style.DASHES, linewidth=0.8)
-    axes.axhline(0, color="0.6", linewidth=0.6)
+    axes.axhline(0, color="0.4", linewidth=0.8)
     gaps = np.sort(data["h0_um"].unique())
     colours = mpl.colormaps["viridis"](np.linspace(0, 0.92, len(gaps)))
     x, y = "hv_um", "relative_error_percent"
