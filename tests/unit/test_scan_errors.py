@@ -149,7 +149,7 @@ def test_a_scan_of_a_travelling_wave_is_one(scene, begin):
     errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device(), draws=20).iloc[0]
     assert errors.quadrature_n == 0
     assert abs(fitted.force_n - sought.force_n) < errors.scan_error_n + fitted.force_error_n
-    assert errors.noise_n < 0.1 * fitted.force_n
+    assert errors.measurement_noise_n < 0.1 * fitted.force_n
 
 
 def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -283,11 +284,33 @@ def test_the_table_of_limits_states_its_error(limit_table):
 @pytest.mark.parametrize(
     ("force_n", "error_n", "shown"),
     [
-        (0.9620420431, 6.31e-7, ("0.9620420", "7e-07")),
-        (123.4, 12.0, ("1.2e+02", "2e+01")),
-        (123.4, 0.3, ("123.4", "0.3")),
+        (0.9620420431, 6.31e-7, ("0.96204204", "6.4e-07")),
+        (123.4, 12.0, ("123", "12")),
+        (123.4, 0.3, ("123.40", "0.30")),
+        (12345.6, 1234.5, ("1.23e+04", "1.3e+03")),
+        (5.966529e-05, 3.91e-11, ("5.9665290e-05", "4.0e-11")),
+        (0.0, 0.02, ("0.000", "0.020")),
         (0.9620420431, math.nan, ("0.962", "unknown")),
     ],
 )
 def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):
     assert to_its_error(force_n, error_n) == shown
+
+
+def test_errors_of_95_and_99_percent_are_rounded_alike(write_fit, capsys):
+    """Both up to two digits, and the force ends where they do."""
+    path = write_fit(get_model("four_factor"), THETA["four_factor"])
+    assert cli.main(["predict", str(path), "--h0=5um,6um", "--hv=1um"]) == 0
+    header, *rows = capsys.readouterr().out.splitlines()[:3]
+    for row in rows:
+        shown = dict(zip(header.split(), row.split(), strict=False))
+        force_n = float(shown["force_n"])
+        errors_n = {"error_95_n": 2e-3 + 0.01 * force_n, "error_99_n": 4e-3 + 0.02 * force_n}
+        for name, error_n in errors_n.items():
+            assert len(shown[name].lstrip("0.")) == 2
+            assert error_n - 1e-5 <= float(shown[name]) <= error_n + 1.1e-4
+            assert len(shown["force_n"]) == len(shown[name]) == len("0.0000")
+    assert cli.main(["predict", str(path), "--h0=5um", "--hv=1um"]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"error \(95 %\) +± 0\.00[1-9]\d N", printed)
+    assert re.search(r"error \(99 %\) +± 0\.00[1-9]\d N", printed)

@@ -13,6 +13,7 @@ from paper.figures import FIGURES as OF_THE_PAPER
 from reporting.explorer import explorer_page
 from reporting.figures import FIGURES as OF_ANY_STUDY
 from reporting.figures import save, style
+from reporting.figures.curve import curve
 from reporting.pages import body_of, render
 from reporting.results import Results
 from reporting.summary import headline_values, summary_values
@@ -53,6 +54,23 @@ def test_a_figure_is_whole_legible_as_wide_as_a_journal_s_and_has_units(name, st
     assert figure.get_figwidth() in (style.SINGLE_COLUMN_IN, style.DOUBLE_COLUMN_IN)
     assert min(text.get_fontsize() for text in texts(figure)) >= 6
     assert any(UNITS.get(name, "(µm)") in axes.get_ylabel() for axes in figure.axes)
+
+
+def test_figure_14_has_a_panel_of_each_fit_with_its_own_errors(study):
+    figure = drawn("fig14", study.results)
+    for axes, fit in zip(figure.axes, ("two_factor_design", "screen"), strict=True):
+        errors = 100 * study.results.errors(fit, "screen")["relative_error"]
+        curves = [line.get_ydata() for line in axes.lines if line.get_label()[0] != "_"]
+        assert min(map(min, curves)) == pytest.approx(errors.min())
+
+
+def test_the_bars_of_a_curve_hold_the_numerical_error_and_that_of_the_scan():
+    table = pd.DataFrame({"h0_m": 5e-6, "hv_m": [1e-6, 2e-6], "force_n": [0.2, 0.8]})
+    known = {"force_error_n": 1e-6, "measurement_noise_n": 0.02, "quadrature_n": 0.01}
+    figure = curve(table.assign(**known, validity="ok"))
+    (bars,) = figure.axes[0].containers[0].lines[2]
+    for (_, low), (_, high) in bars.get_segments():
+        assert (high - low) / 2 == pytest.approx(sum(known.values()))
 
 
 def test_the_same_results_give_the_same_files_and_others_do_not(study, tmp_path):
@@ -147,7 +165,7 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     text = render("in_short.md", **headline_values(results), pictures=defaultdict(str))
     assert "limit_1, global error 0.9 % on 32 points of the validation sample" in text
     assert "simulations). No model compared is within the study's ±15 %" in text
-    assert "| limit_1 | 0 | 0 | 1.33 | 6.3 % |" in text
+    assert "| limit_1 | 0 | 0 | 1.334 | 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
     assert (
         "−2 to +11 % of the force, by neglected effects (first-order estimates with bounds" in text

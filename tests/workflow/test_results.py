@@ -82,6 +82,20 @@ def test_a_broken_result_is_named(study, tmp_path):
         judge(results)
 
 
+def test_relative_errors_at_the_smallest_amplitude_are_of_both_fits(study, claims, monkeypatch):
+    """The fit to all points is far off where forces are smallest, the fit to the design is not."""
+    worst = {
+        name: 100 * study.results.errors(name, "screen")["relative_error"].abs().max()
+        for name in ("two_factor_design", "screen")
+    }
+    assert worst["two_factor_design"] < 15 < worst["screen"]
+    shown = claims.loc["band_small", "ours"]
+    assert all(f"{each:.2g}" in shown for each in worst.values())
+    monkeypatch.setattr("paper.claims.CLAIMS", CLAIMS.assign(needed=""))
+    decided = judge(study.results).set_index("claim_id")
+    assert decided.loc["band_small", "verdict"].startswith("agrees")
+
+
 @pytest.fixture(scope="module")
 def equations(study, tmp_path_factory):
     """The study beside the same with every force of the screen and the plan larger by a factor."""

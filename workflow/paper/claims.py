@@ -114,12 +114,8 @@ def _design_values(results: Results) -> Values:
     scalings, own = summary["scalings"], summary["scaling"]
     patterns = scalings[own]
     excess = max(pattern["objective_excess"] for pattern in patterns)
-    errors = _in_micrometres(results.errors("two_factor_design", "screen"))
-    least_um = float(errors["hv_um"].min())
-    smallest = errors["hv_um"] <= least_um * (1 + 1e-9)
-    error = 100 * errors["relative_error"].abs()
-    rest_n = _expected_n(fit, h0_m=float(screen["h0_m"].min()), hv_m=0.0)
     return {
+        **_errors_of_fits(results),
         "design_error": 100 * judged["global_error"],
         "fitted": fit.points,
         "judged": round(judged["points"]),
@@ -138,12 +134,30 @@ def _design_values(results: Results) -> Values:
         "design": len(design),
         "saved": len(screen) - len(design),
         "together": len(screen) + len(design),
-        "band": error[~smallest].max(),
-        "band_small": error[smallest].max(),
-        "least_um": least_um,
-        "limit": rest_n,
-        "limit_shown": f"{rest_n:.1e}".replace("e-0", "e-"),
+        "smallest_of_design": int((design["hv_m"] <= screen["hv_m"].min() * (1 + 1e-9)).sum()),
     }
+
+
+def _errors_of_fits(results: Results) -> Values:
+    """Return the larger of both fits' errors on the screen, and the values of each.
+
+    Values of the fit to five points end in ``_five``, those of the fit to all points in ``_all``.
+    """
+    values: Values = {}
+    for name, end in (("two_factor_design", "five"), ("screen", "all")):
+        errors = _in_micrometres(results.errors(name, "screen"))
+        smallest = np.isclose(errors["hv_um"], errors["hv_um"].min(), rtol=1e-9)
+        percent = 100 * errors["relative_error"].abs()
+        values |= {
+            "least_um": errors["hv_um"].min(),
+            f"band_{end}": percent[~smallest].max(),
+            f"band_small_{end}": percent[smallest].max(),
+            f"outside_{end}": int((percent > CLAIMS["upper"]["band"]).sum()),
+            f"limit_{end}": _expected_n(results.fit(name), h0_m=1.0, hv_m=0.0),
+        }
+    for name in ("band", "band_small", "limit"):
+        values[name] = max(values[f"{name}_five"], values[f"{name}_all"], key=abs)
+    return values
 
 
 def _extrapolated_values(results: Results) -> Values:
@@ -161,6 +175,8 @@ def _extrapolated_values(results: Results) -> Values:
     included = f"With {' and '.join(present)} in it, which eq. (1) neglects; still neglected are"
     return {
         "model_at_2.2": expected_n,
+        "model_all": _expected_n(results.fit("screen"), h0_m=point["h0_m"], hv_m=point["hv_m"]),
+        "amplitude_all": results.row(table, "screen", file)["hv_um"],
         "of_ours": 100 * expected_n / point["force_n"],
         "simulation_at_2.2": point["force_n"],
         "of_paper": 100 * point["force_n"] / 0.99,

@@ -43,7 +43,7 @@ BY_CHANCE = "fig09"
 """The figure of many searches: which of them ended where is chance."""
 RMS = 1.5
 """Of the pixels (0 to 255) between two pictures. In the paper's figures a dropped curve makes 2.4
-to 30, a line of the band 4.4, the zero line of Figure 14 1.8, forces off by 1e-4 0.1. A line of the
+to 30, a line of the band 3.5, the zero line of Figure 14 3.5, forces off by 1e-4 0.1. A line of the
 small film in `overview` makes 0.2 and is not seen, nor is one that others hide."""
 PIXELS = "RMS of the pixels"
 _NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−+]?\d+)?")

@@ -47,15 +47,9 @@ def five_digits(value: float) -> str:
     return "0" if abs(value) < 1e-12 else f"{value:.5g}".replace("-", "−")
 
 
-def one_digit(value: float) -> str:
-    """A small number with one digit: 5.2e-06 → 5e-6."""
-    mantissa, _, exponent = f"{value:.0e}".partition("e")
-    return f"{mantissa}e{int(exponent)}"
-
-
 def rounded_up(value: float) -> str:
-    """The next number with one digit that is not below a positive value: 2.1e-7 → 3e-7."""
-    return one_digit(units.rounded_up(value)) if value > 0 else "0"
+    """The next number with two digits that is not below a positive value: 2.11e-7 → 2.2e-07."""
+    return f"{units.rounded_up(value):.1e}" if value > 0 else "0"
 
 
 def largest_error(forces: pd.DataFrame) -> float:

@@ -15,7 +15,7 @@ from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
 from squeezefilm.studies.study import film_in
-from squeezefilm.units import to_its_error
+from squeezefilm.units import error_text, to_its_error
 
 EFFECTS = (
     *("inertia", "slip", "thermal", "edge_loss"),
@@ -113,7 +113,7 @@ def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
     """The amplitude for the target force at each position, and the error of that force."""
     amplitudes = zip(1e6 * table["hv_m"], 1e6 * table["hv_error_95_m"], strict=True)
     shown = [to_its_error(*each)[0] if np.isfinite(each[0]) else "none" for each in amplitudes]
-    error = table["error_95_percent"].map("{:.2g} %".format)
+    error = table["error_95_percent"].map(lambda each: f"{error_text(each)} %")
     return pd.DataFrame(
         {
             "model": table["model"],

@@ -13,7 +13,9 @@ TWO_FACTOR_DESIGN = [
     *expand("fits/{fit}.json", fit=["screen", "two_factor_design"]),
 ]
 ON_ERROR_MAP = expand("validation/two_factor_design_on_error_map.{kind}", kind=["csv", "json"])
-ON_SCREEN = expand("validation/two_factor_design_on_screen.{kind}", kind=["csv", "json"])
+ON_SCREEN = expand(
+    "validation/{fit}_on_screen.{kind}", fit=FITS["two_factor"], kind=["csv", "json"]
+)
 # The figures of each page, and the files that they are drawn from.
 PAGES = {
     "study": (
@@ -79,7 +81,6 @@ OF_THE_PAPER = [
     "fits/screen_runs.csv",
     *expand("designs/{name}", name=["two_factor.csv", "two_factor.json", "four_factor.csv"]),
     *ON_SCREEN,
-    "validation/screen_on_screen.json",
     "validation/four_factor_design_on_four_factor.json",
     "validation/four_factor_design_distinct_on_four_factor.json",
     "validation/four_factor_design_distinct_on_four_factor_control.json",

@@ -16,7 +16,7 @@ from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.tables import COLUMNS
-from squeezefilm.units import error_column, rounded_up, to_its_error, unit_of_column
+from squeezefilm.units import error_columns, rounded_up, to_its_error, unit_of_column
 
 LABELS = {unit_of_column(each.name)[0]: each.label for each in COLUMNS if each.label}
 """Of columns without their unit, where the name itself is none."""
@@ -81,9 +81,8 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
     """Return a value with its unit and error, by the digits that this leaves."""
     if not isinstance(value, float) or value != value:
         return {"True": "yes", "False": "no", "nan": NOT_AVAILABLE}.get(str(value), str(value))
-    if unit == "%":
-        off = "" if error is None else f"± {percent(error, sign='', digits=1)}"
-        return percent(value, sign="").replace("%", off or "%")
+    if unit == "%" and error is None:
+        return percent(value, sign="")
     size = 1.0
     if unit in ("m", "s") and 0 < abs(value) < 1:
         prefix, size = ("m", 1e3) if abs(value) >= LEAST_MILLI else ("µ", 1e6)
@@ -94,13 +93,18 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
     return f"{text} {unit}".strip()
 
 
+def error_in_unit(error: float, *, value: float, unit: str) -> str:
+    """Return the error of a value in the unit that the value is shown in."""
+    return value_text(value, unit, error=error).partition("± ")[2]
+
+
 def in_lines(row: Mapping[Any, Any]) -> str:
     """Return a row as lines: the result, its errors, other values, scene and solver, notes."""
     rest = {name: value for name, value in row.items() if name not in NOT_SHOWN}
     effects, result = _effects(rest), _result(rest)
     last = [*_scene(rest), *_solver(rest)]
     last += [(label_of(name), rest.pop(name, "")) for name in LAST]
-    errors = {error_column(name, rest) for name in rest}
+    errors = {error for name in rest for error in error_columns(name, rest)}
     others = [
         (label_of(unit_of_column(name)[0]), _text(name, value, rest))
         for name, value in rest.items()
@@ -124,18 +128,24 @@ def _text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     if isinstance(value, Mapping):
         stems = {k: unit_of_column(k)[0] for k in value}
         return ", ".join(f"{label_of(stems[k])} {_text(k, value[k], value)}" for k in stems)
-    (stem, unit), error = unit_of_column(name), error_column(name, row)
+    stem, unit = unit_of_column(name)
     if stem in FRACTIONS:
         return value_text(100 * value, "%")
-    return value_text(value, unit, error=row[error] if error else None)
+    errors = [row[each] for each in error_columns(name, row)]
+    text = value_text(value, unit, error=max(errors, default=None))
+    if len(errors) < 2 or "±" not in text:
+        return text
+    shown = [error_in_unit(each, value=value, unit=unit) for each in errors]
+    return f"{text.partition('±')[0]}± {', measurement noise ± '.join(shown)}"
 
 
 def _result(row: Row) -> Lines:
     """Take the result and its errors from a row: lines about them, or why there is none."""
-    name = next((each for each in RESULTS if error_column(each, row)), "")
+    name = next((each for each in RESULTS if error_columns(each, row)), "")
     value, status, (stem, unit) = row.pop(name, nan), row.pop("status", "ok"), unit_of_column(name)
-    column, why = str(error_column(name, row)), f": {status}" * (status != "ok")
-    error = row.pop(column, nan)
+    errors = {each: row.pop(each) for each in error_columns(name, row)}
+    column, why = next(iter(errors), ""), f": {status}" * (status != "ok")
+    error = errors.get(column, nan)
     if not isfinite(value):
         row.pop("tolerance" if name else "", None)
         return [(label_of(stem or "force"), NOT_AVAILABLE + why)] if name or why else []
@@ -144,17 +154,18 @@ def _result(row: Row) -> Lines:
         if not isfinite(error):
             return NOT_AVAILABLE
         part = rounded_up(100 * abs(error / value)) if value else 0.0
-        share = f", {percent(part, sign='', digits=1)}" if value else ""
-        return f"± {value_text(rounded_up(error), unit, digits=1)}{share}{source}"
+        share = f", {percent(part, sign='')}" if value else ""
+        return f"± {error_in_unit(error, value=value, unit=unit)}{share}{source}"
 
-    noise, bias = row.pop("noise_n", row.pop("h0_noise_m", 0.0)), row.pop("quadrature_n", 0.0)
-    error -= noise * (name == "h0_m")  # a gap's has both
+    wider, bias = errors.get("error_99_n", 0.0), row.pop("quadrature_n", 0.0)
+    noise = next((errors[each] for each in errors if "noise" in each), 0.0)
     row.pop("error_95_percent" if name == "force_n" else "", None)
     tolerance = f" (relative tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
     number, _, rest = value_text(value, unit, error=max(error, noise)).partition("±")
     return [
         (label_of(stem), f"{number}{rest.split()[-1]}"),
         ("prediction error (95 %)" if "95" in column else "numerical error", off(error, tolerance)),
+        ("prediction error (99 %)", off(wider, "") * bool(wider)),
         ("measurement noise", off(noise, " (95 %, from the scan)") * bool(noise)),
         ("quadrature motion", off(bias, " (in the scan, neglected)") * (bias > error)),
         ("note", why.removeprefix(": ")),

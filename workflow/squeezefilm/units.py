@@ -16,6 +16,8 @@ Dimension = Mapping[str, Fraction]
 BASES = ("N", "m", "s", "deg", "K")
 NONE: Dimension = {}
 MOST_LEVELS = 10_000
+OF_A_FORCE = ("error_95_n", "error_99_n", "measurement_noise_n")
+"""Columns of errors that are those of a force without its name."""
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -147,15 +149,20 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
 
 
 def rounded_up(error: float) -> float:
-    """The next number of one digit that is not below an error; 0 of none."""
-    if error == 0:
-        return 0.0
-    digit = 10.0 ** math.floor(math.log10(error))
-    return float(f"{math.ceil(round(error / digit, 6)) * digit:.1g}")
+    """The next number of two digits that is not below an error; 0 of none."""
+    if error == 0 or not math.isfinite(error):
+        return error
+    digit = 10.0 ** (math.floor(math.log10(error)) - 1)
+    return float(f"{math.ceil(round(error / digit, 6)) * digit:.1e}")
+
+
+def error_text(error: float) -> str:
+    """An error rounded up to two digits, both shown: 0.2 is ``0.20``."""
+    return f"{rounded_up(error):#.2g}".removesuffix(".")
 
 
 def to_its_error(value: float, error: float) -> tuple[str, str]:
-    """A value with the digits that its error leaves it, and the error, rounded up to one digit.
+    """A value up to the last digit of its error, and the error, rounded up to two digits.
 
     Three digits where the error is not known.
     """
@@ -165,13 +172,14 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
         return f"{value:g}", "0"
     if not math.isfinite(error):
         return f"{value:.3g}", "unknown"
-    shown = f"{rounded_up(abs(error)):.1g}"
-    places = -math.floor(math.log10(float(shown)))
-    if 0 <= places <= MOST_PLACES and abs(value) >= LEAST_PLAIN:
-        return f"{value:.{places}f}", shown
-    # A film that bears next to nothing, or an error above 10: as many digits as that makes.
+    size = rounded_up(abs(error))
+    places = 1 - math.floor(math.log10(size))
+    if 0 <= places <= MOST_PLACES and max(abs(value), size) >= LEAST_PLAIN:
+        return f"{value:z.{places}f}", error_text(size)
+    # A film that bears next to nothing, or an error of 100 and more: as many digits as that makes.
+    value = round(value, places)
     digits = math.floor(math.log10(abs(value))) + places if value else 0
-    return f"{value:.{max(digits, 0)}e}", shown
+    return f"{value:.{digits}e}", error_text(size)
 
 
 def unit_of_column(name: str) -> tuple[str, str]:
@@ -185,9 +193,10 @@ def unit_of_column(name: str) -> tuple[str, str]:
     return match[1], above + "".join(f"/({each})" if " " in each else f"/{each}" for each in below)
 
 
-def error_column(name: str, names: Any) -> str | None:
-    """The column of a value's error among those of a table: ``h0_error_m`` that of ``h0_m``."""
+def error_columns(name: str, names: Any) -> list[str]:
+    """The columns of a value's errors among those of a table: ``h0_error_m`` of ``h0_m``."""
     end = f"_{match[2]}" if (match := WITH_UNIT.fullmatch(name)) else ""
     start = name.removesuffix(end)
-    known = (f"{start}_error{end}", f"{start}_error_95{end}", *["error_95_n"] * (name == "force_n"))
-    return next((each for each in known if each in names), None)
+    known = [f"{start}_{kind}{end}" for kind in ("error", "error_95", "measurement_noise")]
+    known += [*OF_A_FORCE] * (name == "force_n")
+    return [each for each in known if each in names]

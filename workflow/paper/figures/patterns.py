@@ -6,7 +6,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reporting.figures import parts, style
-from reporting.notes import one_digit
 from reporting.results import Results
 
 _COLOURS = (style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.ORANGE)
@@ -116,6 +115,6 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     )
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]
-        note += f", {one_digit(behind)} above A in proportion"
+        note += f", {behind:.0e} above A in proportion"
     style.add_note(figure, f"{note}.", "Dashed: hv/h0 as at a point.", results.beyond)
     return figure, data

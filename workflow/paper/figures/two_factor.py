@@ -5,6 +5,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reporting.figures import parts, style
@@ -36,14 +37,36 @@ def fig13(results: Results) -> tuple[Figure, pd.DataFrame]:
 
 
 def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
-    """Error over amplitude, a line per gap; dots white inside the band and black outside."""
-    data = parts.error_table(results, "two_factor_design", "screen", layer="control")
-    figure, axes = style.subplots(height_in=2.9)
+    """Error over amplitude of the fit to the design and of the fit to all points, a panel each."""
+    titles = {"two_factor_design": "(a) fit to the design", "screen": "(b) fit to all points"}
+    tables = {fit: parts.error_table(results, fit, "screen", layer=fit) for fit in titles}
+    figure, panels = style.subplots(2, 1, height_in=4.6, sharex=True)
+    for axes, (fit, data) in zip(panels, tables.items(), strict=True):
+        _draw_errors(axes, data)
+        axes.set_title(titles[fit])
+        axes.label_outer()
+    figure.legend(
+        *panels[0].get_legend_handles_labels(),
+        loc="outside upper center",
+        title=r"mean gap $h_0$ (µm)",
+        title_fontsize=7,
+        ncols=6,
+        handlelength=1.2,
+        columnspacing=0.8,
+        handletextpad=0.4,
+    )
+    notes = [f"{titles[fit]}, on {parts.error_note(results, fit, 'screen')}." for fit in titles]
+    style.add_note(figure, *notes, simulations_note(results.forces("screen")), results.beyond)
+    return figure, pd.concat(tables.values(), ignore_index=True)
+
+
+def _draw_errors(axes: Axes, data: pd.DataFrame) -> None:
+    """Draw a line for each gap; dots are white inside the band and black outside."""
     band = float(data["band_percent"].iloc[0])
     axes.axhspan(-band, band, color="0.94", zorder=0)
     for edge in (-band, band):
         axes.axhline(edge, color="0.45", linestyle=style.DASHES, linewidth=0.8)
-    axes.axhline(0, color="0.6", linewidth=0.6)
+    axes.axhline(0, color="0.4", linewidth=0.8)
     gaps = np.sort(data["h0_um"].unique())
     colours = mpl.colormaps["viridis"](np.linspace(0, 0.92, len(gaps)))
     x, y = "hv_um", "relative_error_percent"
@@ -58,15 +81,3 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     look = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom"}
     for edge, sign in ((band, "+"), (-band, "−")):
         axes.text(0.99, edge, f"{sign}{band:g} % ", fontsize=7, **look)
-    figure.legend(
-        loc="outside upper center",
-        title=r"mean gap $h_0$ (µm)",
-        title_fontsize=7,
-        ncols=6,
-        handlelength=1.2,
-        columnspacing=0.8,
-        handletextpad=0.4,
-    )
-    note = f"Fit on the design; on {parts.error_note(results, 'two_factor_design', 'screen')}."
-    style.add_note(figure, note, simulations_note(results.forces("screen")), results.beyond)
-    return figure, data

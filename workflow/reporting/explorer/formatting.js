@@ -29,15 +29,16 @@ function percent(share) {
   return `${value > 0 ? "+" : ""}${text.replace("-", "−")} %`;
 }
 
-// A value with the digits that its error leaves it, and the error, rounded up to one; three digits
+// A value up to the last digit of its error, and the error, rounded up to two digits; three digits
 // where the error is not known: as squeezefilm.units.to_its_error.
 function toItsError(value, error) {
   if (!(error > 0)) return [plain(value, 3), ""];
-  const digit = 10 ** Math.floor(Math.log10(error));
-  const shown = Number((Math.ceil(error / digit - 1e-6) * digit).toPrecision(1));
-  const places = -Math.floor(Math.log10(shown));
-  if (places < 0) return [plain(Math.round(value / 10 ** -places) * 10 ** -places, 15), String(shown)];
-  return [value.toFixed(Math.min(places, 9)).replace("-", "−"), String(shown)];
+  const digit = 10 ** (Math.floor(Math.log10(error)) - 1);
+  const size = Number((Math.ceil(error / digit - 1e-6) * digit).toPrecision(2));
+  const places = 1 - Math.floor(Math.log10(size));
+  const shown = size >= 1e-4 ? size.toFixed(Math.max(places, 0)) : size.toExponential(1);
+  if (places < 0) return [plain(Math.round(value / 10 ** -places) * 10 ** -places, 15), shown];
+  return [value.toFixed(Math.min(places, 9)).replace("-", "−"), shown];
 }
 
 // A bound, rounded up to two digits.

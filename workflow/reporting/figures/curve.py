@@ -19,6 +19,8 @@ AXES = {
 }
 """Factors in words, the unit in which they are drawn, and how many of it make one of a column's."""
 COLUMNS = ("h0_m", "hv_m", "force_n", "force_error_n", "validity")
+ERRORS = ("force_error_n", "measurement_noise_n", "quadrature_n")
+"""Of which a bar is the sum: the numerical error, and those of a scan."""
 MOST_LINES = 12
 
 
@@ -45,11 +47,14 @@ def curve(table: pd.DataFrame) -> Figure:
     for colour, (_, rows) in zip(colours, lines, strict=True):
         named = [(*AXES[name], rows[name].iloc[0]) for name in others]
         text = ", ".join(f"{word.split()[-1]} = {v * k:.4g} {u}" for word, u, k, v in named)
-        data = rows.assign(at=rows[along] * size).sort_values("at")
-        axes.errorbar("at", "force_n", "force_error_n", data=data, c=colour, fmt=".-", label=text)
+        error_n = rows[[name for name in ERRORS if name in rows]].sum(axis=1)
+        data = rows.assign(at=rows[along] * size, error_n=error_n).sort_values("at")
+        axes.errorbar("at", "force_n", "error_n", data=data, c=colour, fmt=".-", label=text)
         outside = data[data["validity"] != OK]
         axes.plot(outside["at"], outside["force_n"], ".", color="white", markersize=3, zorder=3)
     if others:
         axes.legend()
-    style.add_note(figure, "Bars: error of the force. Hollow: outside the limits of validity.")
+    style.add_note(
+        figure, "Bars: numerical error and scan. Hollow: outside the limits of validity."
+    )
     return figure

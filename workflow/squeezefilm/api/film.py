@@ -226,8 +226,8 @@ class Film:
         """The forces at every combination of some gaps, amplitudes and positions, a row for each.
 
         Several values are a sequence, or a text such as ``"0.5, 1, 2 um"`` or ``"0.5:2.5:9 um"``
-        (first:last:count). ``force_error_n`` is the numerical error with the noise of a scan;
-        ``status`` is ``ok``, or why there is no force. With ``budget``,
+        (first:last:count). ``force_error_n`` is the numerical error, ``measurement_noise_n`` what
+        a scan adds; ``status`` is ``ok``, or why there is no force. With ``budget``,
         ``modelling_error_lower_percent`` and ``modelling_error_upper_percent`` bound the effects
         that the equation neglects. ``outputs`` are as for a force, each a
         column with its unit and one with its error. Raises InputError as ``scene`` does.

@@ -57,9 +57,10 @@ class Force:
         solution: the force and how it was obtained; its error is the solver's alone.
         budget: the effects that the film equation neglects, one by one; its
             status says where it was not asked for.
-        scan: uncertainty by the noise of a measured profile: ``noise_n``, half of the interval
-            that holds the noise's part in 95 % of all scans; ``quadrature_n``, by what the force
-            is low without the motion out of phase; ``scan_error_n``, both. None without a scan.
+        scan: uncertainty by a measured profile: ``measurement_noise_n``, half of the interval that
+            holds the noise's part in 95 % of all scans, and the same of each other quantity;
+            ``quadrature_n``, by what the force is low without the motion out of phase;
+            ``scan_error_n``, both. None without a scan.
         device: the name of the OpenCL device.
         tolerance: the required relative error.
         notes: which terms ``auto`` could not include and why, and what was seen of the scan.
@@ -82,11 +83,11 @@ class Force:
 
     @property
     def error_n(self) -> float:
-        """The solver's error estimate plus the uncertainty by the scan, in newtons.
+        """The numerical error in newtons: the solver's estimate, ``force_error_n`` of tables.
 
-        The modelling error is not in it: see ``modelling_error_percent``.
+        It contains neither the noise of a scan, ``scan``, nor ``modelling_error_percent``.
         """
-        return self.solution.force_error_n + (self.scan["scan_error_n"] if self.scan else 0.0)
+        return self.solution.force_error_n
 
     @property
     def modelling_error_percent(self) -> tuple[float, float]:
@@ -110,13 +111,20 @@ class Force:
         return self.force_n
 
     @property
+    def scan_columns(self) -> dict[str, float]:
+        """The errors by the scan, by the names of columns; none without a scan."""
+        scan = self.scan or {}
+        kept = [name for name in scan if "measurement_noise" in name or name == "quadrature_n"]
+        return {name: scan[name] for name in kept}
+
+    @property
     def row(self) -> dict[str, Any]:
         """All that is known of the force, by the names of columns; its error is the solver's."""
-        budget, scan = budget_row(self.budget), self.scan or {}
+        budget = budget_row(self.budget)
         return {
             **scene_row(self.scene),
             **{name: getattr(self.solution, name) for name in SOLUTION_COLUMNS},
-            **{name: scan[name] for name in ("noise_n", "quadrature_n") if name in scan},
+            **self.scan_columns,
             **(budget | {"budget_status": budget["status"], "status": self.status}),
             **self.solution.asked_columns,
             "tolerance": self.tolerance,
@@ -155,7 +163,11 @@ def forces_of(
     beyond = dict.fromkeys(range(len(scenes)), ErrorBudget(status=reason))
     if budget:
         beyond |= dict(zip(known, error_budgets(with_force, device=device), strict=True))
-    errors = _scan_errors(with_force, smoothed, device=device)
+
+    def solved(scenes: Sequence[Scene], **how: Any) -> Sequence[Solution]:
+        return solved_with(scenes, settings=replace(settings, **how), derivatives=derivatives)
+
+    errors = _scan_errors(with_force, smoothed, device=device, solved=solved)
     scans = dict(zip(known, errors, strict=False))
     warnings = smoothed.warnings if smoothed and errors else ()
     return [
@@ -211,30 +223,31 @@ def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[
 
 
 def _scan_errors(
-    scenes: Sequence[Scene], smoothed: SmoothedScan | None, *, device: Device
+    scenes: Sequence[Scene], smoothed: SmoothedScan | None, **how: Any
 ) -> Sequence[Mapping[Any, float]]:
     """The rows of ``scan_errors``; none without a scan."""
     if smoothed is None or not scenes:
         return []
     from squeezefilm.studies.tasks.scan_errors import scan_errors
 
-    return scan_errors(scenes, smoothed, device=device).to_dict("records")
+    return scan_errors(scenes, smoothed, **how).to_dict("records")
 
 
 def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     """Forces of some points as a table, a row for each.
 
-    ``force_error_n`` is all that is known of the numbers' error, a scan's part too;
-    ``status`` is ``ok``, or why there is no force; ``validity`` is ``ok``, or the limits of
-    validity that the scene exceeds. What was asked for stands behind: derivatives, outputs and,
-    with a budget, ``modelling_error_lower_percent`` and ``…_upper_percent``, the bounds of the
-    effects that the film equation neglects, all together.
+    ``force_error_n`` is the numerical error; a scan adds ``measurement_noise_n`` and
+    ``quadrature_n``, and to each quantity with an error its noise. ``status`` is ``ok``, or why
+    there is no force; ``validity`` is ``ok``, or the limits of validity that the scene exceeds.
+    What was asked for stands behind: derivatives, outputs and, with a budget,
+    ``modelling_error_lower_percent`` and ``…_upper_percent``, the bounds of the effects that the
+    film equation neglects, all together.
     """
     rows = []
     for force in forces:
         shared = ("force_n", "force_error_n", "method", "status", "validity")
         row = {name: getattr(force.solution, name) for name in shared}
-        row |= {"force_error_n": force.error_n, **force.solution.asked_columns}
+        row |= {**force.scan_columns, **force.solution.asked_columns}
         if force.budget.status != NOT_ASKED:
             least, most = force.modelling_error_percent
             row |= {"modelling_error_lower_percent": least, "modelling_error_upper_percent": most}

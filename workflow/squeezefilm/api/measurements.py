@@ -54,7 +54,7 @@ def _computed(force: Force) -> dict[str, Any]:
     return {
         "force_n": force.force_n,
         "force_error_n": force.solution.force_error_n,
-        "profile_uncertainty_n": force.error_n - force.solution.force_error_n,
+        "profile_uncertainty_n": force.scan["scan_error_n"] if force.scan else 0.0,
         "modelling_error_lower_n": lower_n,
         "modelling_error_upper_n": upper_n,
         "validity": force.validity,

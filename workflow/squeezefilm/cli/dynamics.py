@@ -48,8 +48,8 @@ def levitate(options: argparse.Namespace) -> None:
       squeezefilm levitate --load 0.1N:1N:10 --hv 1um,2um --output LEVITATION.csv
 
     The gap is found by simulations at the pad's position. Its modelling error is the modelling
-    error of the force divided by the stiffness; `h0_error_m` contains only the numerical error and
-    the measurement noise of a scanned profile.
+    error of the force divided by the stiffness; `h0_error_m` is the numerical error, and
+    `h0_measurement_noise_m` what the noise of a scanned profile adds.
 
     There is no gap where no gap carries the load, where the modelling error exceeds a tenth of the
     gap, and outside the limits of validity of the film equation. The `status` of a row gives the

@@ -51,9 +51,11 @@ def simulate(options: argparse.Namespace) -> None:
 
     The first takes a table of scenes. The others take quantities: a number with its unit, several
     with commas, or evenly spaced ones as first:last:count; every combination is a point. One point
-    is shown with its force, errors and numbers; several make a table, in which `force_error_n`
-    includes the noise of a scan and, with `--budget`, `modelling_error_lower_percent` and
-    `…_upper_percent` bound the effects that the film equation neglects.
+    is shown with its force, errors and numbers; several make a table. `force_error_n` is
+    the numerical error; with a scan `measurement_noise_n` is what its noise adds (95 %), and each
+    quantity beside the force has a column `…_measurement_noise_…`. With `--budget`,
+    `modelling_error_lower_percent` and `…_upper_percent` bound the effects that the film equation
+    neglects.
 
     `validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with
     what that means. One point outside them is shown too, with exit status 1; rows of a table end
@@ -61,8 +63,8 @@ def simulate(options: argparse.Namespace) -> None:
 
     Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
     largest gauge pressure times the pad's area. The exit status is 1 when a scene has no force; all
-    rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is the
-    solver's error alone; `squeezefilm profile` estimates what the noise of a measured profile adds.
+    rows are written nevertheless, each with its status. A table of scenes has no column of a scan's
+    noise; `squeezefilm profile` estimates what the noise of a measured profile adds.
 
     `--derivatives` adds those of the force by h0, hv, the pad's position (x, y) and each property
     of the gas, with their errors, by one adjoint problem per scene; `derivatives_status` states why
@@ -125,10 +127,7 @@ def _simulate_table(options: argparse.Namespace, film: Film) -> None:
         options.scenes, film, output=options.output, derivatives=options.derivatives
     )
     if film.scan is not None:
-        alone = (
-            "force_error_n is the solver's error alone: what the scan's noise adds, "
-            "`squeezefilm profile` says"
-        )
+        alone = "errors are numerical: what the scan's noise adds, `squeezefilm profile` says"
         print(alone, *film.scan.warnings, sep="\n", file=sys.stderr)
     if missing := failures + incomplete:
         what = "no force or no derivatives" if options.derivatives else "no force"

@@ -19,7 +19,7 @@ from squeezefilm.formatting import in_lines, json_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import write_table
-from squeezefilm.units import error_column, to_its_error
+from squeezefilm.units import error_columns, error_text, to_its_error
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""
@@ -31,6 +31,7 @@ POINTS = {
     "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
     "phi": "and direction, e.g. 45deg",
 }
+ERROR_PERCENTAGES = ("error_95_percent", "profile_uncertainty_percent")
 MANY = "each a value, several (5um,6um) or first:last:count (5:10:6um), in every combination"
 
 OptionAdder = Callable[[argparse.ArgumentParser], object]
@@ -157,7 +158,15 @@ def print_table(table: pd.DataFrame) -> None:
     """Print a table for people."""
     texts = table.copy()
     for name in map(str, table):
-        if error := error_column(name, table):
+        errors = error_columns(name, table)
+        for error in errors:
             pairs = [to_its_error(*each) for each in zip(table[name], table[error], strict=True)]
-            texts[name], texts[error] = zip(*pairs, strict=True)
+            texts[error] = [text for _, text in pairs]
+        if errors:
+            largest = table[errors].max(axis=1)
+            texts[name] = [
+                to_its_error(*each)[0] for each in zip(table[name], largest, strict=True)
+            ]
+        if name in ERROR_PERCENTAGES:
+            texts[name] = table[name].map(error_text, na_action="ignore")
     print(texts.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))

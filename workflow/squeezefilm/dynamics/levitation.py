@@ -414,8 +414,7 @@ def levitations(
         how: the settings of ``levitate``.
         scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
         mass_kg: that floats, for its resonance.
-        whole: with the columns of scenes and error budgets too, and with ``h0_noise_m``, the part
-            of the gap's error by the scan's noise.
+        whole: with the columns of scenes and error budgets too.
     """
     rows = []
     with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
@@ -423,12 +422,11 @@ def levitations(
             row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
             try:
                 found = levitate(scene, load_n=load_n, **how)
-                more_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
-                found = replace(found, h0_error_m=found.h0_error_m + more_m)
+                noise_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
                 notes = [*found.notes]
                 row |= scene_row(found.scene) | budget_row(found.budget)
-                row |= {"budget_status": found.budget.status, "h0_noise_m": more_m}
                 row |= {name: of(found) for name, of in COLUMNS.items()}
+                row |= {"budget_status": found.budget.status, "h0_measurement_noise_m": noise_m}
                 if mass_kg is not None:
                     frequency_hz, damping_ratio, reason = resonance(found, mass_kg=mass_kg)
                     row |= {"resonance_hz": frequency_hz, "damping_ratio": damping_ratio}
@@ -438,6 +436,6 @@ def levitations(
                 row["status"] = str(error).removeprefix("load: ")
             rows.append(row)
             bar.update(1)
-    columns = ["load_n", "hv_m", *COLUMNS, "status", "note"]
+    columns = ["load_n", "hv_m", *COLUMNS, "h0_measurement_noise_m", "status", "note"]
     columns += ["resonance_hz", "damping_ratio"] if mass_kg is not None else []
     return pd.DataFrame(rows) if whole else pd.DataFrame(rows).reindex(columns=columns)

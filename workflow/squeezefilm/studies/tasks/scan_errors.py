@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +20,7 @@ from squeezefilm.formatting import in_lines, percent
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
+from squeezefilm.solution import Solution
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import plan
 from squeezefilm.studies.study import scenes_in, smoothed_scan_of, symmetry_of
@@ -31,17 +32,26 @@ COVERAGE = 0.95
 
 
 def scan_errors(
-    scenes: Sequence[Scene], smoothed: SmoothedScan, *, device: Device, draws: int = DRAWS
+    scenes: Sequence[Scene],
+    smoothed: SmoothedScan,
+    *,
+    device: Device,
+    draws: int = DRAWS,
+    solved: Callable[..., Sequence[Solution]] = solve,
 ) -> pd.DataFrame:
     """Solve the scenes again with profiles of other noise, and estimate what was neglected.
+
+    Args:
+        solved: solves scenes as ``solve``, with the quantities beside the force that are wanted.
 
     Returns:
         In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
         the standard deviation over profiles with other noise;
-        ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
-        and all that was taken off the profile's maximum as the noise's;
+        ``measurement_noise_n``, half of the interval that holds the noise's part with COVERAGE: the
+        spread's, and all that was taken off the profile's maximum as the noise's;
         ``quadrature_n``, by what the force is low without motion out of phase that was neglected;
-        ``scan_error_n``, the sum of both.
+        ``scan_error_n``, the sum of both. The same noise of each other quantity, in its unit:
+        ``thrust_x_measurement_noise_n`` of ``thrust_x_n``.
 
     Raises:
         RunError: naming a scene that has no force.
@@ -55,22 +65,29 @@ def scan_errors(
         for profile in profiles
         for scene in scenes
     ]
-    solved = solve(every, tolerance=TOLERANCE, device=device).to_frame()
-    for row in np.flatnonzero(solved["status"] != "ok")[:1]:
-        raise RunError(f"point {every[row].point_id}: {solved['status'][row]}")
-    forces = solved["force_n"].to_numpy().reshape(len(profiles), -1)
-    spread_n = forces[1:].std(axis=0, ddof=1)
+    found = solved(every, tolerance=TOLERANCE, device=device)
+    values = pd.DataFrame([{"force_n": each.force_n, **each.asked_columns} for each in found])
+    for row, solution in enumerate(found):
+        if solution.status != "ok":
+            raise RunError(f"point {every[row].point_id}: {solution.status}")
+    own, others = values.iloc[: len(scenes)], values.iloc[len(scenes) :].select_dtypes("number")
+    spread = others.groupby(others.index % len(scenes)).std()
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     bias = 2 * (smoothed.profile.largest - 1) / (1 - Scenes.of(scenes).epsilon)
     neglected = not smoothed.profile.is_complex
     effect = [out_of_phase_effect(scene, smoothed) if neglected else 0.0 for scene in scenes]
-    table = pd.DataFrame({"force_n": forces[0], "spread_n": spread_n})
+    table = pd.DataFrame({"force_n": own["force_n"], "spread_n": spread["force_n"]})
     size_n = table["force_n"].abs()
-    table["noise_n"] = quantile * spread_n + bias * size_n
+    noise = quantile * spread + own[spread.columns].abs().mul(bias, axis=0)
+    table["measurement_noise_n"] = noise["force_n"]
     table["quadrature_n"] = effect * size_n
-    table["noise_fraction"] = table["noise_n"] / size_n
-    table["scan_error_n"] = table["noise_n"] + table["quadrature_n"]
+    table["noise_fraction"] = table["measurement_noise_n"] / size_n
+    table["scan_error_n"] = table["measurement_noise_n"] + table["quadrature_n"]
+    for name in map(str, noise):
+        if "_error" in name:
+            quantity = name.replace("_error", "")
+            table[name.replace("_error", "_measurement_noise")] = noise[quantity]
     return table.assign(scan_error_fraction=table["scan_error_n"] / size_n)
 
 
