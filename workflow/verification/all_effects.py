@@ -13,14 +13,17 @@ matrix is differentiated by complex steps, after one system in space for each ha
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import pi, sqrt
+from typing import Literal
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms.rarefaction import TABLE
 from verification.marching import FloatArray, fold_of
 from verification.numpy_periodic import chebyshev_grid
 
@@ -178,6 +181,13 @@ def _in_time(instants: int) -> FloatArray:
     return np.asarray(np.fft.irfft(order * waves, n=instants))
 
 
+@cache
+def _rarefied_flow() -> CubicSpline:
+    """Return what rarefaction adds to the flow Q, D/6 of a viscous gas, by ln D."""
+    inverse, flow = np.loadtxt(TABLE, delimiter=",", skiprows=1, unpack=True)
+    return CubicSpline(np.log(inverse), flow - inverse / 6)
+
+
 def _along(matrix: FloatArray, field: np.ndarray) -> np.ndarray:
     """Return a real matrix times a real or complex field."""
     if not np.iscomplexobj(field):
@@ -191,12 +201,14 @@ class Effects:
     """The effects that a film is solved with.
 
     Attributes:
+        slip: none, that of first order by the gas' own coefficient, or by the flow factor, a
+            table of the linearised Boltzmann equation (rarefied_flow.py).
         edge_coefficient: C of the loss at the rim where gas comes in; 0 without.
     """
 
     inertia: bool = True
     thermal: bool = True
-    slip: bool = True
+    slip: Literal["none", "first-order", "flow-factor"] = "flow-factor"
     edge_coefficient: float = 0.0
 
 
@@ -228,13 +240,26 @@ class FilmWithEffects:
         conduction = gas.prandtl * reynolds * effects.thermal
         return {
             "lag": reynolds / 10 * effects.inertia,
-            "slip": gas.slip_coefficient * scene.knudsen * effects.slip,
+            "slip": float(self.slip_length(np.ones(1))[0]),
             "heating": (1 - 1 / ratio) * conduction,
             "thermal_lag": conduction / 10,
-            "jump": 2 * ratio / ((ratio + 1) * gas.prandtl) * scene.knudsen * effects.slip,
+            "jump": 2 * ratio / ((ratio + 1) * gas.prandtl) * scene.knudsen * (effects.slip != "none"),
             "loss": effects.edge_coefficient * reynolds * scene.sigma / 24,
             "reversing": REVERSING * max(scene.epsilon, 1e-9) / sqrt(max(scene.sigma, 16.0)),
         }
+
+    def slip_length(self, mass: np.ndarray) -> np.ndarray:
+        """Return the slip length times the density over h0, for P H."""
+        knudsen, slip = self.scene.knudsen, self.effects.slip
+        if slip != "flow-factor":
+            length = self.scene.gas.slip_coefficient * knudsen if slip == "first-order" else 0.0
+            return np.full(mass.shape, length)
+        inverse = self.scene.inverse_knudsen
+        flow, logarithm = _rarefied_flow(), np.log(inverse * mass.real)
+        length = flow(logarithm)
+        if np.iscomplexobj(mass):  # a complex step
+            length = length + 1j * flow(logarithm, 1) * mass.imag / mass.real
+        return np.asarray(length / inverse)
 
     def rate(self, field: np.ndarray) -> np.ndarray:
         if np.iscomplexobj(field):
@@ -247,7 +272,8 @@ class FilmWithEffects:
         excess, velocity, warm = state[0], state[1:-1], state[-1]
         pressure, excess_rate = 1 + excess, self.rate(excess)
         filling = self.rate(gap) / gap + excess_rate / pressure
-        mobility = gap * (gap + 6 * n["slip"] / pressure) / sigma
+        slip = self.slip_length(pressure * gap)
+        mobility = gap * (gap + 6 * slip / pressure) / sigma
         lag = n["lag"] * gap * (pressure * gap + 4 * n["slip"])
         rates = np.stack([self.rate(u) for u in velocity])
         momentum = velocity.copy()
