@@ -33,7 +33,7 @@ KRYLOV_ITERATIONS, KRYLOV_TOLERANCE = 300, 1e-3
 LARGEST_STEP = 0.4
 # Points along a radius; across a rectangle or an ellipse; instants in a period (odd).
 RADIAL_POINTS, POINTS, INSTANTS = 32, 24, 21
-# Share of the points and of the instants on the coarser grid that the error is estimated from.
+# Share of the points on the coarser grid, that of the error estimate.
 COARSER = 0.75
 # Velocity at the rim, over ε/√σ, within which gas neither comes in nor goes out.
 REVERSING = 0.1
@@ -95,19 +95,24 @@ def _line(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _radius(count: int) -> Points:
-    x, first, weights = _line(count)
+    x, first, _ = _line(count)
     half = count // 2
     same, other = first[half:, half:], first[half:, half - 1 :: -1]
     r, even, odd = x[half:], same + other, same - other
     rim = (np.arange(half) == half - 1).astype(float)
-    # The weights of a mean over the disc integrate r over the half line exactly enough.
-    _, _, on_radius = _line(4 * count)
-    places, _, _ = _line(4 * count)
-    fine = (places + 0.5) / 2
-    on_disc = (8 * fine * on_radius / 2) @ _interpolation(x, fine)
+    # r is no polynomial over a whole diameter: its mean is taken at points along a radius.
+    along, _, weights = _line(2 * count)
+    finer = (along + 0.5) / 2
+    over_disc = (4 * finer * weights) @ _interpolation(x, finer)
     return Points(
-        *(r + 0.5, np.full(half, 0.5), on_disc[half:] + on_disc[half - 1 :: -1]),
-        *((even,), (odd + np.diag(1 / r),), ((odd,),), rim[None], np.zeros(half, dtype=bool)),
+        r + 0.5,
+        np.full(half, 0.5),
+        over_disc[half:] + over_disc[half - 1 :: -1],
+        (even,),
+        (odd + np.diag(1 / r),),
+        ((odd,),),
+        rim[None],
+        np.zeros(half, dtype=bool),
     )
 
 
@@ -243,7 +248,11 @@ class FilmWithEffects:
             "slip": float(self.slip_length(np.ones(1))[0]),
             "heating": (1 - 1 / ratio) * conduction,
             "thermal_lag": conduction / 10,
-            "jump": 2 * ratio / ((ratio + 1) * gas.prandtl) * scene.knudsen * (effects.slip != "none"),
+            "jump": 2
+            * ratio
+            / ((ratio + 1) * gas.prandtl)
+            * scene.knudsen
+            * (effects.slip != "none"),
             "loss": effects.edge_coefficient * reynolds * scene.sigma / 24,
             "reversing": REVERSING * max(scene.epsilon, 1e-9) / sqrt(max(scene.sigma, 16.0)),
         }
@@ -329,7 +338,9 @@ class FilmWithEffects:
             precondition = self._preconditioner(state)
             residual = precondition(self.residual(state))
 
-            def derivative(change: FloatArray, at: FloatArray = state, by: Callable = precondition) -> FloatArray:
+            def derivative(
+                change: FloatArray, at: FloatArray = state, by: Callable = precondition
+            ) -> FloatArray:
                 stepped = at + 1j * COMPLEX_STEP * change.reshape(at.shape)
                 return np.asarray(by(self.residual(stepped).imag / COMPLEX_STEP).ravel())
 
@@ -395,33 +406,34 @@ class FilmWithEffects:
         return apply
 
 
-def force_with(
-    scene: Scene, effects: Effects, *, points: int | None = None, instants: int = INSTANTS
-) -> tuple[float, float]:
+def force_with(scene: Scene, effects: Effects) -> tuple[float, float]:
     """Return the mean force of a scene with given effects in newtons, and its error.
 
     The effects that the scene's gas has or lacks do not count. The error is the change from a
     coarser grid.
 
-    Args:
-        points: even, across the pad, or twice those along the radius of a disc.
-        instants: in a period, an odd number.
-
     Raises:
         ArithmeticError: if Newton's method does not converge.
     """
-    points = points or (2 * RADIAL_POINTS if _axisymmetric(scene) else POINTS)
     fine, coarse = (
-        force_on_grid(scene, effects, points=count, instants=times)
-        for count, times in (
-            (points, instants),
-            (4 * round(COARSER * points / 4), 2 * round(COARSER * instants / 2) + 1),
-        )
+        force_on_grid(scene, effects, points=points, instants=instants)
+        for points, instants in grids_of(scene)
     )
     return fine, abs(fine - coarse)
 
 
+def grids_of(scene: Scene) -> list[tuple[int, int]]:
+    """Return points and instants of the grid for a scene and of a coarser one."""
+    points = 2 * RADIAL_POINTS if _axisymmetric(scene) else POINTS
+    return [(points, INSTANTS), (4 * round(COARSER * points / 4), INSTANTS - 4)]
+
+
 def force_on_grid(scene: Scene, effects: Effects, *, points: int, instants: int) -> float:
-    """Return the mean force in newtons on one grid."""
+    """Return the mean force in newtons on one grid.
+
+    Args:
+        points: even, across the pad, or twice those along the radius of a disc.
+        instants: in a period, an odd number.
+    """
     film = FilmWithEffects(scene, effects, points_of(scene, points), instants)
     return film.mean(film.solve()) * scene.force_scale_n
