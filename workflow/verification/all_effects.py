@@ -31,8 +31,9 @@ COMPLEX_STEP, NEWTON_STEPS, CONVERGED = 1e-30, 40, 1e-9
 KRYLOV_ITERATIONS, KRYLOV_TOLERANCE = 300, 1e-3
 # Most that a Newton step changes of a pressure, in p0.
 LARGEST_STEP = 0.4
-# Points along a radius; across a rectangle or an ellipse; instants in a period (odd).
-RADIAL_POINTS, POINTS, INSTANTS = 32, 24, 21
+# Twice the points along a disc's radius; points across another film that is even about no axis,
+# one or two; instants in a period (odd).
+RADIAL_POINTS, POINTS, INSTANTS = 64, (24, 28, 36), 21
 # Share of the points on the coarser grid, that of the error estimate.
 COARSER = 0.75
 # Velocity at the rim, over ε/√σ, within which gas neither comes in nor goes out.
@@ -148,7 +149,10 @@ def _ellipse(aspect: float, count: int) -> Points:
     outwards += np.kron(first[half:, half - 1 :: -1], opposite)
     around = np.kron(np.eye(half), _in_time(turns).T) / r[:, None]
     cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    along = cosine * outwards - sine * around, (sine * outwards + cosine * around) / aspect
+    along = (
+        np.asarray(cosine * outwards - sine * around),
+        np.asarray((sine * outwards + cosine * around) / aspect),
+    )
     radial = _radius(count).weights
     normal = np.stack([np.cos(angle), np.sin(angle) / aspect]) * (r == 0.5)
     normal /= np.maximum(np.hypot(*normal), 1e-300)
@@ -424,7 +428,7 @@ def force_with(scene: Scene, effects: Effects) -> tuple[float, float]:
 
 def grids_of(scene: Scene) -> list[tuple[int, int]]:
     """Return points and instants of the grid for a scene and of a coarser one."""
-    points = 2 * RADIAL_POINTS if _axisymmetric(scene) else POINTS
+    points = RADIAL_POINTS if _axisymmetric(scene) else POINTS[sum(fold_of(scene))]
     return [(points, INSTANTS), (4 * round(COARSER * points / 4), INSTANTS - 4)]
 
 

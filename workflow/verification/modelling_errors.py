@@ -89,8 +89,8 @@ def comparison(seed: int) -> dict[str, Any]:
     }
     try:
         truth = all_effects_percent(scene)
-    except ArithmeticError as error:
-        return row | {"outcome": f"not compared: {error}"}
+    except ArithmeticError as reason:
+        return row | {"outcome": f"not compared: {reason}"}
     (least, least_error), (most, most_error) = sorted(truth)
     row |= {"solved_lower_percent": least, "solved_upper_percent": most}
     row["solved_error_percent"] = error = max(least_error, most_error)
@@ -140,9 +140,11 @@ def random_film(seed: int) -> Scene:
 
 def _drawn(random: np.random.Generator) -> Scene:
     reynolds, sigma, h0_m = (_between(random, ends) for ends in (REYNOLDS, SIGMA, H0_M))
-    terms = "none" if random.uniform() < PLAIN else "auto"
-    rarefaction = "slip" if random.uniform() < SLIPPING else "none"
-    gas = Gas(inertia=terms, thermal=terms, rarefaction=rarefaction)
+    gas = Gas(inertia="auto", thermal="auto")
+    if random.uniform() < PLAIN:
+        gas = replace(gas, inertia="none", thermal="none")
+    if random.uniform() < SLIPPING:
+        gas = replace(gas, rarefaction="slip")
     omega = reynolds * gas.viscosity_pa_s / (gas.density_kg_per_m3 * h0_m**2)
     pressure_height = gas.ambient_pressure_pa * h0_m**2
     length_m = sqrt(sigma * pressure_height / (12 * gas.viscosity_pa_s * omega))
@@ -180,4 +182,5 @@ def _profile(kind: str, node_m: float, surface_radius_m: float) -> Profile:
 
 def _between(random: np.random.Generator, limits: tuple[float, float]) -> float:
     """Return a number that is uniform in its logarithm."""
-    return float(np.exp(random.uniform(*map(log, limits))))
+    low, high = limits
+    return float(np.exp(random.uniform(log(low), log(high))))
