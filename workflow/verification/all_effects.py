@@ -11,7 +11,7 @@ and gas that comes in has no velocity along the rim. Newton's steps are solved b
 matrix is differentiated by complex steps, after one system in space for each harmonic.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import pi, sqrt
@@ -130,7 +130,10 @@ def _interpolation(nodes: FloatArray, places: FloatArray) -> FloatArray:
 def _rectangle(aspect: float, count: int) -> Points:
     x, first, weights = _line(count)
     one = np.eye(count)
-    along = np.kron(first, one), np.kron(one, first) / aspect
+    along: tuple[FloatArray, ...] = (
+        np.asarray(np.kron(first, one)),
+        np.asarray(np.kron(one, first) / aspect),
+    )
     on_x, on_y = (each.ravel() for each in np.meshgrid(x, x, indexing="ij"))
     normal = np.stack([np.sign(each) * (abs(each) == 0.5) for each in (on_x, on_y)])
     corner = np.all(normal != 0, axis=0)
@@ -338,15 +341,13 @@ class FilmWithEffects:
         if state is None:
             shape = 2 + len(self.points.gradient), len(self.points.x), self.instants
             state = np.zeros(shape)
+        precondition = self._preconditioner(state)
         for _ in range(NEWTON_STEPS):
-            precondition = self._preconditioner(state)
             residual = precondition(self.residual(state))
 
-            def derivative(
-                change: FloatArray, at: FloatArray = state, by: Callable = precondition
-            ) -> FloatArray:
+            def derivative(change: FloatArray, at: FloatArray = state) -> FloatArray:
                 stepped = at + 1j * COMPLEX_STEP * change.reshape(at.shape)
-                return np.asarray(by(self.residual(stepped).imag / COMPLEX_STEP).ravel())
+                return np.asarray(precondition(self.residual(stepped).imag / COMPLEX_STEP).ravel())
 
             matrix = LinearOperator((state.size, state.size), matvec=derivative, dtype=float)
             change, _ = gmres(
@@ -433,11 +434,22 @@ def grids_of(scene: Scene) -> list[tuple[int, int]]:
 
 
 def force_on_grid(scene: Scene, effects: Effects, *, points: int, instants: int) -> float:
-    """Return the mean force in newtons on one grid.
+    """Return the mean force in newtons on one grid (``forces_on_grid``)."""
+    return forces_on_grid(scene, [effects], points=points, instants=instants)[0]
+
+
+def forces_on_grid(
+    scene: Scene, effects: Sequence[Effects], *, points: int, instants: int
+) -> list[float]:
+    """Return the mean force in newtons with several sets of effects on one grid.
 
     Args:
         points: even, across the pad, or twice those along the radius of a disc.
         instants: in a period, an odd number.
     """
-    film = FilmWithEffects(scene, effects, points_of(scene, points), instants)
-    return film.mean(film.solve()) * scene.force_scale_n
+    grid, state, forces_n = points_of(scene, points), None, []
+    for each in effects:
+        film = FilmWithEffects(scene, each, grid, instants)
+        state = film.solve(state)
+        forces_n.append(film.mean(state) * scene.force_scale_n)
+    return forces_n

@@ -23,7 +23,7 @@ from squeezefilm.quantities.model_error import (
     resolve_auto_terms,
 )
 from squeezefilm.tables import write_table
-from verification.all_effects import Effects, force_on_grid, grids_of
+from verification.all_effects import Effects, forces_on_grid, grids_of
 from verification.films import STEEPEST
 
 # Ranges of Re, σ, ε, h0 in m and, of a sliding pad, its speed in m/s.
@@ -117,13 +117,11 @@ def all_effects_percent(scene: Scene) -> list[tuple[float, float]]:
         thermal=gas.thermal == "included",
         slip="first-order" if gas.rarefaction == "slip" else "none",
     )
+    every = [own, *(Effects(edge_coefficient=each) for each in COEFFICIENTS)]
     changes = []
     for points, instants in grids_of(scene):
-        grid = {"points": points, "instants": instants}
-        force_n = force_on_grid(scene, own, **grid)
-        every = [Effects(edge_coefficient=coefficient) for coefficient in COEFFICIENTS]
-        with_all_n = [force_on_grid(scene, effects, **grid) for effects in every]
-        changes.append(100 * (np.array(with_all_n) / force_n - 1))
+        forces_n = forces_on_grid(scene, every, points=points, instants=instants)
+        changes.append(100 * (np.array(forces_n[1:]) / forces_n[0] - 1))
     return list(zip(changes[0].tolist(), abs(changes[0] - changes[1]).tolist(), strict=True))
 
 
@@ -132,9 +130,9 @@ def random_film(seed: int) -> Scene:
     random = np.random.default_rng(seed)
     while True:
         scene = _drawn(random)
-        (resolved,) = resolve_auto_terms([scene])
         steep = scene.epsilon * scene.modified_reynolds > STEEPEST
-        if not steep and scene.closure() < 1 and validity(resolved) == "ok":
+        term = "included" if scene.gas.inertia == "auto" and not scene.bearing_number else "none"
+        if not steep and validity(scene.with_gas(inertia=term, thermal=term)) == "ok":
             return scene
 
 
