@@ -380,14 +380,14 @@ class FilmWithEffects:
         order = 1j * np.arange(self.instants // 2 + 1)
         inert = 1 + np.outer(lag, order)
         still = 1 + n["thermal_lag"] * order
+        moved = sum(
+            div @ (flow[:, None] * grad)
+            for div, grad in zip(at.divergence, at.gradient, strict=True)
+        )
         systems = []
         for k, harmonic in enumerate(order):
-            moved = sum(
-                div @ ((flow / inert[:, k])[:, None] * grad)
-                for div, grad in zip(at.divergence, at.gradient, strict=True)
-            )
             stored = harmonic * (1 - n["heating"] / 12 * harmonic / still[k])
-            system = stored * np.eye(len(rim)) - moved
+            system = stored * np.eye(len(rim)) - moved / (1 + at.weights @ lag * harmonic)
             system[rim] = np.eye(len(rim))[rim]
             systems.append(lu_factor(system))
 

@@ -81,9 +81,7 @@ def comparison(seed: int) -> dict[str, Any]:
         "modified_reynolds": scene.modified_reynolds,
         "sigma": scene.sigma,
         "epsilon": scene.epsilon,
-        "included_effects": "; ".join(
-            name for name in ("inertia", "thermal") if getattr(scene.gas, name) == "included"
-        ),
+        "included_effects": included_effects(scene),
         "modelling_error_lower_percent": lower,
         "modelling_error_upper_percent": upper,
     }
@@ -100,6 +98,17 @@ def comparison(seed: int) -> dict[str, Any]:
         return row | {"outcome": "not compared: grids differ"}
     inside = lower - error <= least and most <= upper + error
     return row | {"outcome": "inside" if inside else "outside"}
+
+
+def included_effects(scene: Scene) -> str:
+    """Return the names of the effects that a scene is solved with."""
+    gas = scene.gas
+    included = {
+        "inertia": gas.inertia == "included",
+        "thermal": gas.thermal == "included",
+        "slip": gas.rarefaction != "none",
+    }
+    return "; ".join(name for name, has in included.items() if has) or "none"
 
 
 def interval_percent(budget: ErrorBudget) -> tuple[float, float]:
