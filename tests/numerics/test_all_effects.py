@@ -13,7 +13,7 @@ from squeezefilm.reynolds.solver import solve
 from verification.all_effects import Effects, force_on_grid, forces_on_grid
 from verification.modelling_errors import included_effects, interval_percent, random_film
 
-# Made by `python -m verification modelling-errors --output TABLE.csv --films 60`, some of its rows.
+# The command is in the file.
 STORED = pd.read_csv(Path(__file__).parent / "data" / "all_effects.csv", comment="#")
 
 

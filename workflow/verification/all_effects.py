@@ -73,13 +73,13 @@ def points_of(scene: Scene, count: int) -> Points:
     Args:
         count: even, points across the pad, or twice those along a radius.
     """
-    if _axisymmetric(scene):
+    if is_axisymmetric(scene):
         return _radius(count)
     of_shape = {"rectangle": _rectangle, "ellipse": _ellipse}[scene.pad.shape]
     return _folded(of_shape(scene.aspect, count), *fold_of(scene))
 
 
-def _axisymmetric(scene: Scene) -> bool:
+def is_axisymmetric(scene: Scene) -> bool:
     """Return whether a pad is a disc above a gap that depends on the radius alone."""
     if scene.pad.shape != "ellipse" or scene.aspect != 1 or scene.bearing_number:
         return False
@@ -429,7 +429,7 @@ def force_with(scene: Scene, effects: Effects) -> tuple[float, float]:
 
 def grids_of(scene: Scene) -> list[tuple[int, int]]:
     """Return points and instants of the grid for a scene and of a coarser one."""
-    points = RADIAL_POINTS if _axisymmetric(scene) else POINTS[sum(fold_of(scene))]
+    points = RADIAL_POINTS if is_axisymmetric(scene) else POINTS[sum(fold_of(scene))]
     return [(points, INSTANTS), (4 * round(COARSER * points / 4), INSTANTS - 4)]
 
 
