@@ -35,7 +35,7 @@ LARGEST_STEP = 0.4
 # one or two; instants in a period (odd).
 RADIAL_POINTS, POINTS, INSTANTS = 64, (24, 28, 36), 21
 # Share of the points on the coarser grid, that of the error estimate.
-COARSER = 0.75
+COARSER = 0.8
 # Velocity at the rim, over ε/√σ, within which gas neither comes in nor goes out.
 REVERSING = 0.1
 
