@@ -5,6 +5,7 @@ from squeezefilm.cli.main import main
 GROUPS = {
     "The solver examined": {
         "verification.random_studies": "random-studies",
+        "verification.modelling_errors": "modelling-errors",
         "verification.run_times": "run-times",
     }
 }
