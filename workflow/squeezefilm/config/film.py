@@ -393,8 +393,9 @@ class GapShape:
     Attributes:
         tilt_x_m: gap at the middle of the side at +x less that at −x
         tilt_y_m: gap at the middle of the side at +y less that at −y
-        crown_m: gap at the middle of a side less that at the centre, growing with the square of the
-            distance; positive for a pad whose crown is towards the surface
+        crown_m: gap at the middle of every side less that at the centre; elsewhere the gap grows by
+            crown ((2x/length_x)² + (2y/length_y)²); positive for a pad whose crown is towards the
+            surface
     """
 
     __pydantic_config__ = KEYS
