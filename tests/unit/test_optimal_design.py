@@ -74,6 +74,20 @@ def test_an_exact_design_is_the_best_of_all_choices():
         assert len(set(found)) == points
 
 
+def test_no_further_starts_find_a_better_exact_design():
+    """Where points keep a distance, the exchange has many local maxima."""
+    x, y = np.random.default_rng(0).random((2, 60))
+    f, apart = np.column_stack([x**0, x, y, x * y, x * x]), {"separation": 0.3}
+    apart["coordinates"] = np.column_stack([x, y])
+
+    def value(chosen: np.ndarray) -> float:
+        return float(np.linalg.slogdet(f[chosen].T @ f[chosen])[1])
+
+    assert (
+        value(exchange(f, 7, **apart)) >= value(exchange(f, 7, starts=80, seed=2, **apart)) - 1e-9
+    )
+
+
 def test_exact_points_keep_their_distance_from_each_other_and_from_existing_ones():
     x = np.linspace(-1, 1, 41)[:, None]
     f, there = powers(x, degree=2), np.array([[-1.0]])
