@@ -162,6 +162,14 @@ def test_a_table_keeps_every_load_with_a_reason_where_it_has_no_gap(tmp_path):
     assert pd.isna(table.loc[1, "h0_m"])
 
 
+def test_rows_with_a_gap_and_without_have_one_and_the_same_amplitude(tmp_path):
+    """A figure has a line for each amplitude, and had two for one."""
+    table = levitated(tmp_path, "--load", "0.5N,1000N", "--hv", "1.3333333333333333um")
+    assert table["h0_m"].notna().tolist() == [True, False]
+    assert table["hv_m"].nunique() == 1
+    assert table["hv_m"][0] == pytest.approx(4e-6 / 3, rel=1e-14)
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -1,7 +1,12 @@
 """Each key of a study has a row in the documentation, and its schema takes what a study may."""
 
+import re
+
+import numpy as np
+import pytest
 from jsonschema import Draft202012Validator
 
+from squeezefilm.config.film import GapShape
 from squeezefilm.config.keys import key_table, schema
 
 
@@ -13,3 +18,14 @@ def test_every_key_has_a_row():
 def test_a_circle_has_a_diameter_instead_of_lengths():
     pad, circle = Draft202012Validator(schema()["properties"]["pad"]), {"shape": "circle"}
     assert [pad.is_valid(circle | more) for more in ({"diameter": "30 mm"}, {})] == [True, False]
+
+
+def test_a_crowned_gap_is_as_its_key_says():
+    """On pads that are not square too, where it is no function of the distance."""
+    (about,) = re.findall(r"`gap\.crown`.* grows by crown (\(.*?\));", key_table(schema()))
+    formula = about.replace("²", "**2").replace("2x", "2*x").replace("2y", "2*y")
+    sides = {"length_x": 8e-3, "length_y": 2e-3}
+    for x, y in ((4e-3, 0.0), (0.0, 1e-3), (1e-3, -1e-3)):
+        expected_m = 3e-6 * eval(formula, sides | {"x": x, "y": y})
+        rise_m = GapShape(crown_m=3e-6).rise_m(*np.array([0.5 + x / 8e-3, 0.5 + y / 2e-3]))
+        assert rise_m == pytest.approx(expected_m)

@@ -3,12 +3,19 @@
 from itertools import combinations
 
 import numpy as np
+import pandas as pd
 import pytest
+import yaml
+from reference_forces import SCREEN_THETA
 
+from squeezefilm.cli.main import main
 from squeezefilm.designs.box import Box, grid
 from squeezefilm.designs.optimal import exchange, maximin_design, optimal_in_box, optimal_weights
 from squeezefilm.designs.paper_design import Criterion, search_design
 from squeezefilm.errors import InputError
+from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import get_model
+from squeezefilm.tables import FORCE_COLUMNS
 
 
 def exponential(x: np.ndarray, *, a: float = 2.0, b: float = 1500.0) -> np.ndarray:
@@ -74,6 +81,20 @@ def test_an_exact_design_is_the_best_of_all_choices():
         assert len(set(found)) == points
 
 
+def test_no_further_starts_find_a_better_exact_design():
+    """Where points keep a distance, the exchange has many local maxima."""
+    x, y = np.random.default_rng(0).random((2, 60))
+    f, apart = np.column_stack([x**0, x, y, x * y, x * x]), {"separation": 0.3}
+    apart["coordinates"] = np.column_stack([x, y])
+
+    def value(chosen: np.ndarray) -> float:
+        return float(np.linalg.slogdet(f[chosen].T @ f[chosen])[1])
+
+    assert (
+        value(exchange(f, 7, **apart)) >= value(exchange(f, 7, starts=80, seed=2, **apart)) - 1e-9
+    )
+
+
 def test_exact_points_keep_their_distance_from_each_other_and_from_existing_ones():
     x = np.linspace(-1, 1, 41)[:, None]
     f, there = powers(x, degree=2), np.array([[-1.0]])
@@ -102,3 +123,35 @@ def test_random_candidates_have_a_certified_design_and_undefined_ones_no_weight(
         assert design.efficiency_bound >= 1 - 1e-6
         assert np.flatnonzero(design.weights).min() >= 50
         assert exchange(f, parameters).min() >= 50
+
+
+def test_points_outside_the_ranges_and_missing_designs_are_named(tmp_path, repository, capsys):
+    """Points outside may be worth more than any within: the efficiency is not cut at 1."""
+    model, text = get_model("two_factor"), (repository / "config/quick.yaml").read_text("utf-8")
+    h0_m, hv_m = np.meshgrid(np.linspace(5e-6, 10e-6, 5), np.linspace(0.4e-6, 2e-6, 4))
+    films = {"h0_m": h0_m.ravel(), "hv_m": hv_m.ravel()}
+    noise = 1 + 0.01 * np.random.default_rng(1).standard_normal(20)
+    force_n = model.evaluate(np.array(SCREEN_THETA), Factors.of(**films)) * noise
+    forces = pd.DataFrame(films | {"force_n": force_n}).reindex(columns=FORCE_COLUMNS)
+    forces["point_id"], forces["status"] = np.arange(20), "ok"
+    forces = forces.fillna({"phi_r_m": 0.0, "phi_deg": 0.0, "force_error_n": 1e-6})
+    forces.to_csv(tmp_path / "forces.csv", index=False, na_rep="0")
+    near = pd.DataFrame({"point_id": ["in", "a", "b", "c"], "phi_r_m": 0.0, "phi_deg": 0.0})
+    near["h0_m"], near["hv_m"] = [5e-6, 2.5e-6, 2.5e-6, 3e-6], [1e-6, 2.4e-6, 1.5e-6, 2.7e-6]
+    near.to_csv(tmp_path / "near.csv", index=False)
+    study = yaml.safe_load(text) | {"optimal": {"points": [2, 5]}}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study, allow_unicode=True))
+    names = ("fit.json", "forces.csv", "study.yaml")
+    fitted, forces_file, config = (str(tmp_path / name) for name in names)
+    words = ["--config", config, "--output"]
+    assert main(["fit", forces_file, "--model", "two_factor", *words, fitted]) == 0
+    capsys.readouterr()
+    more = ["--forces", forces_file, "--existing", str(tmp_path / "near.csv"), *words]
+    assert main(["optimal", fitted, *more, str(tmp_path / "designs.csv")]) == 0
+    table, notes = capsys.readouterr()
+    efficiency = {line.split()[0]: float(line.split()[2]) for line in table.splitlines()[1:]}
+    assert efficiency["augmented"] > 1.05
+    assert efficiency["exact-5"] <= 1
+    assert "3 of 4 existing points lie outside" in notes
+    assert ": a, b, c;" in notes
+    assert "no design exact-2: 2 points do not determine the 3 parameters" in notes

@@ -5,6 +5,7 @@ import math
 import re
 import shutil
 import subprocess
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -253,6 +254,28 @@ def test_exported_code_is_the_model(run, model, theta, write_fit, tmp_path):
     np.testing.assert_allclose(found, fit.evaluate(factors), rtol=1e-14, atol=1e-15)
     assert np.isfinite(found).all()
     np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
+
+
+@pytest.mark.parametrize("run", [in_python, in_c, in_javascript])
+def test_exported_code_and_the_library_agree_on_the_declared_space(run, write_fit, tmp_path):
+    """Of a model in r, phi on a rectangular surface as well as of one in x, y on a disc."""
+    polar = make_model("polar", {"expression": "t0*hv/h0 + t1*r*cos(angle)"}, place="test")
+    cartesian = make_model("cartesian", {"expression": "t0*hv/h0 + t1*x*y"}, place="test")
+    film = {"h0_m": (5e-6, 10e-6), "hv_m": (0.2e-6, 2e-6)}
+    disc = film | {"phi_r_m": (0.0, 2e-3), "phi_deg": (0.0, 45.0)}
+    plate = film | {"x_m": (-3e-3, 3e-3), "y_m": (0.0, 1e-3)}
+    positions = [[0, 90], [1e-3, 20], [1e-3, 60], [1e-3, -20], [2e-3, 45], [3e-3, 180], [4e-3, 10]]
+    for model, space in product((polar, cartesian), (disc, plate)):
+        own = {**validation(), "ranges": space}
+        fit = read_fit(write_fit(model, (1.0, 1.0), validation=own))
+        r_m, phi_deg = np.transpose(positions)
+        factors = Factors.of(h0_m=7e-6, hv_m=1e-6, phi_r_m=r_m, phi_deg=phi_deg)
+        points = np.column_stack([factors.column(name) for name in model.factor_names])
+        _, inside = np.array(run(fit, points, tmp_path), dtype=float).T
+        assert 0 < inside.sum() < len(points)
+        np.testing.assert_array_equal(
+            inside == 1, [not each for each in fit.interval.outside(factors)]
+        )
 
 
 def test_outside_its_domain_generated_code_gives_no_number(write_fit):

@@ -15,6 +15,7 @@ from squeezefilm.reynolds.terms import absent_terms, terms_of
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
+from squeezefilm.solution import CARTESIAN
 from squeezefilm.tables import COLUMNS
 from squeezefilm.units import error_columns, rounded_up, to_its_error, unit_of_column
 
@@ -58,9 +59,9 @@ def scene_row(scene: Scene) -> dict[str, Any]:
     thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
     assumed = [thermal if each is Thermal.ABSENT else each.assumption for each in absent]
     equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
-    factors = {name: round(getattr(scene, name), 12) for name in ("h0_m", "hv_m", "x_m", "y_m")}
-    numbers = {name: getattr(scene, name) for name in NUMBERS}
-    return factors | numbers | {"pad_shape": scene.pad.shape, "equation": equation}
+    position = {name: round(getattr(scene, name), 12) for name in CARTESIAN}
+    numbers = {name: getattr(scene, name) for name in ("h0_m", "hv_m", *NUMBERS)}
+    return numbers | position | {"pad_shape": scene.pad.shape, "equation": equation}
 
 
 def plain(value: float, *, sign: str = "+", digits: int = 2, least: float = LEAST_PLAIN) -> str:

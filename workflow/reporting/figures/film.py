@@ -183,7 +183,8 @@ def levitation(results: Results) -> Figure:
     data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
     figure, (gap, stiffness) = style.subplots(1, 2, wide=True, height_in=2.6)
     gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
-    for amplitude, colour in zip(sorted(data["hv_um"].unique()), COLOURS, strict=False):
+    amplitudes = sorted(data["hv_um"].unique())
+    for amplitude, colour in zip(amplitudes, COLOURS[: len(amplitudes)], strict=True):
         rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")
         within = rows["modified_reynolds"] <= MOST_REYNOLDS
         label = f"$h_v$ = {amplitude:.3g} µm"

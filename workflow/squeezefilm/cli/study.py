@@ -1,6 +1,7 @@
 """Commands for a study of one's own: its scan, its fits, their errors, and designs."""
 
 import argparse
+import sys
 from pathlib import Path
 
 from squeezefilm.api.models import Fit
@@ -125,15 +126,17 @@ def optimal(options: argparse.Namespace) -> None:
 
     The model is FIT.json's, FORCES.csv what it was fitted to: they give the parameters, and how far
     these can go; the study's ranges are the box in which points may lie. DESIGNS.csv has these
-    designs, all verified by the equivalence theorem:
+    designs, the first three verified by the equivalence theorem:
 
       local      the best weights of points anywhere in the space, for the fitted parameters
       bayesian   for the mean over the parameter vectors at the ends of the parameters' ranges
       maximin    for the worst of these vectors
-      exact-N    the best N points, each once and apart from the others
-      augmented  the points of --existing and the best ones to add to them
+      exact-N    the best N points found by exchange from 50 starts, each once and apart from the
+                 others; not proved
+      augmented  the points of --existing and the best ones found to add to them
 
-    Their D-efficiencies are printed, with a lower bound that does not need the best design.
+    Their D-efficiencies are printed, with a lower bound that does not need the best design. With
+    --existing points outside the ranges that of `augmented` can exceed 1.
     """
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     config = load_config(options.config)
@@ -145,4 +148,6 @@ def optimal(options: argparse.Namespace) -> None:
             existing=read_scenes(options.existing) if options.existing else None,
         )
     write_table(found["designs"], options.output)
+    for note in found["summary"]["notes"]:
+        print(f"note: {note}", file=sys.stderr)
     print_table(found["efficiencies"][["plan", "points", "d_efficiency", "d_efficiency_lower"]])

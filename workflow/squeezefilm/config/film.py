@@ -10,6 +10,7 @@ import re
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, replace
 from functools import cache
+from math import pi, sqrt
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -131,8 +132,8 @@ class Gas:
         density_kg_per_m3: density at ambient pressure, for the inertia of the gas; default: that
             of `name` under the pressure, 1.204 of air at 20 °C and 101325 Pa
         mean_free_path_m: mean free path at ambient density, for `rarefaction` and the budget; in
-            the film it varies as 1/density; default: that of `name` under the pressure, 67 nm of
-            air at 20 °C and 101325 Pa
+            the film it varies as 1/density; default: μ √(π/(2 p0 ρ)) of kinetic theory, 64.948 nm
+            of air at 20 °C and 101325 Pa
         rarefaction: `none` (viscous flow), `slip` (first order, 6 Kn H²) or `fukui-kaneko` (flow
             factor of the linearised Boltzmann equation, at any Kn, for walls that reflect
             molecules diffusely)
@@ -161,7 +162,7 @@ class Gas:
     viscosity_pa_s: Annotated[float, Number("Pa s", 1e-7, 100)] = 1.81e-5
     ambient_pressure_pa: Annotated[float, Number("Pa", 1, 1e9)] = 101325.0
     density_kg_per_m3: Annotated[float, Number("kg/m³", 1e-6, 1e5)] = 1.204
-    mean_free_path_m: Annotated[float, Number("m", 1e-12, 1)] = 67e-9
+    mean_free_path_m: Annotated[float, Number("m", 1e-12, 1)] = 64.948e-9
     rarefaction: Literal["none", "slip", "fukui-kaneko"] = "none"
     slip_coefficient: Annotated[float, Number("1", 0.1, 100)] = 1.0
     polytropic_exponent: Annotated[float, Number("1", 1, 1.67)] = 1.0
@@ -197,7 +198,6 @@ def _numbers_of(gas: Gas) -> dict[str, float]:
         own[name] = float(f"{value:.5g}")
     pressure = gas.ambient_pressure_pa / Gas.ambient_pressure_pa
     own["density_kg_per_m3"] *= pressure
-    own["mean_free_path_m"] /= pressure
     return own
 
 
@@ -220,7 +220,11 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
             f"{gas.rarefaction}",
             "slip_coefficient",
         )
-    return replace(gas, **{each: own[each] for each in lacking})
+    gas = replace(gas, **{each: own[each] for each in lacking})
+    if key_of("mean_free_path_m") in written:
+        return gas
+    path_m = gas.viscosity_pa_s * sqrt(pi / 2 / gas.ambient_pressure_pa / gas.density_kg_per_m3)
+    return replace(gas, mean_free_path_m=float(f"{path_m:.5g}"))
 
 
 class Rectangle(Section):
@@ -389,8 +393,9 @@ class GapShape:
     Attributes:
         tilt_x_m: gap at the middle of the side at +x less that at −x
         tilt_y_m: gap at the middle of the side at +y less that at −y
-        crown_m: gap at the middle of a side less that at the centre, growing with the square of the
-            distance; positive for a pad whose crown is towards the surface
+        crown_m: gap at the middle of every side less that at the centre; elsewhere the gap grows by
+            crown ((2x/length_x)² + (2y/length_y)²); positive for a pad whose crown is towards the
+            surface
     """
 
     __pydantic_config__ = KEYS

@@ -21,7 +21,8 @@ Nothing here knows a model, a factor or a unit, and D-optimality does not depend
 
 An exact design has so many points, each of them once: a simulation has no scatter, so a second one
 at the same point teaches nothing, and one close by hardly anything. It is sought by exchange
-(Fedorov 1972), one point at a time.
+(Fedorov 1972), one point at a time, and is the best found from STARTS starts: the exchange ends in
+local maxima, and no certificate holds for it.
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ ROUNDS, STEPS = 100, 100
 SAME_POINT = 5e-3
 """Relative distance of derivatives within which points of a support are one."""
 PEAK_ROUNDS, PEAKS = 20, 8
+STARTS = 50
+"""Of an exchange, from different points."""
 START_INFORMATION = 1e-6
 """Information of an exchange at its start, as a share of the candidates' mean: M is never singular.
 """
@@ -310,7 +313,7 @@ def exchange(
     coordinates: ArrayLike | None = None,
     existing_coordinates: ArrayLike | None = None,
     separation: float = 0.0,
-    starts: int = 8,
+    starts: int = STARTS,
     seed: int = 1,
 ) -> Indices:
     """The best exact design found among candidates, by exchange from several starts.
@@ -347,13 +350,8 @@ def exchange(
         return np.setdiff1d(np.flatnonzero(allowed & far), chosen)
 
     def grown(chosen: Indices) -> Indices:
-        """The points chosen and more, each time the one with the largest gain."""
-        while len(chosen) < points:
-            if not len(open_to := free(chosen)):
-                raise InputError(
-                    f"design: only {len(chosen)} of {points} points fit in; ask for fewer, a "
-                    "smaller separation or more candidates"
-                )
+        """The points chosen and more that fit in, each time the one with the largest gain."""
+        while len(chosen) < points and len(open_to := free(chosen)):
             matrix = known + _squares(f[:, chosen]) + START_INFORMATION * np.eye(f.shape[2])
             others = f[:, open_to]
             gain = np.log1p(np.einsum("kni,kni->kn", others @ np.linalg.inv(matrix), others))
@@ -368,7 +366,7 @@ def exchange(
         return float(np.linalg.slogdet(matrix)[1].mean())
 
     rng = np.random.default_rng(seed)
-    best, highest = np.empty(0, dtype=int), -np.inf
+    best, highest, most = np.empty(0, dtype=int), -np.inf, 0
     for start in range(starts):
         # The first start is greedy from nothing, the others from one or more random points.
         chosen = np.empty(0, dtype=int)
@@ -376,6 +374,9 @@ def exchange(
             if len(open_to := free(chosen)):
                 chosen = np.append(chosen, rng.choice(open_to))
         chosen = grown(chosen)
+        most = max(most, len(chosen))
+        if len(chosen) < points:
+            continue  # these points leave no room for as many
         value, tried = log_det(chosen), 0
         while tried < points:
             other = grown(chosen[1:])  # the first point for the best one
@@ -383,6 +384,11 @@ def exchange(
             value, chosen = (log_det(other), other) if tried == 0 else (value, np.roll(chosen, -1))
         if value > highest:
             best, highest = np.sort(chosen), value
+    if most < points:
+        raise InputError(
+            f"design: only {most} of {points} points fit in; ask for fewer, a smaller separation "
+            "or more candidates"
+        )
     if not np.isfinite(highest):
         raise InputError("design: the points cannot tell the parameters apart; ask for more points")
     return best

@@ -209,7 +209,7 @@ def _keeps(
     """Return whether a turn keeps outline, gap at rest, velocity and vibration as they are.
 
     With ``mirror`` they are mirrored at the x axis before, so that the axis lies at half the turn.
-    A crown has the outline's symmetry: it grows as the same squares.
+    A crown has the outline's symmetry: it grows with the squares of x and y over the sides.
     """
     if pad.contour:
         return False  # a measured one is its own image under no mirror, nor turn

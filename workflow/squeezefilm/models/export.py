@@ -57,8 +57,8 @@ def source(fit: FittedModel, language: str) -> str:
     own = f"{fit.model}_" if language == "c" else "_"
     error = interval.error_95 if interval else None
     constant, share = map(_number, error) if error else (nan, nan)
-    known = {**fit.ranges, **(interval.ranges if interval else {})}
-    limits = [known.get(name, (-LARGEST, LARGEST)) for name in arguments]
+    space = interval.ranges if interval else fit.ranges
+    point = _point(model, space)
     values: dict[str, object] = {
         "name": fit.model,
         "NAME": fit.model.upper(),
@@ -69,8 +69,11 @@ def source(fit: FittedModel, language: str) -> str:
         "parameters": ", ".join(f"double {name}" for name in arguments),
         "unused": " ".join(f"(void){name};" for name in arguments),
         "theta": _wrapped(fit.theta or (0.0,)),
-        "low": ", ".join(_number(low) for low, _ in limits),
-        "high": ", ".join(_number(high) for _, high in limits),
+        "limited": ", ".join(point),
+        "point": ", ".join(point.values()),
+        "low": ", ".join(_number(space[name][0]) for name in point),
+        "high": ", ".join(_number(space[name][1]) for name in point),
+        "slack": _number(SLACK),
         "error_constant": constant,
         "error_share": share,
         "formula": _printed(model.parsed, _names(model, table, own), own),
@@ -91,16 +94,34 @@ def source(fit: FittedModel, language: str) -> str:
         "axes_low": ", ".join(_number(low) for low, _ in axes),
         "axes_high": ", ".join(_number(high) for _, high in axes),
         "centre": _number(SLACK * max(position[1], 1e-300) if position else -LARGEST),
-        "slack": _number(SLACK),
         **dict(zip("abcd", table.shape, strict=True)),
     }
     return code.substitute(values, table=tabulated.substitute(values, **in_table))
 
 
+def _factors(model: ExpressionModel) -> dict[str, str]:
+    """Expressions of all factors in a function's arguments, by their columns."""
+    form = POLAR if set(POLAR) <= set(model.factor_names) else CARTESIAN
+    return {column: OTHER_FORM[form].get(column, column) for column in FACTORS.values()}
+
+
+def _point(model: ExpressionModel, space: Mapping[str, tuple[float, float]]) -> dict[str, str]:
+    """Expressions of the factors that a space limits, by their columns.
+
+    Without the position of a model of the centred pad. At the centre all directions are the same.
+    """
+    factors, centred = _factors(model), model.factor_names[2:] == ()
+    point = {name: factors[name] for name in space if not (centred and name in POSITION)}
+    low, high = space.get("phi_deg", (1.0, -1.0))
+    if "phi_deg" in point and low <= 0 <= high:
+        off_centre = f"({point['phi_r_m']} > {_number(SLACK * space['phi_r_m'][1])})"
+        point["phi_deg"] = f"({point['phi_deg']} * {off_centre})"
+    return point
+
+
 def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[str, str]:
     """Names in the code for the names of the formula."""
-    form = POLAR if set(POLAR) <= set(model.factor_names) else CARTESIAN
-    factors = {column: OTHER_FORM[form].get(column, column) for column in FACTORS.values()}
+    factors = _factors(model)
     names = {name: factors[column] for name, column in FACTORS.items()}
     names |= {name: f"theta[{index}]" for index, name in enumerate(model.parameter_names)}
     if table is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -23,7 +23,7 @@ from squeezefilm.designs.optimal import (
     sensitivity,
 )
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import factors_of
+from squeezefilm.models.data import SLACK, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
@@ -33,6 +33,8 @@ from squeezefilm.studies.tasks.physics_limits import with_physics
 
 MAP_LINES = 31
 """Lines of the sensitivity's map along each factor."""
+MOST_NAMED = 5
+"""Points that a note names."""
 
 
 class FittedSpace:
@@ -71,6 +73,10 @@ class FittedSpace:
         factors = factors_of(with_physics(self.model, table, self.config))
         return np.array([self.model.gradient(theta, factors) for theta in thetas])
 
+    def outside(self, points: np.ndarray) -> np.ndarray:
+        """Mask of the points, shape (n, k), that lie outside the ranges, shape (n,)."""
+        return np.any(np.abs(self.space.box.to_unit(points) - 0.5) > 0.5 + SLACK, axis=1)
+
 
 def optimal_designs(
     study: FittedSpace, settings: Mapping[str, Any], *, existing: pd.DataFrame | None
@@ -78,7 +84,8 @@ def optimal_designs(
     """All designs by name, the local one first: local, bayesian, maximin, exact-N, augmented.
 
     settings is the section ``optimal`` of a study, existing a table of scenes to add to: they are
-    the first of the augmented design.
+    the first of the augmented design. An exact design with fewer points than the model has
+    parameters determines none of them, and is not among the designs.
     """
     maximin = maximin_design(study.derivatives(study.everywhere, every=True))
     designs = {
@@ -141,7 +148,8 @@ def efficiencies(
 ) -> pd.DataFrame:
     """Every design and plan: D-efficiency for the fit, a bound of it, and over all vectors.
 
-    The lower bound does not need the best design; others are points of the space, by their names.
+    The efficiency is that of the best design within the ranges: points outside can exceed one. The
+    lower bound does not need the best design; others are points by the names of their plans.
     """
     candidates, local = study.derivatives(study.everywhere, every=True), designs["local"]
     best = np.array([optimal_weights(layer).log_det[0] for layer in candidates])
@@ -155,7 +163,9 @@ def efficiencies(
         points, weights = design.points, design.weights
         derivatives = study.derivatives(points, every=True)
         logs = log_determinant(derivatives, weights)
-        efficiency = np.minimum(np.exp((logs - best) / study.thetas.shape[1]), 1.0)
+        efficiency = np.exp((logs - best) / study.thetas.shape[1])
+        if not study.outside(points).any():
+            efficiency = np.minimum(efficiency, 1.0)  # the grid is a little worse than the space
         level = sensitivity(derivatives[0], reference, weights=weights)
         by_local = float(efficiency[0]) * (local.efficiency_bound or 0.0)
         rows.append(
@@ -170,6 +180,30 @@ def efficiencies(
             }
         )
     return pd.DataFrame(rows)
+
+
+def _notes(study: FittedSpace, sizes: Sequence[int], existing: pd.DataFrame | None) -> list[str]:
+    """Reasons for designs that are missing, and for efficiencies above one."""
+    parameters, notes = study.thetas.shape[1], []
+    for size in sizes:
+        if size < parameters:
+            notes.append(
+                f"optimal.points: no design exact-{size}: {size} points do not determine the "
+                f"{parameters} parameters of {study.model.name}; give {parameters} or more"
+            )
+    if existing is not None:
+        outside = study.outside(study.space.points(existing))
+        points = existing.loc[outside, "point_id"].tolist()
+        if points:
+            ids = ", ".join(points[:MOST_NAMED]) + ", …" * (len(points) > MOST_NAMED)
+            box = study.space.box.ranges.items()
+            ranges = ", ".join(f"{name} {low:.4g} … {high:.4g}" for name, (low, high) in box)
+            notes.append(
+                f"augmented: {len(points)} of {len(existing)} existing points lie outside the "
+                f"study's ranges ({ranges}): {ids}; the D-efficiency is relative to the best "
+                "design within the ranges and can exceed 1"
+            )
+    return notes
 
 
 def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame:
@@ -247,6 +281,7 @@ def designs_of_fit(
         "model": study.model.name,
         "theta": study.thetas[0].tolist(),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
+        "notes": _notes(study, config["optimal"]["points"], existing),
     }
     points = [_table(study, *each, existing) for each in designs.items()]
     return {
