@@ -46,6 +46,10 @@ NOT_ASKED = "not asked for"
 ALIKE = ["method", "domain", "terms", "status", "validity", "notes"]
 
 
+SCAN_COLUMNS = ("noise_n", "misfit_n", "quadrature_n")
+"""Parts of a force's uncertainty by a scan."""
+
+
 @dataclass(frozen=True)
 class Force:
     """The mean force of one scene, its error, and the effects that its equation neglects.
@@ -58,8 +62,9 @@ class Force:
         budget: the effects that the film equation neglects, one by one; its
             status says where it was not asked for.
         scan: uncertainty by the noise of a measured profile: ``noise_n``, half of the interval
-            that holds the noise's part in 95 % of all scans; ``quadrature_n``, by what the force
-            is low without the motion out of phase; ``scan_error_n``, both. None without a scan.
+            that holds the noise's part in 95 % of all scans; ``misfit_n``, by modes that the points
+            do not determine; ``quadrature_n``, by what the force is low without the motion out of
+            phase; ``scan_error_n``, all. None without a scan.
         device: the name of the OpenCL device.
         tolerance: the required relative error.
         notes: which terms ``auto`` could not include and why, and what was seen of the scan.
@@ -117,7 +122,7 @@ class Force:
         return {
             **scene_row(self.scene),
             **{name: getattr(self.solution, name) for name in SOLUTION_COLUMNS},
-            **{name: scan[name] for name in ("noise_n", "quadrature_n") if name in scan},
+            **{name: scan[name] for name in SCAN_COLUMNS if name in scan},
             **(budget | {"budget_status": budget["status"], "status": self.status}),
             **self.solution.asked_columns,
             "tolerance": self.tolerance,

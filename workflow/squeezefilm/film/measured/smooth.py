@@ -3,7 +3,8 @@
 The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
 which degree they describe the points best; two degrees more are taken, so that what the profile
 neglects is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
-Statistics, 2006, 5.7).
+Statistics, 2006, 5.7). Where there are too few points for these, the last two degrees estimate the
+misfit, an error besides the noise.
 
 Points far from the rest are excluded and the rest is fitted again. The film equation needs the
 profile's curvature, so that a smooth global basis serves it better than splines with their knots.
@@ -35,7 +36,8 @@ from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
 LARGEST_DEGREE = 24
-POINTS_PER_MODE = 3
+# The fewest points per mode that cross-validation looks at, and for degrees above its best one.
+POINTS_PER_MODE, POINTS_PER_MODE_MORE = 1.5, 3
 LARGEST_CONDITION = 1e8
 # Degrees above the best by cross-validation, so that the misfit is small beside the noise.
 DEGREES_MORE = 2
@@ -97,6 +99,23 @@ class SmoothedScan:
         """Standard error of the profile, of each part of a complex one, over its maximum."""
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
         return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.fit.root, axis=-1)
+
+    def misfit(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """What modes of degrees that the points do not determine may add, over the maximum."""
+        modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
+        return np.asarray(np.abs(modes @ self.fit.misfit_m) / self.peak_m)
+
+    @property
+    def misfitting(self) -> list[Modes]:
+        """The profiles with so much more and less, over their maxima; none without a misfit."""
+        raw_m = np.array(self.profile.coefficients)
+        change = self.fit.misfit_m / self.peak_m
+        profiles = []
+        for coefficients in (raw_m + change, raw_m - change) if np.any(change) else ():
+            profile = replace(self.profile, coefficients=tuple(coefficients.tolist()))
+            peak = _largest_of(profile) / self.profile.largest
+            profiles.append(replace(profile, coefficients=tuple((coefficients / peak).tolist())))
+        return profiles
 
     @property
     def residual_m(self) -> np.ndarray:
@@ -180,8 +199,7 @@ def smoothed(
     def profile_of(fit: Fit, size_m: float) -> Modes:
         return Modes(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
 
-    raw = profile_of(fit, 1.0)
-    largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
+    largest_m = _largest_of(profile_of(fit, 1.0))
     bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
     if axisymmetric and not scan.radial:
@@ -248,7 +266,8 @@ class Fit:
 
     ``score`` is the least rms error, over degrees, at held-out points, and ``root`` (modes, modes)
     the factor by which the points' noise enters the coefficients: their covariance is
-    noise² root rootᵀ.
+    noise² root rootᵀ. ``misfit_m``, coefficients too, estimates what degrees add that
+    the points do not determine; it is zero where DEGREES_MORE above the best degree are taken.
     """
 
     degree: int
@@ -256,6 +275,7 @@ class Fit:
     coefficients: np.ndarray
     root: np.ndarray
     score: float
+    misfit_m: np.ndarray
 
 
 def best_fit(points: Points, measured: np.ndarray) -> Fit:
@@ -282,10 +302,20 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
     if not scores:
         raise InputError("the points do not determine a profile")
     best = min(scores, key=scores.__getitem__)
-    degree = max(each for each in scores if each <= best + DEGREES_MORE)
+    enough = len(measured) / POINTS_PER_MODE_MORE
+    more = [each for each in scores if best < each <= best + DEGREES_MORE]
+    degree = max([best, *(each for each in more if len(points.orders[each]) <= enough)])
     count = len(points.orders[degree])
     root = np.linalg.inv(triangle[:count, :count])
-    return Fit(degree, points.orders[degree], root @ along[:count], root, scores[best])
+    coefficients, misfit_m = root @ along[:count], np.zeros(count, dtype=along.dtype)
+    if DEGREES_MORE <= degree < min(best + DEGREES_MORE, LARGEST_DEGREE):
+        # The change by the last degrees, by so much less as errors at held-out points fall on half
+        # the way to them.
+        fewer = len(points.orders[degree - DEGREES_MORE])
+        lower = np.linalg.solve(triangle[:fewer, :fewer], along[:fewer])
+        fall = math.sqrt(scores[degree] / scores[degree - DEGREES_MORE])
+        misfit_m = min(fall, 1.0) * (coefficients - np.pad(lower, (0, count - fewer)))
+    return Fit(degree, points.orders[degree], coefficients, root, scores[best], misfit_m)
 
 
 def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
@@ -381,6 +411,15 @@ def _mean_square(fit: Fit, surface: Surface) -> float:
     )
 
 
+def _largest_of(profile: Modes) -> float:
+    """Largest magnitude of a profile on its surface."""
+
+    def amplitude(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        return np.asarray(profile.amplitude(x_m=x_m, y_m=y_m))
+
+    return largest_magnitude(amplitude, surface=profile.surface)
+
+
 def _largest_on_net(coefficients: np.ndarray, orders: Orders, surface: Surface) -> np.ndarray:
     """Largest magnitude of sums of modes on the net; coefficients of shape (…, modes)."""
     return np.asarray(np.abs(coefficients @ _modes_on_net(orders, surface)).max(axis=-1))
@@ -409,7 +448,7 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
         measured, places = np.abs(measured) + 0j, np.abs(places) + 0j
     tree = cKDTree(np.stack([measured.real, measured.imag], axis=-1))
     distance, _ = tree.query(np.stack([places.real, places.imag], axis=-1))
-    error = smoothed.standard_error(x_m=x_m, y_m=y_m)
+    error = smoothed.standard_error(x_m=x_m, y_m=y_m) + smoothed.misfit(x_m=x_m, y_m=y_m)
     hole, worst = (np.unravel_index(np.argmax(each), each.shape) for each in (distance, error))
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
     if axisymmetric:

@@ -40,8 +40,9 @@ def scan_errors(
         the standard deviation over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
         and all that was taken off the profile's maximum as the noise's;
+        ``misfit_n``, by modes that the points do not determine;
         ``quadrature_n``, by what the force is low without motion out of phase that was neglected;
-        ``scan_error_n``, the sum of both.
+        ``scan_error_n``, the sum of all.
 
     Raises:
         RunError: naming a scene that has no force.
@@ -50,6 +51,7 @@ def scan_errors(
 
     scenes = resolve_auto_terms(scenes, device=device)
     profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=SEED)]
+    profiles += smoothed.misfitting
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
         for profile in profiles
@@ -59,7 +61,8 @@ def scan_errors(
     for row in np.flatnonzero(solved["status"] != "ok")[:1]:
         raise RunError(f"point {every[row].point_id}: {solved['status'][row]}")
     forces = solved["force_n"].to_numpy().reshape(len(profiles), -1)
-    spread_n = forces[1:].std(axis=0, ddof=1)
+    spread_n = forces[1 : draws + 1].std(axis=0, ddof=1)
+    misfit_n = np.abs(forces[draws + 1 :] - forces[0]).max(axis=0, initial=0.0)
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     bias = 2 * (smoothed.profile.largest - 1) / (1 - Scenes.of(scenes).epsilon)
@@ -70,7 +73,8 @@ def scan_errors(
     table["noise_n"] = quantile * spread_n + bias * size_n
     table["quadrature_n"] = effect * size_n
     table["noise_fraction"] = table["noise_n"] / size_n
-    table["scan_error_n"] = table["noise_n"] + table["quadrature_n"]
+    table["misfit_n"] = misfit_n
+    table["scan_error_n"] = table["noise_n"] + table["misfit_n"] + table["quadrature_n"]
     return table.assign(scan_error_fraction=table["scan_error_n"] / size_n)
 
 
@@ -108,6 +112,7 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
     noise, error = (float(forces[f"{each}_fraction"].max()) for each in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net()
     unsure = percent(100 * float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()), sign="")
+    misfit = percent(100 * float(smoothed.misfit(x_m=x_m, y_m=y_m).max()), sign="")
     outliers = smoothed.scan.lines[smoothed.outliers].tolist()
     summary = {"largest_force_noise_fraction": noise, "largest_force_error_fraction": error}
     point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
@@ -117,13 +122,16 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
         "largest amplitude": f"{smoothed.peak_m * 1e6:.4g} µm",
         "noise of a point": f"{point_noise} of the largest amplitude",
         "standard error of the profile": f"at most {unsure} of the largest amplitude",
+        "misfit of the profile": f"at most {misfit} of the largest amplitude, too few points",
         "quadrature motion": rms + ", neglected" * (not smoothed.profile.is_complex),
         "points": len(smoothed.measured_m),
         "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
         "degree of the modes": smoothed.fit.degree,
         "notes": [each.removeprefix("note: ") for each in smoothed.warnings],
     }
-    text = in_lines(row if outliers else row | {"outliers": ""})
+    row |= {} if outliers else {"outliers": ""}
+    row |= {} if smoothed.misfitting else {"misfit of the profile": ""}
+    text = in_lines(row)
     shown = "; ".join(" ".join(line.split()) for line in text.splitlines())
     return forces, profile_table(smoothed).assign(note=shown), summary, text
 
