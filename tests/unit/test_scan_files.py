@@ -131,6 +131,54 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
     assert "scan.csv: line" in str(refusal.value)
 
 
+def measured_at(name: str, values: list[float], factors: list[float]) -> str:
+    """All points once for each value of a column, each time a factor larger."""
+    column = np.repeat(values, len(X))
+    x, y = (np.tile(each, len(values)) for each in (X, Y))
+    u = np.concatenate([factor * U for factor in factors])
+    return text(f"{name},x_mm,y_mm,amplitude_um,sign", column, x, y, abs(u), np.sign(u))
+
+
+def read(path: Path, content: str, **how: Any) -> Scan:
+    path.write_text(content, encoding="utf-8")
+    return read_scan(path, frequency_hz=FREQUENCY_HZ, **how)
+
+
+def test_of_several_measurements_at_a_place_one_is_asked_for(tmp_path):
+    """Scans at 10 and 60 V in one table were fitted together, as one shape."""
+    content = measured_at("drive_v", [10, 60], [1, 3])
+    with pytest.raises(InputError, match=r"'drive_v' tells apart.*rows: drive_v = 10"):
+        read(tmp_path / "scan.csv", content)
+    for rows in ("drive_v = 10", "Drive_V=10.0"):
+        same(read(tmp_path / "scan.csv", content, rows=rows))
+    with pytest.raises(InputError, match=r"no row has this value; it has 10 \(\d+ rows\), 60"):
+        read(tmp_path / "scan.csv", content, rows="drive_v = 20")
+    with pytest.raises(InputError, match=r"one of 'drive_v'"):
+        read(tmp_path / "scan.csv", content, rows="voltage = 10")
+
+
+def test_of_a_frequency_column_the_rows_at_the_actuators_are_read(tmp_path):
+    content = measured_at("Frequency [kHz]", [42.77, 43.27, 43.77], [3, 1, 2])
+    scan = read(tmp_path / "scan.csv", content)
+    same(scan)
+    assert "rows at 43270 Hz in 'Frequency [kHz]'" in scan.notes
+    for lines in ([30e3], [30e3, 31e3]):
+        elsewhere = measured_at("freq_hz", lines, [1] * len(lines))
+        with pytest.raises(InputError, match="the actuator vibrates at 43270 Hz"):
+            read(tmp_path / "scan.csv", elsewhere)
+
+
+def test_a_time_series_is_no_shape_and_a_repeated_scan_is_one(tmp_path):
+    """Each place at twelve instants; and each twice, with the time of day at each row."""
+    instants = [float(each) for each in range(12)]
+    content = measured_at("time_us", instants, [float(np.cos(each)) for each in instants])
+    with pytest.raises(InputError, match=r"'time_us' has several instants.*no shape"):
+        read(tmp_path / "scan.csv", content)
+    header, *rows = measured_at("time", [0, 0], [1, 1]).splitlines()
+    timed = [row.replace("0,", f"{at},", 1) for at, row in enumerate(rows)]
+    assert len(read(tmp_path / "scan.csv", "\n".join([header, *timed])).x_m) == 2 * len(X)
+
+
 def universal(path: Path, *, unit: float = 1.0, damaged: float = 1.0, **changes: object) -> Path:
     """A universal file of the points, at three frequencies, and function 70 times a factor."""
     file = pyuff.UFF(str(path))

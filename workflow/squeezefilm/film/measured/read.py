@@ -9,8 +9,10 @@ quantities, each with its unit (``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm`
     amplitude_um        or  real_um, imaginary_um       peak amplitude, or with its sign
     phase_deg           or  sign                        optional
 
-Velocities (mm/s) are divided by the angular frequency. A row whose amplitude is empty or ``nan`` is
-a point that was not measured: it is excluded from profile and noise, and a note names its line.
+Velocities (mm/s) are divided by the angular frequency. Of several measurements at each
+place one is taken: that at the actuator's frequency, or the rows that are asked for. A row whose
+amplitude is empty or ``nan`` is a point that was not measured: it is excluded from profile and
+noise, and a note names its line.
 
 Universal files (.uff, .unv) are read by pyuff: a function (data set 58) for each point, of which
 the line at the actuator's frequency is taken; points are those of data set 15 or 2411, in the units
@@ -51,7 +53,16 @@ QUANTITIES = {
     "phase": (ANGLES_RAD, ("phase", "phase angle")),
     "sign": ({"": 1.0}, ("sign",)),
 }
-NAMES = {name: quantity for quantity, (_, names) in QUANTITIES.items() for name in names}
+OTHERS = {
+    "frequency": (
+        {name.lower(): size for name, size in sizes("Hz").items()},
+        ("frequency", "freq"),
+    ),
+    "time": (sizes("s"), ("time",)),
+}
+"""Quantities by which rows of a place may differ, likewise."""
+KNOWN = QUANTITIES | OTHERS
+NAMES = {name: quantity for quantity, (_, names) in KNOWN.items() for name in names}
 # Words beside the one that names the quantity.
 BESIDE = {"position", "pos", "coordinate", "coord", "part", "value", *MOTION_NAMES}
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
@@ -65,6 +76,8 @@ MISSING = ("", "nan", "na", "n/a", "-")
 # In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity.
 LARGEST = 1e9
 FEWEST_POINTS, PLACES_NAMED = 8, 6
+# So many rows at a place that differ in time are a time series; places closer than this are one.
+INSTANTS, SAME_PLACE_M = 8, 1e-6
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 # Data sets; types of abscissa and ordinate; types of functions; the direction z.
@@ -97,12 +110,14 @@ class Scan:
     radial: bool = False
 
 
-def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
+def read_scan(path: Path | str, *, frequency_hz: float | None = None, rows: str = "") -> Scan:
     """Read a vibrometer's file.
 
     Args:
         path: a table of text, or a universal file by its ending.
         frequency_hz: of the vibration, for velocities and spectra; without it they are invalid.
+        rows: ``COLUMN = VALUE`` of the rows that are taken from a table with several measurements,
+            with semicolons between several conditions.
 
     Raises:
         InputError: naming the file and the row or column that is wrong, and what is allowed.
@@ -111,7 +126,10 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
     if not path.exists():
         raise InputError(f"{path}: there is no such scan")
     with naming(path):
-        scan = (_universal if path.suffix.lower() in UNIVERSAL else _table)(path, frequency_hz)
+        universal = path.suffix.lower() in UNIVERSAL
+        if universal and rows:
+            raise InputError("actuator.profile.rows is of tables; a universal file has no columns")
+        scan = _universal(path, frequency_hz) if universal else _table(path, frequency_hz, rows)
     points = len(scan.x_m)
     refuse(
         path,
@@ -165,7 +183,7 @@ def column_of(name: str, place: int = 0) -> Column | None:
         parts = [part for part in re.split(r"[\s_\-.:]+", words.lower()) if part]
         core = [part for part in parts if part not in BESIDE] or parts[:1]
         if quantity := NAMES.get(" ".join(core)):
-            return Column(quantity, unit, QUANTITIES[quantity][0].get(unit), place, name)
+            return Column(quantity, unit, KNOWN[quantity][0].get(unit), place, name)
     return None
 
 
@@ -204,6 +222,7 @@ def read_points(
     what: str,
     form: str,
     frequency_hz: float | None = None,
+    rows: str | None = None,
 ) -> tuple[pd.DataFrame, int, pd.Index, list[str]]:
     """Points of a table of text, by their lines in the file.
 
@@ -211,6 +230,7 @@ def read_points(
         wanted: quantities.
         what, form: what the table is and what it needs, for messages.
         frequency_hz: by which velocities become displacements.
+        rows: of which measurement, as in ``read_scan``; None where a place may stand repeatedly.
 
     Returns: the quantities, in SI units and radians; the line of the header; the lines of points
     that lack an amplitude, which are excluded; and notes on how the file was read.
@@ -231,6 +251,13 @@ def read_points(
     lacking = cells.index[amplitudes.map(str.lower).isin(MISSING).any(axis=1)]
     cells = cells.drop(lacking)
     table = pd.DataFrame({name: _numbers(cells, column) for name, column in columns.items()})
+    if rows is not None:
+        others = [
+            column_of(name, at) or Column("", "", None, at, name) for at, name in enumerate(header)
+        ]
+        others = [column for column in others if column.place not in taken]
+        table, chosen = _one_measurement(table, cells, others, rows=rows, frequency_hz=frequency_hz)
+        notes += chosen
     for column in motion:
         if column.unit in SPEEDS_M_PER_S:
             table[column.quantity] /= _angular_frequency(frequency_hz)
@@ -238,10 +265,110 @@ def read_points(
     return table, line, lacking, [*notes, *_lacking(lacking.tolist(), what="line")]
 
 
-def _table(path: Path, frequency_hz: float | None) -> Scan:
+def _one_measurement(
+    table: pd.DataFrame,
+    cells: pd.DataFrame,
+    others: Sequence[Column],
+    *,
+    rows: str,
+    frequency_hz: float | None,
+) -> tuple[pd.DataFrame, list[str]]:
+    """The rows of one measurement at each place, and notes on which these are.
+
+    Args:
+        table: quantities, whose places may stand repeatedly.
+        cells, others: all cells of the same rows, and the columns that are no such quantities.
+        rows, frequency_hz: as in ``read_scan``.
+
+    Raises:
+        InputError: for rows that are not there, a time series, and for several measurements at a
+            place, with the column that tells them apart.
+    """
+    notes, asked = [], set()
+    for condition in filter(None, map(str.strip, rows.split(";"))):
+        name, _, value = (part.strip() for part in condition.rpartition("="))
+        names = {other.name.lower(): other for other in others}
+        with naming(f"actuator.profile.rows: {condition!r}"):
+            if name.lower() not in names:
+                known = ", ".join(repr(other.name) for other in others)
+                raise InputError(f"needs COLUMN = VALUE, the column one of {known}")
+            column = names[name.lower()]
+            values = _plain(cells.loc[table.index, column.place])
+            table = table[values == _plain(pd.Series([value]))[0]]
+            if table.empty:
+                raise InputError(f"no row has this value; {_values_in(values)}")
+        asked.add(column.place)
+    for column in others:
+        if column.quantity == "frequency" and column.size and column.place not in asked:
+            values_hz = _number(cells.loc[table.index, column.place]) * column.size
+            if not _recurs(table, values_hz):
+                continue
+            if frequency_hz is None:
+                raise InputError(f"the rows of {column.name!r} need the actuator's frequency")
+            line_hz, far = _nearest_line(values_hz.unique(), frequency_hz)
+            if far:
+                raise InputError(f"column {column.name!r}: {far}")
+            table = table[values_hz == line_hz]
+            notes.append(f"rows at {line_hz:.7g} Hz in {column.name!r}")
+    place = _places_of(table)
+    if not place.duplicated().any():
+        return table, notes
+    for column in others:
+        values = _plain(cells.loc[table.index, column.place])
+        differing = values.groupby(place).nunique()[place[place.duplicated()].unique()]
+        if differing.median() < 2:
+            continue
+        recurs = _recurs(table, values)
+        if column.quantity == "time" and (recurs or len(values) >= INSTANTS * place.nunique()):
+            raise InputError(
+                f"column {column.name!r} has several instants at each place: a time series is no "
+                "shape; export amplitude and phase at the actuator's frequency"
+            )
+        if recurs:
+            raise InputError(
+                f"places have several rows each, which column {column.name!r} tells apart: "
+                f"{_values_in(values)}; take one by actuator.profile.rows: {column.name} = "
+                f"{values.iloc[0]}"
+            )
+    return table, notes
+
+
+def _number(cells: pd.Series) -> pd.Series:
+    """Numbers of cells, with decimal points or commas; NaN of others."""
+    return pd.to_numeric(cells.str.replace(",", "."), errors="coerce").astype(float)
+
+
+def _plain(cells: pd.Series) -> pd.Series:
+    """Cells in small letters, numbers in one spelling."""
+    numbers = _number(cells)
+    return cells.str.strip().str.lower().where(numbers.isna(), numbers.map("{:.9g}".format))
+
+
+def _values_in(values: pd.Series) -> str:
+    """The values of a column in words, the first of many."""
+    counts = values.value_counts(sort=False)
+    named = [f"{value} ({count} rows)" for value, count in counts.items()]
+    return "it has " + ", ".join(named[:PLACES_NAMED]) + ", …" * (len(named) > PLACES_NAMED)
+
+
+def _places_of(table: pd.DataFrame) -> pd.Series:
+    """A name of each row's place, which rows at the same place share."""
+    r, phi = (table.get(name, pd.Series(0.0, table.index)) for name in ("r", "phi"))
+    x = table.get("x", r * np.cos(phi))
+    y = table.get("y", r * np.sin(phi))
+    steps = pd.DataFrame({"x": x, "y": y}).div(SAME_PLACE_M).round()
+    return steps.groupby(["x", "y"], sort=False).ngroup()
+
+
+def _recurs(table: pd.DataFrame, values: pd.Series) -> bool:
+    """Tell whether values stand each at many places: those of a setting, no measurement."""
+    return 0 < values.nunique() <= 2 * len(values) / _places_of(table).nunique()
+
+
+def _table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     """The scan in a table of text."""
     table, line, lacking, notes = read_points(
-        path, what="scan", form=FORM, frequency_hz=frequency_hz
+        path, what="scan", form=FORM, frequency_hz=frequency_hz, rows=rows
     )
     known = set(table)
     place = known & {"x", "y", "r", "phi"}
@@ -266,8 +393,8 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
         "amplitude must not be negative where phase or sign tells its direction": (size < 0)
         & directed,
     }
-    for problem, rows in wrong.items():
-        for number in table.index[rows][:1]:
+    for problem, where in wrong.items():
+        for number in table.index[where][:1]:
             raise InputError(f"line {number}: {problem}")
     amplitude = (size * np.exp(1j * phase) + real + 1j * imaginary) * sign
     z = x + 1j * y + r * np.exp(1j * phi)
@@ -355,7 +482,7 @@ def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
             f"line {line}: {name} has a point in {cell!r}, and a comma in other rows; one of them "
             "must be the decimal sign, and nothing stands between thousands"
         )
-    values = pd.to_numeric(cells.str.replace(",", "."), errors="coerce").astype(float)
+    values = _number(cells)
     for line, cell in cells[~(values.abs() <= LARGEST)][:1].items():
         raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     return values * (column.size or 1.0)
@@ -415,8 +542,8 @@ def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | f
     It is NaN where the function is not finite there, or zero at all lines: nothing was measured.
     """
     lines, data = np.asarray(function["x"], dtype=float), np.asarray(function["data"])
-    nearest = int(np.argmin(np.abs(lines - frequency_hz)))
-    farthest = FARTHEST_LINE * np.diff(lines).max(initial=0.0) or FARTHEST_SHARE * frequency_hz
+    line_hz, far = _nearest_line(lines, frequency_hz)
+    nearest = int(np.argmax(lines == line_hz))
     kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
     refuse(
         f"node {int(function['rsp_node'])}",
@@ -424,13 +551,21 @@ def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | f
             "a function of time or a power spectrum; export amplitudes or frequency responses": kind
             in TIME_OR_POWER
             or over != FREQUENCY,
-            f"its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the actuator "
-            f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)": abs(
-                lines[nearest] - frequency_hz
-            )
-            > farthest,
+            far: far,
         },
     )
     seen = np.any(data) and np.abs(data[nearest]) <= LARGEST
     sign = math.copysign(1.0, int(function["rsp_dir"])) if seen else np.nan
-    return sign * data[nearest], float(lines[nearest])
+    return sign * data[nearest], line_hz
+
+
+def _nearest_line(lines_hz: np.ndarray, frequency_hz: float) -> tuple[float, str]:
+    """The line of a spectrum nearest to a frequency, and why it is too far from it, if it is."""
+    line_hz = float(lines_hz[np.argmin(np.abs(lines_hz - frequency_hz))])
+    steps_hz = np.diff(np.sort(lines_hz))
+    farthest = FARTHEST_LINE * steps_hz.max(initial=0.0) or FARTHEST_SHARE * frequency_hz
+    far = (
+        f"its lines go from {lines_hz.min():.7g} to {lines_hz.max():.7g} Hz, and the actuator "
+        f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency)"
+    )
+    return line_hz, far if abs(line_hz - frequency_hz) > farthest else ""

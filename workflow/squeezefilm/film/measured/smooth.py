@@ -101,7 +101,7 @@ class SmoothedScan:
         return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.fit.root, axis=-1)
 
     def misfit(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        """What modes of degrees that the points do not determine may add, over the maximum."""
+        """Estimate the part of modes that the points do not determine, over the maximum."""
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
         return np.asarray(np.abs(modes @ self.fit.misfit_m) / self.peak_m)
 
@@ -156,13 +156,13 @@ class SmoothedScan:
 
 @lru_cache(maxsize=16)
 def smoothed_scan(
-    path: Path, *, frequency_hz: float | None = None, **settings: Any
+    path: Path, *, frequency_hz: float | None = None, rows: str = "", **settings: Any
 ) -> SmoothedScan:
     """The smooth profile of a scan's file, as ``smoothed`` makes it; once a process.
 
     Raises InputError naming the file, and the place of the error or the undetermined region.
     """
-    return smoothed(read_scan(path, frequency_hz=frequency_hz), **settings)
+    return smoothed(read_scan(path, frequency_hz=frequency_hz, rows=rows), **settings)
 
 
 def smoothed(
