@@ -71,6 +71,11 @@ FORMS: dict[str, bytes] = {
         "Index,x_mm,y_mm,z_mm,amplitude_um,phase_deg,Coherence",
         *(X, X, Y, Y, abs(U), PHASE, U),
     ).encode(),
+    "words in the header": text(
+        "Messpunkt,X Mitte (mm),Y Mitte (mm),Displacement (um)", *(np.arange(len(X)), X, Y, U)
+    )
+    .replace(",", "\t")
+    .encode(),
     "real and imaginary part": text(
         "x_mm,y_mm,Real [um],Imag [um]", X, Y, TURNED.real, TURNED.imag
     ).encode(),
@@ -229,11 +234,36 @@ def test_a_universal_file_is_read_at_the_frequency(tmp_path):
     assert scan.notes == ("read at 43300 Hz",)
 
 
+def test_only_what_is_needed_of_a_universal_file_is_read(tmp_path):
+    """A coherence beside each response, and a set that no reader understands, were errors."""
+    path = universal(tmp_path / "scan.unv")
+    beside = universal(tmp_path / "beside.unv", func_type=6, ordinate_spec_data_type=0)
+    functions = beside.read_text().split("    -1\n")
+    path.write_text(path.read_text() + "    -1\n".join(["", *functions[5:]]))
+    with path.open("a") as file:
+        file.write("    -1\n  2414\n         1\nbad\n    -1\n")
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert f"{len(X)} coherences ignored" in scan.notes
+    with path.open("a") as file:
+        file.write("    -1\n    58\nbad\n    -1\n")
+    with pytest.raises(InputError, match=r"set \d+ \(data set 58\)"):
+        read_scan(path, frequency_hz=FREQUENCY_HZ)
+
+
+def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):
+    factor = -((2 * np.pi * FREQUENCY_HZ) ** 2)
+    path = universal(tmp_path / "scan.unv", unit=factor, ordinate_spec_data_type=12)
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert scan.amplitude_m == pytest.approx(TURNED * 1e-6, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"func_type": 1, "abscissa_spec_data_type": 17}, "a function of time"),
-        ({"ordinate_spec_data_type": 12}, "neither displacements"),
+        ({"ordinate_spec_data_type": 13}, "not all displacements"),
     ],
 )
 def test_a_universal_file_that_says_something_else_is_refused(tmp_path, changes, message):

@@ -82,8 +82,11 @@ INSTANTS, SAME_PLACE_M = 8, 1e-6
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 # Data sets; types of abscissa and ordinate; types of functions; the direction z.
 NODES, UNITS, FUNCTION = (15, 2411), 164, 58
-FREQUENCY, DISPLACEMENT, VELOCITY = 18, 8, 11
+FREQUENCY, DISPLACEMENT, VELOCITY, ACCELERATION = 18, 8, 11, 12
 TIME_OR_POWER = (1, 2, 3, 9)
+POWER, COHERENCES = (2, 3, 9), (6, 21, 26)
+# By which power of the angular frequency a motion is larger than a displacement.
+MOTION_PER_M = {DISPLACEMENT: 0, VELOCITY: 1, ACCELERATION: 2}
 NORMAL = 3
 # From the frequency, in distances between lines; of a file with one line as a share of it.
 FARTHEST_LINE, FARTHEST_SHARE = 0.6, 0.01
@@ -187,12 +190,23 @@ def column_of(name: str, place: int = 0) -> Column | None:
     return None
 
 
+def _named(header: Sequence[str]) -> list[Column]:
+    """The columns that a header names; ``X centre (mm)`` is x where nothing else is."""
+    columns = [column for at, name in enumerate(header) if (column := column_of(name, at))]
+    known = {column.quantity for column in columns if column.size}
+    for at, name in enumerate(header):
+        quantity, *words = re.split(r"[\s_\[(]+", name.strip("\"' \t").lower().rstrip(" ])"))
+        if quantity in {"x", "y"} - known and words and words[-1] in LENGTHS_M:
+            columns.append(Column(quantity, words[-1], LENGTHS_M[words[-1]], at, name))
+    return columns
+
+
 def _columns(header: Sequence[str], wanted: Collection[str]) -> dict[str, Column]:
     """The columns of some quantities, by these, each with its unit.
 
     Raises InputError for a quantity without a unit, or that stands twice.
     """
-    named = [column for at, name in enumerate(header) if (column := column_of(name, at))]
+    named = _named(header)
     usable = {column.quantity for column in named if column.size}
     if "imaginary" in usable and "phase" not in usable:
         wanted = {*wanted} - {"amplitude"}
@@ -462,12 +476,15 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str]:
     comments = [index for index in filled if index < plain[0]]
     for index in (*plain[:FIRST_LINES], *comments[:FIRST_LINES]):
         line, named = COMMENT.sub("", lines[index], count=1), {}
+        below = next((lines[row] for row in plain if row > index), "")
         for separator in SEPARATORS:
-            columns = map(column_of, _split(line, separator))
-            named[separator] = len({column.quantity for column in columns if column})
-        separator = max(named, key=named.__getitem__)
-        if named[separator] >= FEWEST_NAMED:
-            return index, separator
+            cells = _split(line, separator)
+            count = len({column.quantity for column in _named(cells)})
+            if count >= FEWEST_NAMED:
+                # Headers have words with blanks and commas: the row below tells the separator.
+                named[separator] = len(cells) == len(_split(below, separator)), count
+        if named:
+            return index, max(named, key=named.__getitem__)
     first = lines[plain[0]].strip()[:60]
     raise InputError(f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}")
 
@@ -494,10 +511,17 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
         import pyuff
     omega = _angular_frequency(frequency_hz)
     try:
-        sets = pyuff.UFF(str(path)).read_sets()
+        file = pyuff.UFF(str(path))
+        kinds_of_sets = [int(kind) for kind in file.get_set_types()]
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"not a universal file that pyuff reads: {error}") from None
-    sets = sets if isinstance(sets, list) else [sets]
+    sets: list[dict[str, Any]] = []
+    for number, kind in enumerate(kinds_of_sets):
+        if kind in (*NODES, UNITS, FUNCTION):
+            try:
+                sets.append(file.read_sets(number))
+            except Exception as error:
+                raise InputError(f"set {number + 1} (data set {kind}): {error}") from None
     length = next((float(each["length"]) for each in sets if each.get("type") == UNITS), 1.0)
     places = {
         int(node): complex(x, y) / length
@@ -507,33 +531,54 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
     }
     every = [each for each in sets if each.get("type") == FUNCTION]
     functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL] or every
+    functions, aside = _of_motion(functions, places)
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
-    unplaced = set(nodes) - set(places)
     refuse(
         "universal file",
         {
-            "no functions (data set 58) are in it": not functions,
-            f"the node {min(unplaced, default=0)} of a function has no place (data set 15 or "
-            "2411)": unplaced,
+            "no functions (data set 58) are in it": not every,
+            f"no function is a shape; {'; '.join(aside)}": not functions,
             "a node has several functions; export one, or that along z": len(set(nodes))
             < len(nodes),
-            "the functions are neither displacements (type 8) nor velocities (11) but of type "
-            f"{', '.join(map(str, sorted(kinds)))}": kinds not in ({DISPLACEMENT}, {VELOCITY}),
+            "the functions are not all displacements (type 8), velocities (11) or accelerations "
+            f"(12) but of type {', '.join(map(str, sorted(kinds)))}": kinds
+            not in [{kind} for kind in MOTION_PER_M],
         },
     )
     rows = [_line_at(each, omega / (2 * math.pi)) for each in functions]
     measured, lines_hz = (np.array(column) for column in zip(*rows, strict=True))
     numbers, seen = 1 + np.arange(len(nodes)), np.isfinite(measured)
-    amplitude = measured[seen].astype(complex) / (omega if kinds == {VELOCITY} else 1.0)
+    amplitude = measured[seen].astype(complex) / omega ** MOTION_PER_M[min(kinds)]
+    if kinds == {ACCELERATION}:
+        amplitude = -amplitude
     place = np.array([places[node] for node in nodes])[seen]
     signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
     notes = (
+        *aside,
         f"read at {lines_hz.min():.7g} Hz",
         *_lacking(numbers[~seen].tolist(), what="function"),
     )
     missing = int(np.sum(~seen))
     return Scan(path, place.real, place.imag, amplitude, numbers[seen], missing, signed, notes)
+
+
+def _of_motion(
+    functions: Sequence[dict[str, Any]], places: Collection[int]
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """The functions that may be a shape, and a note for each kind of the others."""
+    kept, aside = [], dict.fromkeys(("coherences", "power spectra", "functions without a place"), 0)
+    for function in functions:
+        kind = int(function.get("func_type", 0))
+        if kind in COHERENCES:
+            aside["coherences"] += 1
+        elif kind in POWER and len(functions) > len(places):
+            aside["power spectra"] += 1
+        elif int(function["rsp_node"]) not in places:
+            aside["functions without a place"] += 1
+        else:
+            kept.append(function)
+    return kept, [f"{count} {name} ignored" for name, count in aside.items() if count]
 
 
 def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | float, float]:
