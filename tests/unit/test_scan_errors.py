@@ -120,6 +120,21 @@ def test_what_a_smooth_shape_misses_is_no_noise(scene, shape):
         assert row["scan_error_fraction"] < 0.15
 
 
+@pytest.mark.parametrize("times", [2, 3])
+def test_rows_that_stand_repeatedly_tell_nothing_more(times):
+    """Every row twice was overfitted: rows of a place predict each other."""
+    once = scan_of(profile(DIAMETERS), noise=0.02, seed=1, step_mm=1.2)
+    columns = ("x_m", "y_m", "amplitude_m", "lines")
+    repeated = {name: np.tile(getattr(once, name), times) for name in columns}
+    one, other = smooth(once), smooth(replace(once, **repeated))
+    assert other.fit.degree == one.fit.degree
+    assert other.noise_m == pytest.approx(one.noise_m, rel=1e-9)
+    x_m, y_m = raster(1.5)
+    one_error, other_error = (each.standard_error(x_m=x_m, y_m=y_m) for each in (one, other))
+    assert other_error == pytest.approx(one_error, rel=1e-6)
+    assert f"at {len(once.x_m)} places: the mean" in " ".join(other.warnings)
+
+
 def test_strays_are_not_fitted(scene):
     shape = profile(DIAMETERS)
     with_strays, without = (

@@ -31,7 +31,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError, naming, refuse
 from squeezefilm.files import digest, whole_file
-from squeezefilm.film.measured.read import Scan, read_scan
+from squeezefilm.film.measured.read import SAME_PLACE_M, Scan, read_scan
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
@@ -177,7 +177,7 @@ def smoothed(
     Raises InputError naming the file, and what its points do not determine.
     """
     check_places(scan, surface, axisymmetric=axisymmetric, sign=sign)
-    scan = thinned(scan)
+    scan = thinned(averaged(scan))
     points = Points(surface, axisymmetric, scan.x_m, scan.y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
@@ -350,6 +350,29 @@ def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str)
             f"{surface.where(scan.x_m[row], scan.y_m[row])}, off the actuator's {surface.text} "
             f"({surface.key})"
         )
+
+
+def averaged(scan: Scan) -> Scan:
+    """A scan with one point at each place, the mean of the rows there, at the first one's line.
+
+    Rows of a place are no independent evidence of a shape between places: cross-validation holds
+    them out together, and noise that they share is counted once.
+    """
+    steps = np.round(np.stack([scan.x_m, scan.y_m]) / SAME_PLACE_M)
+    _, first, place, rows = np.unique(
+        steps, axis=1, return_index=True, return_inverse=True, return_counts=True
+    )
+    if rows.max() == 1:
+        return scan
+    real, imaginary = (
+        np.bincount(place.ravel(), weights=part) / rows
+        for part in (scan.amplitude_m.real, scan.amplitude_m.imag)
+    )
+    order = np.argsort(first)
+    amplitude_m, kept = (real + 1j * imaginary)[order], first[order]
+    columns = {name: getattr(scan, name)[kept] for name in ("x_m", "y_m", "lines")}
+    note = f"{len(scan.x_m)} rows at {len(kept)} places: the mean at each place is fitted"
+    return replace(scan, **columns, amplitude_m=amplitude_m, notes=(*scan.notes, note))
 
 
 def thinned(scan: Scan) -> Scan:
