@@ -15,13 +15,14 @@ from squeezefilm.film.measured.read import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
 from squeezefilm.film.profiles import Profile, make_profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.scan_errors import scan_errors
 
 RADIUS_M = 0.01
+LINE_X_M, LINE_Y_M = np.linspace(-0.03, 0.03, 25), np.linspace(-0.02, 0.02, 17)
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}
 DIAMETERS = {
     "kind": "bessel",
@@ -133,6 +134,24 @@ def test_rows_that_stand_repeatedly_tell_nothing_more(times):
     one_error, other_error = (each.standard_error(x_m=x_m, y_m=y_m) for each in (one, other))
     assert other_error == pytest.approx(one_error, rel=1e-6)
     assert f"at {len(once.x_m)} places: the mean" in " ".join(other.warnings)
+
+
+def test_the_scale_may_be_taken_where_the_scan_measured():
+    """425 points of a wave of 1.2 µm with 2 % noise: the maximum between the last rows is noise."""
+    x_m, y_m = (each.ravel() for each in np.meshgrid(LINE_X_M, LINE_Y_M))
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(x_m))
+    u = 1.2e-6 * (np.cos(2 * np.pi * x_m / 0.024) + noise)
+    lines = np.arange(len(u)) + 2
+    scan = Scan(Path("scan.csv"), x_m, y_m, u.astype(complex), lines, 0, signed=True)
+    surface = Rectangle(0.06, 0.04)
+    default = smoothed(scan, surface=surface, axisymmetric=False)
+    (note,) = default.warnings
+    assert "between or beyond the last rows" in note
+    assert "actuator.profile.scale: measured" in note
+    measured = smoothed(scan, surface=surface, axisymmetric=False, scale="measured")
+    assert measured.warnings == ()
+    assert measured.peak_m == pytest.approx(1.2e-6, rel=0.01)
+    assert measured.peak_bias_m < 0.2 * default.peak_bias_m
 
 
 def test_strays_are_not_fitted(scene):

@@ -329,6 +329,8 @@ class Scan(Section):
         rows: `COLUMN = VALUE`, the rows of one measurement where the table has several (a drive
             voltage); several conditions have semicolons between. Of a frequency column the rows at
             `actuator.frequency` are taken without
+        scale: with `surface` an amplitude is that at the maximum of the surface; with `measured` at
+            that of the measured points, beyond which it may be larger
     """
 
     kind: Literal["measured"]
@@ -336,6 +338,7 @@ class Scan(Section):
     axisymmetric: StrictBool = False
     sign: Literal["measured", "unknown"] = "measured"
     rows: str = ""
+    scale: Literal["surface", "measured"] = "surface"
 
 
 Profile = Annotated[

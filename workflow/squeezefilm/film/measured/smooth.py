@@ -57,6 +57,8 @@ OUTLIER, LEAST_OUTLIER = 4.5, 0.005
 # More such points, as a share, are no outliers.
 MOST_OUTLIERS = 0.05
 REFITS = 20
+# A maximum so far above the largest at the measured points is extrapolated.
+OVERSHOOT = 1.05
 # Draws of noise by which the bias of the maximum is estimated.
 PEAK_DRAWS, PEAK_SEED = 200, 1
 UNSIGNED = (
@@ -81,6 +83,7 @@ class SmoothedScan:
         fit: the modes' least squares.
         measured_m: the points' amplitudes, turned to the phase of most of the motion; complex where
             the profile is, else the part in this phase.
+        scale_modes: the modes where the maximum is taken, shape (modes, places).
         outliers: which of them lie further from the rest than noise does; they are not fitted.
     """
 
@@ -94,6 +97,7 @@ class SmoothedScan:
     fit: Fit
     measured_m: np.ndarray
     outliers: np.ndarray
+    scale_modes: np.ndarray
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Standard error of the profile, of each part of a complex one, over its maximum."""
@@ -108,14 +112,22 @@ class SmoothedScan:
     @property
     def misfitting(self) -> list[Modes]:
         """The profiles with so much more and less, over their maxima; none without a misfit."""
-        raw_m = np.array(self.profile.coefficients)
-        change = self.fit.misfit_m / self.peak_m
-        profiles = []
-        for coefficients in (raw_m + change, raw_m - change) if np.any(change) else ():
-            profile = replace(self.profile, coefficients=tuple(coefficients.tolist()))
-            peak = _largest_of(profile) / self.profile.largest
-            profiles.append(replace(profile, coefficients=tuple((coefficients / peak).tolist())))
-        return profiles
+        misfit_m = self.fit.misfit_m
+        if not np.any(misfit_m):
+            return []
+        raw_m = self.peak_m * np.array(self.profile.coefficients)
+        return self._over_their_maxima(np.array([raw_m + misfit_m, raw_m - misfit_m]))
+
+    def _over_their_maxima(self, coefficients_m: np.ndarray) -> list[Modes]:
+        """Profiles of coefficients, shape (profiles, modes), scaled as this one is."""
+        raw_m = self.peak_m * np.array(self.profile.coefficients)
+        # The finer search for the maximum moves it by as little for each.
+        finer = (self.peak_m + self.peak_bias_m) / _largest_at(raw_m, self.scale_modes)
+        peaks_m = _largest_at(coefficients_m, self.scale_modes) * finer - self.peak_bias_m
+        return [
+            replace(self.profile, coefficients=tuple((coefficients / peak).tolist()))
+            for coefficients, peak in zip(coefficients_m, peaks_m, strict=True)
+        ]
 
     @property
     def residual_m(self) -> np.ndarray:
@@ -145,13 +157,7 @@ class SmoothedScan:
         )
         raw_m = self.peak_m * np.array(self.profile.coefficients)
         drawn_m = raw_m + (noise_m @ basis) @ self.fit.root @ self.fit.root.T
-        # The finer search for the maximum moves it by as little for each.
-        finer = (self.peak_m + self.peak_bias_m) / _largest_on_net(raw_m, orders, surface)
-        peaks = _largest_on_net(drawn_m, orders, surface) * finer - self.peak_bias_m
-        return [
-            replace(self.profile, coefficients=tuple((drawn / peak).tolist()))
-            for drawn, peak in zip(drawn_m, peaks, strict=True)
-        ]
+        return self._over_their_maxima(drawn_m)
 
 
 @lru_cache(maxsize=16)
@@ -166,13 +172,19 @@ def smoothed_scan(
 
 
 def smoothed(
-    scan: Scan, *, surface: Surface, axisymmetric: bool, sign: str = "measured"
+    scan: Scan,
+    *,
+    surface: Surface,
+    axisymmetric: bool,
+    sign: str = "measured",
+    scale: str = "surface",
 ) -> SmoothedScan:
     """The smooth profile of a scan on a surface.
 
     Args:
         sign: ``unknown`` takes amplitudes without phase or sign to one side; ``measured`` rejects
             them.
+        scale: whether the maximum is that on the whole ``surface``, or at the ``measured`` points.
 
     Raises InputError naming the file, and what its points do not determine.
     """
@@ -199,9 +211,15 @@ def smoothed(
     def profile_of(fit: Fit, size_m: float) -> Modes:
         return Modes(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
 
-    largest_m = _largest_of(profile_of(fit, 1.0))
-    bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
-    peak_m = largest_m - bias_m
+    largest_m, at_points = _largest_of(profile_of(fit, 1.0)), fitted.modes(fit.orders).T
+    if scale == "measured":
+        scale_modes, peak_m = at_points, float(_largest_at(fit.coefficients, at_points))
+    else:
+        scale_modes, peak_m = _modes_on_net(fit.orders, surface), largest_m
+        note = overshoots(fit, surface, at_points=at_points, noise_m=noise_m)
+        scan = replace(scan, notes=(*scan.notes, *note))
+    bias_m = min(_bias_of_largest(fit, noise_m, scale_modes), LARGEST_ERROR * peak_m)
+    peak_m -= bias_m
     if axisymmetric and not scan.radial:
         scan = replace(scan, notes=(*scan.notes, *wants_angles(points, measured.real, fit)))
     result = SmoothedScan(
@@ -215,6 +233,7 @@ def smoothed(
         fit=fit,
         measured_m=turn * measured,
         outliers=~kept,
+        scale_modes=scale_modes,
     )
     _refuse_unknown(result, axisymmetric=axisymmetric)
     return result
@@ -332,7 +351,23 @@ def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
     ] * (share <= LESS_WITH_ANGLES)
 
 
-def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str) -> None:
+def overshoots(fit: Fit, surface: Surface, *, at_points: np.ndarray, noise_m: float) -> list[str]:
+    """A note where the maximum is extrapolated, or less known than at the measured points."""
+    net = _modes_on_net(fit.orders, surface)
+    largest_m, measured_m = (float(_largest_at(fit.coefficients, at)) for at in (net, at_points))
+    bias_m, bias_at_points_m = (_bias_of_largest(fit, noise_m, at) for at in (net, at_points))
+    less_known = bias_m - bias_at_points_m > (OVERSHOOT - 1) / 2 * measured_m
+    return [
+        f"the profile's maximum is {largest_m * 1e6:.4g} µm, and {measured_m * 1e6:.4g} µm at the "
+        f"measured points: it overshoots between or beyond the last rows, where noise adds "
+        f"{bias_m * 1e6:.2g} µm, and with it the scale of all forces is uncertain. Scan more rows "
+        "at the edge, or say actuator.profile.scale: measured"
+    ] * bool(less_known or largest_m > OVERSHOOT * measured_m)
+
+
+def check_places(
+    scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str, scale: str = "surface"
+) -> None:
     """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
     refuse(
         scan.path,
@@ -443,12 +478,12 @@ def _largest_of(profile: Modes) -> float:
     return largest_magnitude(amplitude, surface=profile.surface)
 
 
-def _largest_on_net(coefficients: np.ndarray, orders: Orders, surface: Surface) -> np.ndarray:
-    """Largest magnitude of sums of modes on the net; coefficients of shape (…, modes)."""
-    return np.asarray(np.abs(coefficients @ _modes_on_net(orders, surface)).max(axis=-1))
+def _largest_at(coefficients: np.ndarray, modes: np.ndarray) -> np.ndarray:
+    """Largest magnitude of sums of modes (modes, places); coefficients of shape (…, modes)."""
+    return np.asarray(np.abs(coefficients @ modes).max(axis=-1))
 
 
-def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
+def _bias_of_largest(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
     """Return the bias of the largest magnitude by noise, from the effect of more noise."""
     random, shape = np.random.default_rng(PEAK_SEED), (PEAK_DRAWS, len(fit.orders))
     noise = noise_m * random.standard_normal(shape)
@@ -456,8 +491,8 @@ def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
         noise = noise + 1j * noise_m * random.standard_normal(shape)
     # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
     change = np.concatenate([noise, -noise]) @ fit.root.T
-    with_noise = _largest_on_net(fit.coefficients + change, fit.orders, surface).mean()
-    return max(float(with_noise - _largest_on_net(fit.coefficients, fit.orders, surface)), 0.0)
+    with_noise = _largest_at(fit.coefficients + change, modes).mean()
+    return max(float(with_noise - _largest_at(fit.coefficients, modes)), 0.0)
 
 
 def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:

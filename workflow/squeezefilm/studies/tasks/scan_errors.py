@@ -65,7 +65,7 @@ def scan_errors(
     misfit_n = np.abs(forces[draws + 1 :] - forces[0]).max(axis=0, initial=0.0)
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
-    bias = 2 * (smoothed.profile.largest - 1) / (1 - Scenes.of(scenes).epsilon)
+    bias = 2 * smoothed.peak_bias_m / smoothed.peak_m / (1 - Scenes.of(scenes).epsilon)
     neglected = not smoothed.profile.is_complex
     effect = [out_of_phase_effect(scene, smoothed) if neglected else 0.0 for scene in scenes]
     table = pd.DataFrame({"force_n": forces[0], "spread_n": spread_n})
