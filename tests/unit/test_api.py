@@ -85,7 +85,7 @@ def test_the_command_line_says_what_the_library_says(study, capsys, refused):
 def test_a_range_makes_a_curve_by_either_door(study, tmp_path):
     path = tmp_path / "curve.csv"
     words = ["--config", str(study.config.path), "--h0", "5um", "--hv", "0.5:2:3um"]
-    assert main(["simulate", *words, "--x", "-1,1mm", "--output", str(path)]) == 0
+    assert main(["simulate", *words, "--x", "-1mm,1mm", "--output", str(path)]) == 0
     written = pd.read_csv(path)
     curve = study.curve("5 um", [0.5e-6, 1.25e-6, 2e-6], x="-1, 1 mm")
     pd.testing.assert_frame_equal(curve, written, check_dtype=False)

@@ -15,13 +15,14 @@ from squeezefilm.film.measured.read import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
 from squeezefilm.film.profiles import Profile, make_profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.scan_errors import scan_errors
 
 RADIUS_M = 0.01
+LINE_X_M, LINE_Y_M = np.linspace(-0.03, 0.03, 25), np.linspace(-0.02, 0.02, 17)
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}
 DIAMETERS = {
     "kind": "bessel",
@@ -93,6 +94,64 @@ def test_ninety_five_percent_of_the_intervals_hold_the_force(scene):
             difference = float(errors.force_n) - true.force_n
             held.append(abs(difference) <= errors.scan_error_n + 1e-3 * true.force_n)
     assert sum(held) >= binom.ppf(0.025, len(held), 0.95)
+
+
+COARSE = {
+    "dome": (380.0, 0, 2.0),
+    "45 points": (380.0, 0, 2.5),
+    "three rings": (900.0, 0, 1.2),
+    "two diameters": (500.0, 2, 1.75),
+}
+
+
+@pytest.mark.parametrize("shape", COARSE)
+def test_what_a_smooth_shape_misses_is_no_noise(scene, shape):
+    """Few points without any noise: 0.042 ± 0.002 N was given for 0.0375 N (`dome`)."""
+    wave_number, diameters, step_mm = COARSE[shape]
+    mode = {"nodal_diameters": diameters, "wave_number_rad_per_m": wave_number}
+    true = profile(DIAMETERS | mode)
+    pad = replace(scene.pad, length_x_m=4e-3, length_y_m=4e-3)
+    scenes = [replace(scene, pad=pad, x_m=x_m) for x_m in (0.0, 5e-3)]
+    scan = smooth(scan_of(true, noise=0.0, seed=1, step_mm=step_mm))
+    device = choose_device()
+    errors = scan_errors([on(each, scan.profile) for each in scenes], scan, device=device)
+    forces = solve([on(each, true) for each in scenes], tolerance=1e-4, device=device)
+    for (_, row), force in zip(errors.iterrows(), forces, strict=True):
+        assert abs(row["force_n"] - force.force_n) <= row["scan_error_n"] + 1e-3 * force.force_n
+        assert row["scan_error_fraction"] < 0.15
+
+
+@pytest.mark.parametrize("times", [2, 3])
+def test_rows_that_stand_repeatedly_tell_nothing_more(times):
+    """Every row twice was overfitted: rows of a place predict each other."""
+    once = scan_of(profile(DIAMETERS), noise=0.02, seed=1, step_mm=1.2)
+    columns = ("x_m", "y_m", "amplitude_m", "lines")
+    repeated = {name: np.tile(getattr(once, name), times) for name in columns}
+    one, other = smooth(once), smooth(replace(once, **repeated))
+    assert other.fit.degree == one.fit.degree
+    assert other.noise_m == pytest.approx(one.noise_m, rel=1e-9)
+    x_m, y_m = raster(1.5)
+    one_error, other_error = (each.standard_error(x_m=x_m, y_m=y_m) for each in (one, other))
+    assert other_error == pytest.approx(one_error, rel=1e-6)
+    assert f"at {len(once.x_m)} places: the mean" in " ".join(other.warnings)
+
+
+def test_the_scale_may_be_taken_where_the_scan_measured():
+    """425 points of a wave of 1.2 µm with 2 % noise: the maximum between the last rows is noise."""
+    x_m, y_m = (each.ravel() for each in np.meshgrid(LINE_X_M, LINE_Y_M))
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(x_m))
+    u = 1.2e-6 * (np.cos(2 * np.pi * x_m / 0.024) + noise)
+    lines = np.arange(len(u)) + 2
+    scan = Scan(Path("scan.csv"), x_m, y_m, u.astype(complex), lines, 0, signed=True)
+    surface = Rectangle(0.06, 0.04)
+    default = smoothed(scan, surface=surface, axisymmetric=False)
+    (note,) = default.warnings
+    assert "between or beyond the last rows" in note
+    assert "actuator.profile.scale: measured" in note
+    measured = smoothed(scan, surface=surface, axisymmetric=False, scale="measured")
+    assert measured.warnings == ()
+    assert measured.peak_m == pytest.approx(1.2e-6, rel=0.01)
+    assert measured.peak_bias_m < 0.2 * default.peak_bias_m
 
 
 def test_strays_are_not_fitted(scene):

@@ -71,6 +71,11 @@ FORMS: dict[str, bytes] = {
         "Index,x_mm,y_mm,z_mm,amplitude_um,phase_deg,Coherence",
         *(X, X, Y, Y, abs(U), PHASE, U),
     ).encode(),
+    "words in the header": text(
+        "Messpunkt,X Mitte (mm),Y Mitte (mm),Displacement (um)", *(np.arange(len(X)), X, Y, U)
+    )
+    .replace(",", "\t")
+    .encode(),
     "real and imaginary part": text(
         "x_mm,y_mm,Real [um],Imag [um]", X, Y, TURNED.real, TURNED.imag
     ).encode(),
@@ -131,6 +136,54 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
     assert "scan.csv: line" in str(refusal.value)
 
 
+def measured_at(name: str, values: list[float], factors: list[float]) -> str:
+    """All points once for each value of a column, each time a factor larger."""
+    column = np.repeat(values, len(X))
+    x, y = (np.tile(each, len(values)) for each in (X, Y))
+    u = np.concatenate([factor * U for factor in factors])
+    return text(f"{name},x_mm,y_mm,amplitude_um,sign", column, x, y, abs(u), np.sign(u))
+
+
+def read(path: Path, content: str, **how: Any) -> Scan:
+    path.write_text(content, encoding="utf-8")
+    return read_scan(path, frequency_hz=FREQUENCY_HZ, **how)
+
+
+def test_of_several_measurements_at_a_place_one_is_asked_for(tmp_path):
+    """Scans at 10 and 60 V in one table were fitted together, as one shape."""
+    content = measured_at("drive_v", [10, 60], [1, 3])
+    with pytest.raises(InputError, match=r"'drive_v' tells apart.*rows: drive_v = 10"):
+        read(tmp_path / "scan.csv", content)
+    for rows in ("drive_v = 10", "Drive_V=10.0"):
+        same(read(tmp_path / "scan.csv", content, rows=rows))
+    with pytest.raises(InputError, match=r"no row has this value; it has 10 \(\d+ rows\), 60"):
+        read(tmp_path / "scan.csv", content, rows="drive_v = 20")
+    with pytest.raises(InputError, match=r"one of 'drive_v'"):
+        read(tmp_path / "scan.csv", content, rows="voltage = 10")
+
+
+def test_of_a_frequency_column_the_rows_at_the_actuators_are_read(tmp_path):
+    content = measured_at("Frequency [kHz]", [42.77, 43.27, 43.77], [3, 1, 2])
+    scan = read(tmp_path / "scan.csv", content)
+    same(scan)
+    assert "rows at 43270 Hz in 'Frequency [kHz]'" in scan.notes
+    for lines in ([30e3], [30e3, 31e3]):
+        elsewhere = measured_at("freq_hz", lines, [1] * len(lines))
+        with pytest.raises(InputError, match="the actuator vibrates at 43270 Hz"):
+            read(tmp_path / "scan.csv", elsewhere)
+
+
+def test_a_time_series_is_no_shape_and_a_repeated_scan_is_one(tmp_path):
+    """Each place at twelve instants; and each twice, with the time of day at each row."""
+    instants = [float(each) for each in range(12)]
+    content = measured_at("time_us", instants, [float(np.cos(each)) for each in instants])
+    with pytest.raises(InputError, match=r"'time_us' has several instants.*no shape"):
+        read(tmp_path / "scan.csv", content)
+    header, *rows = measured_at("time", [0, 0], [1, 1]).splitlines()
+    timed = [row.replace("0,", f"{at},", 1) for at, row in enumerate(rows)]
+    assert len(read(tmp_path / "scan.csv", "\n".join([header, *timed])).x_m) == 2 * len(X)
+
+
 def universal(path: Path, *, unit: float = 1.0, damaged: float = 1.0, **changes: object) -> Path:
     """A universal file of the points, at three frequencies, and function 70 times a factor."""
     file = pyuff.UFF(str(path))
@@ -181,11 +234,36 @@ def test_a_universal_file_is_read_at_the_frequency(tmp_path):
     assert scan.notes == ("read at 43300 Hz",)
 
 
+def test_only_what_is_needed_of_a_universal_file_is_read(tmp_path):
+    """A coherence beside each response, and a set that no reader understands, were errors."""
+    path = universal(tmp_path / "scan.unv")
+    beside = universal(tmp_path / "beside.unv", func_type=6, ordinate_spec_data_type=0)
+    functions = beside.read_text().split("    -1\n")
+    path.write_text(path.read_text() + "    -1\n".join(["", *functions[5:]]))
+    with path.open("a") as file:
+        file.write("    -1\n  2414\n         1\nbad\n    -1\n")
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert f"{len(X)} coherences ignored" in scan.notes
+    with path.open("a") as file:
+        file.write("    -1\n    58\nbad\n    -1\n")
+    with pytest.raises(InputError, match=r"set \d+ \(data set 58\)"):
+        read_scan(path, frequency_hz=FREQUENCY_HZ)
+
+
+def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):
+    factor = -((2 * np.pi * FREQUENCY_HZ) ** 2)
+    path = universal(tmp_path / "scan.unv", unit=factor, ordinate_spec_data_type=12)
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert scan.amplitude_m == pytest.approx(TURNED * 1e-6, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"func_type": 1, "abscissa_spec_data_type": 17}, "a function of time"),
-        ({"ordinate_spec_data_type": 12}, "neither displacements"),
+        ({"ordinate_spec_data_type": 13}, "not all displacements"),
     ],
 )
 def test_a_universal_file_that_says_something_else_is_refused(tmp_path, changes, message):

@@ -155,12 +155,31 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
 
 
 def test_one_unit_at_the_end_is_that_of_all_numbers():
-    assert quantities("0.5, 1,2 um", option="--hv", unit="m") == [5e-7, 1e-6, 2e-6]
+    assert quantities("0.5, 1, 2 um", option="--hv", unit="m") == [5e-7, 1e-6, 2e-6]
     assert quantities("-2:2:3mm", option="--x", unit="m") == [-2e-3, 0, 2e-3]
     assert quantities("0:45:4°", option="--phi", unit="deg") == [0, 15, 30, 45]
     for text in ("1,2", "1:2:3", "5um,6", "5:6um:3", "1:2um", "1:2:3:4um", "5:6:x um", "5:6:1um"):
         with pytest.raises(InputError, match="--h0"):
             quantities(text, option="--h0", unit="m")
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ("7,5um", r"7\.5um, or 7um,5um\?"),
+        ("5,5um", r"5\.5um, or 5um,5um\?"),
+        ("0.5,1,2um", r"'0\.5,1,2um': 0\.5um,1um,2um\?"),
+        ("5um,0.005mm", "a value stands twice"),
+        ("5:5:3um", "a value stands twice"),
+    ],
+)
+def test_a_decimal_comma_and_equal_values_are_invalid(values, message, write_fit, refused):
+    """`7,5um` was 7 and 5 µm, and `5,5um` with `2,2um` four equal rows."""
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    for command in (["simulate"], ["error-budget"], ["predict", path]):
+        error = refused(*command, f"--h0={values}", "--hv=1um")
+        assert re.search(message, error)
+    assert re.search(message, refused("levitate", "--load=0.1N", f"--hv={values}"))
 
 
 @pytest.mark.parametrize(

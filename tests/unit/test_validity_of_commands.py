@@ -30,7 +30,7 @@ def test_a_budget_and_a_curve_are_had_by_options(edited, tmp_path, capsys, refus
     simulated = ["simulate", "--hv", "1um", *where, "--output", curve]
     assert main(simulated) == 0
     assert "1 lines over 1 points" in refused("plot", curve, "--output", picture)
-    assert main([*simulated, "--x", "0,1,2mm"]) == 0
+    assert main([*simulated, "--x", "0mm,1mm,2mm"]) == 0
     assert main(["plot", curve, "--output", picture]) == 0
     assert "position $x$ (mm)" in (tmp_path / "curve.svg").read_text(encoding="utf-8")
 

@@ -160,14 +160,16 @@ def _result(row: Row) -> Lines:
 
     wider, bias = errors.get("error_99_n", 0.0), row.pop("quadrature_n", 0.0)
     noise = next((errors[each] for each in errors if "noise" in each), 0.0)
+    misfit = row.pop("misfit_n", 0.0)
     row.pop("error_95_percent" if name == "force_n" else "", None)
     tolerance = f" (relative tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
-    number, _, rest = value_text(value, unit, error=max(error, noise)).partition("±")
+    number, _, rest = value_text(value, unit, error=max(error, noise, misfit)).partition("±")
     return [
         (label_of(stem), f"{number}{rest.split()[-1]}"),
         ("prediction error (95 %)" if "95" in column else "numerical error", off(error, tolerance)),
         ("prediction error (99 %)", off(wider, "") * bool(wider)),
         ("measurement noise", off(noise, " (95 %, from the scan)") * bool(noise)),
+        ("misfit", off(misfit, " (modes that the scan does not determine)") * (misfit > error)),
         ("quadrature motion", off(bias, " (in the scan, neglected)") * (bias > error)),
         ("note", why.removeprefix(": ")),
     ]

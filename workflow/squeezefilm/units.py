@@ -128,8 +128,9 @@ def quantity(text: str, *, option: str, unit: str) -> float:
 def quantities(text: str, *, option: str, unit: str) -> list[float]:
     """One number with its unit, several with commas, or evenly spaced ones as first:last:count.
 
-    Each number has its unit, or one stands at the end for all: ``0.5,1,2um``, ``0.5:2.5:9um``.
-    Raises InputError naming the option, as quantity does.
+    Each number has its unit, or one stands at the end for all: ``0.5, 1, 2um``, ``0.5:2.5:9um``.
+    Raises InputError naming the option, as quantity does, for a comma that may be a decimal one,
+    and for a value that stands twice.
     """
     if not set(text) & set(",:"):
         return [quantity(text, option=option, unit=unit)]
@@ -137,15 +138,27 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
     numbers, unit_of_all = shared.groups() if shared else (text, "")
     *ends, count = numbers.split(":")
     if not ends:
-        parts = numbers.split(",")
-        return [quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in parts]
+        parts = [f"{number.strip()}{unit_of_all}" for number in numbers.split(",")]
+        if unit_of_all and re.search(r",\S", numbers):
+            decimal = f"{text.replace(',', '.')}, or " * (len(parts) == 2)
+            raise InputError(f"{option} {text!r}: {decimal}{','.join(parts)}? give each its unit")
+        values = [quantity(part, option=option, unit=unit) for part in parts]
+        return _distinct(values, f"{option} {text!r}")
     if len(ends) != 2 or not re.fullmatch(r"\s*\d{1,12}\s*", count, re.ASCII):
         raise InputError(f"{option} {text!r}: a range is first:last:count, such as 5:10:6um")
     if not 2 <= int(count) <= MOST_LEVELS:
         raise InputError(f"{option} {text!r}: the count must lie within 2 … {MOST_LEVELS}")
     first, last = (quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in ends)
     step = (last - first) / (int(count) - 1)
-    return [float(f"{first + step * number:.12g}") for number in range(int(count))]
+    values = [float(f"{first + step * number:.12g}") for number in range(int(count))]
+    return _distinct(values, f"{option} {text!r}")
+
+
+def _distinct(values: list[float], given: str) -> list[float]:
+    """The values; raises InputError where two are equal, for they would be the same point."""
+    if len(set(values)) < len(values):
+        raise InputError(f"{given}: a value stands twice; give each value once")
+    return values
 
 
 def rounded_up(error: float) -> float:

@@ -19,7 +19,7 @@ AXES = {
 }
 """Factors in words, the unit in which they are drawn, and how many of it make one of a column's."""
 COLUMNS = ("h0_m", "hv_m", "force_n", "force_error_n", "validity")
-ERRORS = ("force_error_n", "measurement_noise_n", "quadrature_n")
+ERRORS = ("force_error_n", "measurement_noise_n", "misfit_n", "quadrature_n")
 """Of which a bar is the sum: the numerical error, and those of a scan."""
 MOST_LINES = 12
 

@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 WITH_STATES = 256
 NOT_ASKED = "not asked for"
 ALIKE = ["method", "domain", "terms", "status", "validity", "notes"]
+SCAN_COLUMNS = ("misfit_n", "quadrature_n")
+"""Parts of a force's uncertainty by a scan."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,9 @@ class Force:
             status says where it was not asked for.
         scan: uncertainty by a measured profile: ``measurement_noise_n``, half of the interval that
             holds the noise's part in 95 % of all scans, and the same of each other quantity;
-            ``quadrature_n``, by what the force is low without the motion out of phase;
-            ``scan_error_n``, both. None without a scan.
+            ``misfit_n``, by modes that the points do not determine; ``quadrature_n``, by what the
+            force is low without the motion out of phase; ``scan_error_n``, all. None without a
+            scan.
         device: the name of the OpenCL device.
         tolerance: the required relative error.
         notes: which terms ``auto`` could not include and why, and what was seen of the scan.
@@ -114,7 +117,7 @@ class Force:
     def scan_columns(self) -> dict[str, float]:
         """The errors by the scan, by the names of columns; none without a scan."""
         scan = self.scan or {}
-        kept = [name for name in scan if "measurement_noise" in name or name == "quadrature_n"]
+        kept = [name for name in scan if "measurement_noise" in name or name in SCAN_COLUMNS]
         return {name: scan[name] for name in kept}
 
     @property

@@ -330,12 +330,19 @@ class Scan(Section):
             leaves it free, and is what a rectangle needs
         sign: with `measured` a scan without phase and sign is invalid, for it is rectified at
             a node line; `unknown` takes it as it is, and every force says so
+        rows: `COLUMN = VALUE`, the rows of one measurement where the table has several (a drive
+            voltage); several conditions have semicolons between. Of a frequency column the rows at
+            `actuator.frequency` are taken without
+        scale: with `surface` an amplitude is that at the maximum of the surface; with `measured` at
+            that of the measured points, beyond which it may be larger
     """
 
     kind: Literal["measured"]
     file: Text
     axisymmetric: StrictBool = False
     sign: Literal["measured", "unknown"] = "measured"
+    rows: str = ""
+    scale: Literal["surface", "measured"] = "surface"
 
 
 Profile = Annotated[

@@ -209,7 +209,8 @@ def check_study(config: Config) -> Config:
             from squeezefilm.film.measured.smooth import check_places
 
             settings = smoothing_settings(config)
-            scan = read_scan(path, frequency_hz=settings.pop("frequency_hz"))
+            how = {key: settings.pop(key) for key in ("frequency_hz", "rows")}
+            scan = read_scan(path, **how)
             check_places(scan, **settings)
         profile = planned_profile_of(config)
     if "measurements" in config:

@@ -9,8 +9,10 @@ quantities, each with its unit (``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm`
     amplitude_um        or  real_um, imaginary_um       peak amplitude, or with its sign
     phase_deg           or  sign                        optional
 
-Velocities (mm/s) are divided by the angular frequency. A row whose amplitude is empty or ``nan`` is
-a point that was not measured: it is excluded from profile and noise, and a note names its line.
+Velocities (mm/s) are divided by the angular frequency. Of several measurements at each
+place one is taken: that at the actuator's frequency, or the rows that are asked for. A row whose
+amplitude is empty or ``nan`` is a point that was not measured: it is excluded from profile and
+noise, and a note names its line.
 
 Universal files (.uff, .unv) are read by pyuff: a function (data set 58) for each point, of which
 the line at the actuator's frequency is taken; points are those of data set 15 or 2411, in the units
@@ -51,7 +53,16 @@ QUANTITIES = {
     "phase": (ANGLES_RAD, ("phase", "phase angle")),
     "sign": ({"": 1.0}, ("sign",)),
 }
-NAMES = {name: quantity for quantity, (_, names) in QUANTITIES.items() for name in names}
+OTHERS = {
+    "frequency": (
+        {name.lower(): size for name, size in sizes("Hz").items()},
+        ("frequency", "freq"),
+    ),
+    "time": (sizes("s"), ("time",)),
+}
+"""Quantities by which rows of a place may differ, likewise."""
+KNOWN = QUANTITIES | OTHERS
+NAMES = {name: quantity for quantity, (_, names) in KNOWN.items() for name in names}
 # Words beside the one that names the quantity.
 BESIDE = {"position", "pos", "coordinate", "coord", "part", "value", *MOTION_NAMES}
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
@@ -65,12 +76,17 @@ MISSING = ("", "nan", "na", "n/a", "-")
 # In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity.
 LARGEST = 1e9
 FEWEST_POINTS, PLACES_NAMED = 8, 6
+# So many rows at a place that differ in time are a time series; places closer than this are one.
+INSTANTS, SAME_PLACE_M = 8, 1e-6
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 # Data sets; types of abscissa and ordinate; types of functions; the direction z.
 NODES, UNITS, FUNCTION = (15, 2411), 164, 58
-FREQUENCY, DISPLACEMENT, VELOCITY = 18, 8, 11
+FREQUENCY, DISPLACEMENT, VELOCITY, ACCELERATION = 18, 8, 11, 12
 TIME_OR_POWER = (1, 2, 3, 9)
+POWER, COHERENCES = (2, 3, 9), (6, 21, 26)
+# By which power of the angular frequency a motion is larger than a displacement.
+MOTION_PER_M = {DISPLACEMENT: 0, VELOCITY: 1, ACCELERATION: 2}
 NORMAL = 3
 # From the frequency, in distances between lines; of a file with one line as a share of it.
 FARTHEST_LINE, FARTHEST_SHARE = 0.6, 0.01
@@ -97,12 +113,14 @@ class Scan:
     radial: bool = False
 
 
-def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
+def read_scan(path: Path | str, *, frequency_hz: float | None = None, rows: str = "") -> Scan:
     """Read a vibrometer's file.
 
     Args:
         path: a table of text, or a universal file by its ending.
         frequency_hz: of the vibration, for velocities and spectra; without it they are invalid.
+        rows: ``COLUMN = VALUE`` of the rows that are taken from a table with several measurements,
+            with semicolons between several conditions.
 
     Raises:
         InputError: naming the file and the row or column that is wrong, and what is allowed.
@@ -111,7 +129,10 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
     if not path.exists():
         raise InputError(f"{path}: there is no such scan")
     with naming(path):
-        scan = (_universal if path.suffix.lower() in UNIVERSAL else _table)(path, frequency_hz)
+        universal = path.suffix.lower() in UNIVERSAL
+        if universal and rows:
+            raise InputError("actuator.profile.rows is of tables; a universal file has no columns")
+        scan = _universal(path, frequency_hz) if universal else _table(path, frequency_hz, rows)
     points = len(scan.x_m)
     refuse(
         path,
@@ -165,8 +186,19 @@ def column_of(name: str, place: int = 0) -> Column | None:
         parts = [part for part in re.split(r"[\s_\-.:]+", words.lower()) if part]
         core = [part for part in parts if part not in BESIDE] or parts[:1]
         if quantity := NAMES.get(" ".join(core)):
-            return Column(quantity, unit, QUANTITIES[quantity][0].get(unit), place, name)
+            return Column(quantity, unit, KNOWN[quantity][0].get(unit), place, name)
     return None
+
+
+def _named(header: Sequence[str]) -> list[Column]:
+    """The columns that a header names; ``X centre (mm)`` is x where nothing else is."""
+    columns = [column for at, name in enumerate(header) if (column := column_of(name, at))]
+    known = {column.quantity for column in columns if column.size}
+    for at, name in enumerate(header):
+        quantity, *words = re.split(r"[\s_\[(]+", name.strip("\"' \t").lower().rstrip(" ])"))
+        if quantity in {"x", "y"} - known and words and words[-1] in LENGTHS_M:
+            columns.append(Column(quantity, words[-1], LENGTHS_M[words[-1]], at, name))
+    return columns
 
 
 def _columns(header: Sequence[str], wanted: Collection[str]) -> dict[str, Column]:
@@ -174,7 +206,7 @@ def _columns(header: Sequence[str], wanted: Collection[str]) -> dict[str, Column
 
     Raises InputError for a quantity without a unit, or that stands twice.
     """
-    named = [column for at, name in enumerate(header) if (column := column_of(name, at))]
+    named = _named(header)
     usable = {column.quantity for column in named if column.size}
     if "imaginary" in usable and "phase" not in usable:
         wanted = {*wanted} - {"amplitude"}
@@ -204,6 +236,7 @@ def read_points(
     what: str,
     form: str,
     frequency_hz: float | None = None,
+    rows: str | None = None,
 ) -> tuple[pd.DataFrame, int, pd.Index, list[str]]:
     """Points of a table of text, by their lines in the file.
 
@@ -211,6 +244,7 @@ def read_points(
         wanted: quantities.
         what, form: what the table is and what it needs, for messages.
         frequency_hz: by which velocities become displacements.
+        rows: of which measurement, as in ``read_scan``; None where a place may stand repeatedly.
 
     Returns: the quantities, in SI units and radians; the line of the header; the lines of points
     that lack an amplitude, which are excluded; and notes on how the file was read.
@@ -231,6 +265,13 @@ def read_points(
     lacking = cells.index[amplitudes.map(str.lower).isin(MISSING).any(axis=1)]
     cells = cells.drop(lacking)
     table = pd.DataFrame({name: _numbers(cells, column) for name, column in columns.items()})
+    if rows is not None:
+        others = [
+            column_of(name, at) or Column("", "", None, at, name) for at, name in enumerate(header)
+        ]
+        others = [column for column in others if column.place not in taken]
+        table, chosen = _one_measurement(table, cells, others, rows=rows, frequency_hz=frequency_hz)
+        notes += chosen
     for column in motion:
         if column.unit in SPEEDS_M_PER_S:
             table[column.quantity] /= _angular_frequency(frequency_hz)
@@ -238,10 +279,110 @@ def read_points(
     return table, line, lacking, [*notes, *_lacking(lacking.tolist(), what="line")]
 
 
-def _table(path: Path, frequency_hz: float | None) -> Scan:
+def _one_measurement(
+    table: pd.DataFrame,
+    cells: pd.DataFrame,
+    others: Sequence[Column],
+    *,
+    rows: str,
+    frequency_hz: float | None,
+) -> tuple[pd.DataFrame, list[str]]:
+    """The rows of one measurement at each place, and notes on which these are.
+
+    Args:
+        table: quantities, whose places may stand repeatedly.
+        cells, others: all cells of the same rows, and the columns that are no such quantities.
+        rows, frequency_hz: as in ``read_scan``.
+
+    Raises:
+        InputError: for rows that are not there, a time series, and for several measurements at a
+            place, with the column that tells them apart.
+    """
+    notes, asked = [], set()
+    for condition in filter(None, map(str.strip, rows.split(";"))):
+        name, _, value = (part.strip() for part in condition.rpartition("="))
+        names = {other.name.lower(): other for other in others}
+        with naming(f"actuator.profile.rows: {condition!r}"):
+            if name.lower() not in names:
+                known = ", ".join(repr(other.name) for other in others)
+                raise InputError(f"needs COLUMN = VALUE, the column one of {known}")
+            column = names[name.lower()]
+            values = _plain(cells.loc[table.index, column.place])
+            table = table[values == _plain(pd.Series([value]))[0]]
+            if table.empty:
+                raise InputError(f"no row has this value; {_values_in(values)}")
+        asked.add(column.place)
+    for column in others:
+        if column.quantity == "frequency" and column.size and column.place not in asked:
+            values_hz = _number(cells.loc[table.index, column.place]) * column.size
+            if not _recurs(table, values_hz):
+                continue
+            if frequency_hz is None:
+                raise InputError(f"the rows of {column.name!r} need the actuator's frequency")
+            line_hz, far = _nearest_line(values_hz.unique(), frequency_hz)
+            if far:
+                raise InputError(f"column {column.name!r}: {far}")
+            table = table[values_hz == line_hz]
+            notes.append(f"rows at {line_hz:.7g} Hz in {column.name!r}")
+    place = _places_of(table)
+    if not place.duplicated().any():
+        return table, notes
+    for column in others:
+        values = _plain(cells.loc[table.index, column.place])
+        differing = values.groupby(place).nunique()[place[place.duplicated()].unique()]
+        if differing.median() < 2:
+            continue
+        recurs = _recurs(table, values)
+        if column.quantity == "time" and (recurs or len(values) >= INSTANTS * place.nunique()):
+            raise InputError(
+                f"column {column.name!r} has several instants at each place: a time series is no "
+                "shape; export amplitude and phase at the actuator's frequency"
+            )
+        if recurs:
+            raise InputError(
+                f"places have several rows each, which column {column.name!r} tells apart: "
+                f"{_values_in(values)}; take one by actuator.profile.rows: {column.name} = "
+                f"{values.iloc[0]}"
+            )
+    return table, notes
+
+
+def _number(cells: pd.Series) -> pd.Series:
+    """Numbers of cells, with decimal points or commas; NaN of others."""
+    return pd.to_numeric(cells.str.replace(",", "."), errors="coerce").astype(float)
+
+
+def _plain(cells: pd.Series) -> pd.Series:
+    """Cells in small letters, numbers in one spelling."""
+    numbers = _number(cells)
+    return cells.str.strip().str.lower().where(numbers.isna(), numbers.map("{:.9g}".format))
+
+
+def _values_in(values: pd.Series) -> str:
+    """The values of a column in words, the first of many."""
+    counts = values.value_counts(sort=False)
+    named = [f"{value} ({count} rows)" for value, count in counts.items()]
+    return "it has " + ", ".join(named[:PLACES_NAMED]) + ", …" * (len(named) > PLACES_NAMED)
+
+
+def _places_of(table: pd.DataFrame) -> pd.Series:
+    """A name of each row's place, which rows at the same place share."""
+    r, phi = (table.get(name, pd.Series(0.0, table.index)) for name in ("r", "phi"))
+    x = table.get("x", r * np.cos(phi))
+    y = table.get("y", r * np.sin(phi))
+    steps = pd.DataFrame({"x": x, "y": y}).div(SAME_PLACE_M).round()
+    return steps.groupby(["x", "y"], sort=False).ngroup()
+
+
+def _recurs(table: pd.DataFrame, values: pd.Series) -> bool:
+    """Tell whether values stand each at many places: those of a setting, no measurement."""
+    return 0 < values.nunique() <= 2 * len(values) / _places_of(table).nunique()
+
+
+def _table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     """The scan in a table of text."""
     table, line, lacking, notes = read_points(
-        path, what="scan", form=FORM, frequency_hz=frequency_hz
+        path, what="scan", form=FORM, frequency_hz=frequency_hz, rows=rows
     )
     known = set(table)
     place = known & {"x", "y", "r", "phi"}
@@ -266,8 +407,8 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
         "amplitude must not be negative where phase or sign tells its direction": (size < 0)
         & directed,
     }
-    for problem, rows in wrong.items():
-        for number in table.index[rows][:1]:
+    for problem, where in wrong.items():
+        for number in table.index[where][:1]:
             raise InputError(f"line {number}: {problem}")
     amplitude = (size * np.exp(1j * phase) + real + 1j * imaginary) * sign
     z = x + 1j * y + r * np.exp(1j * phi)
@@ -335,12 +476,15 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str]:
     comments = [index for index in filled if index < plain[0]]
     for index in (*plain[:FIRST_LINES], *comments[:FIRST_LINES]):
         line, named = COMMENT.sub("", lines[index], count=1), {}
+        below = next((lines[row] for row in plain if row > index), "")
         for separator in SEPARATORS:
-            columns = map(column_of, _split(line, separator))
-            named[separator] = len({column.quantity for column in columns if column})
-        separator = max(named, key=named.__getitem__)
-        if named[separator] >= FEWEST_NAMED:
-            return index, separator
+            cells = _split(line, separator)
+            count = len({column.quantity for column in _named(cells)})
+            if count >= FEWEST_NAMED:
+                # Headers have words with blanks and commas: the row below tells the separator.
+                named[separator] = len(cells) == len(_split(below, separator)), count
+        if named:
+            return index, max(named, key=named.__getitem__)
     first = lines[plain[0]].strip()[:60]
     raise InputError(f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}")
 
@@ -355,7 +499,7 @@ def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
             f"line {line}: {name} has a point in {cell!r}, and a comma in other rows; one of them "
             "must be the decimal sign, and nothing stands between thousands"
         )
-    values = pd.to_numeric(cells.str.replace(",", "."), errors="coerce").astype(float)
+    values = _number(cells)
     for line, cell in cells[~(values.abs() <= LARGEST)][:1].items():
         raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     return values * (column.size or 1.0)
@@ -367,10 +511,17 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
         import pyuff
     omega = _angular_frequency(frequency_hz)
     try:
-        sets = pyuff.UFF(str(path)).read_sets()
+        file = pyuff.UFF(str(path))
+        kinds_of_sets = [int(kind) for kind in file.get_set_types()]
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"not a universal file that pyuff reads: {error}") from None
-    sets = sets if isinstance(sets, list) else [sets]
+    sets: list[dict[str, Any]] = []
+    for number, kind in enumerate(kinds_of_sets):
+        if kind in (*NODES, UNITS, FUNCTION):
+            try:
+                sets.append(file.read_sets(number))
+            except Exception as error:
+                raise InputError(f"set {number + 1} (data set {kind}): {error}") from None
     length = next((float(each["length"]) for each in sets if each.get("type") == UNITS), 1.0)
     places = {
         int(node): complex(x, y) / length
@@ -380,33 +531,54 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
     }
     every = [each for each in sets if each.get("type") == FUNCTION]
     functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL] or every
+    functions, aside = _of_motion(functions, places)
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
-    unplaced = set(nodes) - set(places)
     refuse(
         "universal file",
         {
-            "no functions (data set 58) are in it": not functions,
-            f"the node {min(unplaced, default=0)} of a function has no place (data set 15 or "
-            "2411)": unplaced,
+            "no functions (data set 58) are in it": not every,
+            f"no function is a shape; {'; '.join(aside)}": not functions,
             "a node has several functions; export one, or that along z": len(set(nodes))
             < len(nodes),
-            "the functions are neither displacements (type 8) nor velocities (11) but of type "
-            f"{', '.join(map(str, sorted(kinds)))}": kinds not in ({DISPLACEMENT}, {VELOCITY}),
+            "the functions are not all displacements (type 8), velocities (11) or accelerations "
+            f"(12) but of type {', '.join(map(str, sorted(kinds)))}": kinds
+            not in [{kind} for kind in MOTION_PER_M],
         },
     )
     rows = [_line_at(each, omega / (2 * math.pi)) for each in functions]
     measured, lines_hz = (np.array(column) for column in zip(*rows, strict=True))
     numbers, seen = 1 + np.arange(len(nodes)), np.isfinite(measured)
-    amplitude = measured[seen].astype(complex) / (omega if kinds == {VELOCITY} else 1.0)
+    amplitude = measured[seen].astype(complex) / omega ** MOTION_PER_M[min(kinds)]
+    if kinds == {ACCELERATION}:
+        amplitude = -amplitude
     place = np.array([places[node] for node in nodes])[seen]
     signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
     notes = (
+        *aside,
         f"read at {lines_hz.min():.7g} Hz",
         *_lacking(numbers[~seen].tolist(), what="function"),
     )
     missing = int(np.sum(~seen))
     return Scan(path, place.real, place.imag, amplitude, numbers[seen], missing, signed, notes)
+
+
+def _of_motion(
+    functions: Sequence[dict[str, Any]], places: Collection[int]
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """The functions that may be a shape, and a note for each kind of the others."""
+    kept, aside = [], dict.fromkeys(("coherences", "power spectra", "functions without a place"), 0)
+    for function in functions:
+        kind = int(function.get("func_type", 0))
+        if kind in COHERENCES:
+            aside["coherences"] += 1
+        elif kind in POWER and len(functions) > len(places):
+            aside["power spectra"] += 1
+        elif int(function["rsp_node"]) not in places:
+            aside["functions without a place"] += 1
+        else:
+            kept.append(function)
+    return kept, [f"{count} {name} ignored" for name, count in aside.items() if count]
 
 
 def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | float, float]:
@@ -415,8 +587,8 @@ def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | f
     It is NaN where the function is not finite there, or zero at all lines: nothing was measured.
     """
     lines, data = np.asarray(function["x"], dtype=float), np.asarray(function["data"])
-    nearest = int(np.argmin(np.abs(lines - frequency_hz)))
-    farthest = FARTHEST_LINE * np.diff(lines).max(initial=0.0) or FARTHEST_SHARE * frequency_hz
+    line_hz, far = _nearest_line(lines, frequency_hz)
+    nearest = int(np.argmax(lines == line_hz))
     kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
     refuse(
         f"node {int(function['rsp_node'])}",
@@ -424,13 +596,21 @@ def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | f
             "a function of time or a power spectrum; export amplitudes or frequency responses": kind
             in TIME_OR_POWER
             or over != FREQUENCY,
-            f"its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the actuator "
-            f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)": abs(
-                lines[nearest] - frequency_hz
-            )
-            > farthest,
+            far: far,
         },
     )
     seen = np.any(data) and np.abs(data[nearest]) <= LARGEST
     sign = math.copysign(1.0, int(function["rsp_dir"])) if seen else np.nan
-    return sign * data[nearest], float(lines[nearest])
+    return sign * data[nearest], line_hz
+
+
+def _nearest_line(lines_hz: np.ndarray, frequency_hz: float) -> tuple[float, str]:
+    """The line of a spectrum nearest to a frequency, and why it is too far from it, if it is."""
+    line_hz = float(lines_hz[np.argmin(np.abs(lines_hz - frequency_hz))])
+    steps_hz = np.diff(np.sort(lines_hz))
+    farthest = FARTHEST_LINE * steps_hz.max(initial=0.0) or FARTHEST_SHARE * frequency_hz
+    far = (
+        f"its lines go from {lines_hz.min():.7g} to {lines_hz.max():.7g} Hz, and the actuator "
+        f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency)"
+    )
+    return line_hz, far if abs(line_hz - frequency_hz) > farthest else ""

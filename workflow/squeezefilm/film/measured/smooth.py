@@ -3,7 +3,8 @@
 The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
 which degree they describe the points best; two degrees more are taken, so that what the profile
 neglects is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
-Statistics, 2006, 5.7).
+Statistics, 2006, 5.7). Where there are too few points for these, the last two degrees estimate the
+misfit, an error besides the noise.
 
 Points far from the rest are excluded and the rest is fitted again. The film equation needs the
 profile's curvature, so that a smooth global basis serves it better than splines with their knots.
@@ -30,12 +31,13 @@ import numpy as np
 
 from squeezefilm.errors import InputError, naming, refuse
 from squeezefilm.files import digest, whole_file
-from squeezefilm.film.measured.read import Scan, read_scan
+from squeezefilm.film.measured.read import SAME_PLACE_M, Scan, read_scan
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
 LARGEST_DEGREE = 24
-POINTS_PER_MODE = 3
+# The fewest points per mode that cross-validation looks at, and for degrees above its best one.
+POINTS_PER_MODE, POINTS_PER_MODE_MORE = 1.5, 3
 LARGEST_CONDITION = 1e8
 # Degrees above the best by cross-validation, so that the misfit is small beside the noise.
 DEGREES_MORE = 2
@@ -55,6 +57,8 @@ OUTLIER, LEAST_OUTLIER = 4.5, 0.005
 # More such points, as a share, are no outliers.
 MOST_OUTLIERS = 0.05
 REFITS = 20
+# A maximum so far above the largest at the measured points is extrapolated.
+OVERSHOOT = 1.05
 # Draws of noise by which the bias of the maximum is estimated.
 PEAK_DRAWS, PEAK_SEED = 200, 1
 UNSIGNED = (
@@ -79,6 +83,7 @@ class SmoothedScan:
         fit: the modes' least squares.
         measured_m: the points' amplitudes, turned to the phase of most of the motion; complex where
             the profile is, else the part in this phase.
+        scale_modes: the modes where the maximum is taken, shape (modes, places).
         outliers: which of them lie further from the rest than noise does; they are not fitted.
     """
 
@@ -92,11 +97,37 @@ class SmoothedScan:
     fit: Fit
     measured_m: np.ndarray
     outliers: np.ndarray
+    scale_modes: np.ndarray
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Standard error of the profile, of each part of a complex one, over its maximum."""
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
         return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.fit.root, axis=-1)
+
+    def misfit(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """Estimate the part of modes that the points do not determine, over the maximum."""
+        modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
+        return np.asarray(np.abs(modes @ self.fit.misfit_m) / self.peak_m)
+
+    @property
+    def misfitting(self) -> list[Modes]:
+        """The profiles with so much more and less, over their maxima; none without a misfit."""
+        misfit_m = self.fit.misfit_m
+        if not np.any(misfit_m):
+            return []
+        raw_m = self.peak_m * np.array(self.profile.coefficients)
+        return self._over_their_maxima(np.array([raw_m + misfit_m, raw_m - misfit_m]))
+
+    def _over_their_maxima(self, coefficients_m: np.ndarray) -> list[Modes]:
+        """Profiles of coefficients, shape (profiles, modes), scaled as this one is."""
+        raw_m = self.peak_m * np.array(self.profile.coefficients)
+        # The finer search for the maximum moves it by as little for each.
+        finer = (self.peak_m + self.peak_bias_m) / _largest_at(raw_m, self.scale_modes)
+        peaks_m = _largest_at(coefficients_m, self.scale_modes) * finer - self.peak_bias_m
+        return [
+            replace(self.profile, coefficients=tuple((coefficients / peak).tolist()))
+            for coefficients, peak in zip(coefficients_m, peaks_m, strict=True)
+        ]
 
     @property
     def residual_m(self) -> np.ndarray:
@@ -126,39 +157,39 @@ class SmoothedScan:
         )
         raw_m = self.peak_m * np.array(self.profile.coefficients)
         drawn_m = raw_m + (noise_m @ basis) @ self.fit.root @ self.fit.root.T
-        # The finer search for the maximum moves it by as little for each.
-        finer = (self.peak_m + self.peak_bias_m) / _largest_on_net(raw_m, orders, surface)
-        peaks = _largest_on_net(drawn_m, orders, surface) * finer - self.peak_bias_m
-        return [
-            replace(self.profile, coefficients=tuple((drawn / peak).tolist()))
-            for drawn, peak in zip(drawn_m, peaks, strict=True)
-        ]
+        return self._over_their_maxima(drawn_m)
 
 
 @lru_cache(maxsize=16)
 def smoothed_scan(
-    path: Path, *, frequency_hz: float | None = None, **settings: Any
+    path: Path, *, frequency_hz: float | None = None, rows: str = "", **settings: Any
 ) -> SmoothedScan:
     """The smooth profile of a scan's file, as ``smoothed`` makes it; once a process.
 
     Raises InputError naming the file, and the place of the error or the undetermined region.
     """
-    return smoothed(read_scan(path, frequency_hz=frequency_hz), **settings)
+    return smoothed(read_scan(path, frequency_hz=frequency_hz, rows=rows), **settings)
 
 
 def smoothed(
-    scan: Scan, *, surface: Surface, axisymmetric: bool, sign: str = "measured"
+    scan: Scan,
+    *,
+    surface: Surface,
+    axisymmetric: bool,
+    sign: str = "measured",
+    scale: str = "surface",
 ) -> SmoothedScan:
     """The smooth profile of a scan on a surface.
 
     Args:
         sign: ``unknown`` takes amplitudes without phase or sign to one side; ``measured`` rejects
             them.
+        scale: whether the maximum is that on the whole ``surface``, or at the ``measured`` points.
 
     Raises InputError naming the file, and what its points do not determine.
     """
     check_places(scan, surface, axisymmetric=axisymmetric, sign=sign)
-    scan = thinned(scan)
+    scan = thinned(averaged(scan))
     points = Points(surface, axisymmetric, scan.x_m, scan.y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
@@ -180,10 +211,15 @@ def smoothed(
     def profile_of(fit: Fit, size_m: float) -> Modes:
         return Modes(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
 
-    raw = profile_of(fit, 1.0)
-    largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
-    bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
-    peak_m = largest_m - bias_m
+    largest_m, at_points = _largest_of(profile_of(fit, 1.0)), fitted.modes(fit.orders).T
+    if scale == "measured":
+        scale_modes, peak_m = at_points, float(_largest_at(fit.coefficients, at_points))
+    else:
+        scale_modes, peak_m = _modes_on_net(fit.orders, surface), largest_m
+        note = overshoots(fit, surface, at_points=at_points, noise_m=noise_m)
+        scan = replace(scan, notes=(*scan.notes, *note))
+    bias_m = min(_bias_of_largest(fit, noise_m, scale_modes), LARGEST_ERROR * peak_m)
+    peak_m -= bias_m
     if axisymmetric and not scan.radial:
         scan = replace(scan, notes=(*scan.notes, *wants_angles(points, measured.real, fit)))
     result = SmoothedScan(
@@ -197,6 +233,7 @@ def smoothed(
         fit=fit,
         measured_m=turn * measured,
         outliers=~kept,
+        scale_modes=scale_modes,
     )
     _refuse_unknown(result, axisymmetric=axisymmetric)
     return result
@@ -248,7 +285,8 @@ class Fit:
 
     ``score`` is the least rms error, over degrees, at held-out points, and ``root`` (modes, modes)
     the factor by which the points' noise enters the coefficients: their covariance is
-    noise² root rootᵀ.
+    noise² root rootᵀ. ``misfit_m``, coefficients too, estimates what degrees add that
+    the points do not determine; it is zero where DEGREES_MORE above the best degree are taken.
     """
 
     degree: int
@@ -256,6 +294,7 @@ class Fit:
     coefficients: np.ndarray
     root: np.ndarray
     score: float
+    misfit_m: np.ndarray
 
 
 def best_fit(points: Points, measured: np.ndarray) -> Fit:
@@ -282,10 +321,20 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
     if not scores:
         raise InputError("the points do not determine a profile")
     best = min(scores, key=scores.__getitem__)
-    degree = max(each for each in scores if each <= best + DEGREES_MORE)
+    enough = len(measured) / POINTS_PER_MODE_MORE
+    more = [each for each in scores if best < each <= best + DEGREES_MORE]
+    degree = max([best, *(each for each in more if len(points.orders[each]) <= enough)])
     count = len(points.orders[degree])
     root = np.linalg.inv(triangle[:count, :count])
-    return Fit(degree, points.orders[degree], root @ along[:count], root, scores[best])
+    coefficients, misfit_m = root @ along[:count], np.zeros(count, dtype=along.dtype)
+    if DEGREES_MORE <= degree < min(best + DEGREES_MORE, LARGEST_DEGREE):
+        # The change by the last degrees, by so much less as errors at held-out points fall on half
+        # the way to them.
+        fewer = len(points.orders[degree - DEGREES_MORE])
+        lower = np.linalg.solve(triangle[:fewer, :fewer], along[:fewer])
+        fall = math.sqrt(scores[degree] / scores[degree - DEGREES_MORE])
+        misfit_m = min(fall, 1.0) * (coefficients - np.pad(lower, (0, count - fewer)))
+    return Fit(degree, points.orders[degree], coefficients, root, scores[best], misfit_m)
 
 
 def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
@@ -302,7 +351,23 @@ def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
     ] * (share <= LESS_WITH_ANGLES)
 
 
-def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str) -> None:
+def overshoots(fit: Fit, surface: Surface, *, at_points: np.ndarray, noise_m: float) -> list[str]:
+    """A note where the maximum is extrapolated, or less known than at the measured points."""
+    net = _modes_on_net(fit.orders, surface)
+    largest_m, measured_m = (float(_largest_at(fit.coefficients, at)) for at in (net, at_points))
+    bias_m, bias_at_points_m = (_bias_of_largest(fit, noise_m, at) for at in (net, at_points))
+    less_known = bias_m - bias_at_points_m > (OVERSHOOT - 1) / 2 * measured_m
+    return [
+        f"the profile's maximum is {largest_m * 1e6:.4g} µm, and {measured_m * 1e6:.4g} µm at the "
+        f"measured points: it overshoots between or beyond the last rows, where noise adds "
+        f"{bias_m * 1e6:.2g} µm, and with it the scale of all forces is uncertain. Scan more rows "
+        "at the edge, or say actuator.profile.scale: measured"
+    ] * bool(less_known or largest_m > OVERSHOOT * measured_m)
+
+
+def check_places(
+    scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str, scale: str = "surface"
+) -> None:
     """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
     refuse(
         scan.path,
@@ -320,6 +385,29 @@ def check_places(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str)
             f"{surface.where(scan.x_m[row], scan.y_m[row])}, off the actuator's {surface.text} "
             f"({surface.key})"
         )
+
+
+def averaged(scan: Scan) -> Scan:
+    """A scan with one point at each place, the mean of the rows there, at the first one's line.
+
+    Rows of a place are no independent evidence of a shape between places: cross-validation holds
+    them out together, and noise that they share is counted once.
+    """
+    steps = np.round(np.stack([scan.x_m, scan.y_m]) / SAME_PLACE_M)
+    _, first, place, rows = np.unique(
+        steps, axis=1, return_index=True, return_inverse=True, return_counts=True
+    )
+    if rows.max() == 1:
+        return scan
+    real, imaginary = (
+        np.bincount(place.ravel(), weights=part) / rows
+        for part in (scan.amplitude_m.real, scan.amplitude_m.imag)
+    )
+    order = np.argsort(first)
+    amplitude_m, kept = (real + 1j * imaginary)[order], first[order]
+    columns = {name: getattr(scan, name)[kept] for name in ("x_m", "y_m", "lines")}
+    note = f"{len(scan.x_m)} rows at {len(kept)} places: the mean at each place is fitted"
+    return replace(scan, **columns, amplitude_m=amplitude_m, notes=(*scan.notes, note))
 
 
 def thinned(scan: Scan) -> Scan:
@@ -381,12 +469,21 @@ def _mean_square(fit: Fit, surface: Surface) -> float:
     )
 
 
-def _largest_on_net(coefficients: np.ndarray, orders: Orders, surface: Surface) -> np.ndarray:
-    """Largest magnitude of sums of modes on the net; coefficients of shape (…, modes)."""
-    return np.asarray(np.abs(coefficients @ _modes_on_net(orders, surface)).max(axis=-1))
+def _largest_of(profile: Modes) -> float:
+    """Largest magnitude of a profile on its surface."""
+
+    def amplitude(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        return np.asarray(profile.amplitude(x_m=x_m, y_m=y_m))
+
+    return largest_magnitude(amplitude, surface=profile.surface)
 
 
-def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
+def _largest_at(coefficients: np.ndarray, modes: np.ndarray) -> np.ndarray:
+    """Largest magnitude of sums of modes (modes, places); coefficients of shape (…, modes)."""
+    return np.asarray(np.abs(coefficients @ modes).max(axis=-1))
+
+
+def _bias_of_largest(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
     """Return the bias of the largest magnitude by noise, from the effect of more noise."""
     random, shape = np.random.default_rng(PEAK_SEED), (PEAK_DRAWS, len(fit.orders))
     noise = noise_m * random.standard_normal(shape)
@@ -394,8 +491,8 @@ def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
         noise = noise + 1j * noise_m * random.standard_normal(shape)
     # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
     change = np.concatenate([noise, -noise]) @ fit.root.T
-    with_noise = _largest_on_net(fit.coefficients + change, fit.orders, surface).mean()
-    return max(float(with_noise - _largest_on_net(fit.coefficients, fit.orders, surface)), 0.0)
+    with_noise = _largest_at(fit.coefficients + change, modes).mean()
+    return max(float(with_noise - _largest_at(fit.coefficients, modes)), 0.0)
 
 
 def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
@@ -409,7 +506,7 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
         measured, places = np.abs(measured) + 0j, np.abs(places) + 0j
     tree = cKDTree(np.stack([measured.real, measured.imag], axis=-1))
     distance, _ = tree.query(np.stack([places.real, places.imag], axis=-1))
-    error = smoothed.standard_error(x_m=x_m, y_m=y_m)
+    error = smoothed.standard_error(x_m=x_m, y_m=y_m) + smoothed.misfit(x_m=x_m, y_m=y_m)
     hole, worst = (np.unravel_index(np.argmax(each), each.shape) for each in (distance, error))
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
     if axisymmetric:

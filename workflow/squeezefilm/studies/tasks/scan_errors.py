@@ -49,9 +49,10 @@ def scan_errors(
         the standard deviation over profiles with other noise;
         ``measurement_noise_n``, half of the interval that holds the noise's part with COVERAGE: the
         spread's, and all that was taken off the profile's maximum as the noise's;
+        ``misfit_n``, by modes that the points do not determine;
         ``quadrature_n``, by what the force is low without motion out of phase that was neglected;
-        ``scan_error_n``, the sum of both. The same noise of each other quantity, in its unit:
-        ``thrust_x_measurement_noise_n`` of ``thrust_x_n``.
+        ``scan_error_n``, the sum of all. The same noise, with the misfit, of each other quantity,
+        in its unit: ``thrust_x_measurement_noise_n`` of ``thrust_x_n``.
 
     Raises:
         RunError: naming a scene that has no force.
@@ -60,6 +61,7 @@ def scan_errors(
 
     scenes = resolve_auto_terms(scenes, device=device)
     profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=SEED)]
+    profiles += smoothed.misfitting
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
         for profile in profiles
@@ -70,11 +72,18 @@ def scan_errors(
     for row, solution in enumerate(found):
         if solution.status != "ok":
             raise RunError(f"point {every[row].point_id}: {solution.status}")
-    own, others = values.iloc[: len(scenes)], values.iloc[len(scenes) :].select_dtypes("number")
-    spread = others.groupby(others.index % len(scenes)).std()
+    count = len(scenes)
+    own, numbers = values.iloc[:count], values.select_dtypes("number")
+    noisy, misfitting = (
+        numbers.iloc[count : (draws + 1) * count],
+        numbers.iloc[(draws + 1) * count :],
+    )
+    spread = noisy.groupby(noisy.index % count).std()
+    off = (misfitting - own[numbers.columns].iloc[misfitting.index % count].to_numpy()).abs()
+    misfit = off.groupby(off.index % count).max().reindex(range(count), fill_value=0.0)
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
-    bias = 2 * (smoothed.profile.largest - 1) / (1 - Scenes.of(scenes).epsilon)
+    bias = 2 * smoothed.peak_bias_m / smoothed.peak_m / (1 - Scenes.of(scenes).epsilon)
     neglected = not smoothed.profile.is_complex
     effect = [out_of_phase_effect(scene, smoothed) if neglected else 0.0 for scene in scenes]
     table = pd.DataFrame({"force_n": own["force_n"], "spread_n": spread["force_n"]})
@@ -83,11 +92,13 @@ def scan_errors(
     table["measurement_noise_n"] = noise["force_n"]
     table["quadrature_n"] = effect * size_n
     table["noise_fraction"] = table["measurement_noise_n"] / size_n
-    table["scan_error_n"] = table["measurement_noise_n"] + table["quadrature_n"]
+    table["misfit_n"] = misfit["force_n"]
+    table["scan_error_n"] = table[["measurement_noise_n", "misfit_n", "quadrature_n"]].sum(axis=1)
     for name in map(str, noise):
         if "_error" in name:
             quantity = name.replace("_error", "")
-            table[name.replace("_error", "_measurement_noise")] = noise[quantity]
+            of_scan = noise[quantity] + misfit[quantity]
+            table[name.replace("_error", "_measurement_noise")] = of_scan
     return table.assign(scan_error_fraction=table["scan_error_n"] / size_n)
 
 
@@ -125,6 +136,7 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
     noise, error = (float(forces[f"{each}_fraction"].max()) for each in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net()
     unsure = percent(100 * float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()), sign="")
+    misfit = percent(100 * float(smoothed.misfit(x_m=x_m, y_m=y_m).max()), sign="")
     outliers = smoothed.scan.lines[smoothed.outliers].tolist()
     summary = {"largest_force_noise_fraction": noise, "largest_force_error_fraction": error}
     point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
@@ -134,13 +146,16 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
         "largest amplitude": f"{smoothed.peak_m * 1e6:.4g} µm",
         "noise of a point": f"{point_noise} of the largest amplitude",
         "standard error of the profile": f"at most {unsure} of the largest amplitude",
+        "misfit of the profile": f"at most {misfit} of the largest amplitude, too few points",
         "quadrature motion": rms + ", neglected" * (not smoothed.profile.is_complex),
         "points": len(smoothed.measured_m),
         "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
         "degree of the modes": smoothed.fit.degree,
         "notes": [each.removeprefix("note: ") for each in smoothed.warnings],
     }
-    text = in_lines(row if outliers else row | {"outliers": ""})
+    row |= {} if outliers else {"outliers": ""}
+    row |= {} if smoothed.misfitting else {"misfit of the profile": ""}
+    text = in_lines(row)
     shown = "; ".join(" ".join(line.split()) for line in text.splitlines())
     return forces, profile_table(smoothed).assign(note=shown), summary, text
 
