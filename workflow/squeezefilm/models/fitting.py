@@ -28,6 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from squeezefilm.errors import InputError
+from squeezefilm.formulas import Value
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.search import Array, Found, Objective, genetic_search, nelder_mead
@@ -43,6 +45,8 @@ from squeezefilm.parallel import parallel_map
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
 MOST_SEARCHES = 32
+DEPENDENT = 1e-10
+"""Share of a column's length that others do not replace, below which it counts as none."""
 LARGEST_PART = 12_000
 """Forces evaluated at once: in 100 kB, which memory is kept for; five times as fast as 260 kB."""
 DRAWS, SEED = 400, 1
@@ -172,11 +176,12 @@ def fit_by(
         method = "linear least squares" if count else "no parameters"
         about = {"bound": ways[0][0], "seed": ways[0][2], "evaluations": 1}
         return [Fit.of(model, factors, force, theta, method=method, **about)]
-    objective = _objective(model, factors, force)
+    projection = _Projection(model, factors, force)
+    objective, size = projection.objective, int(projection.searched.sum())
 
     def searched(way: tuple[float, Search, int]) -> list[Found]:
         bound, search, seed = way
-        return search(objective, np.full(count, np.arcsinh(bound)), seed)
+        return search(objective, np.full(size, np.arcsinh(bound)), seed)
 
     searches = parallel_map(searched, ways, processes=processes)
     # A false minimum can look better while the search is rough: the best four go on for a while.
@@ -191,7 +196,7 @@ def fit_by(
             model,
             factors,
             force,
-            np.sinh(end.x),
+            projection.theta(end.x),
             method=f"{METHODS[search]}, then Nelder-Mead",
             bound=bound,
             seed=seed,
@@ -202,25 +207,79 @@ def fit_by(
     ]
 
 
-def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Objective:
-    """Sum of squares (paper eq. 4) over |y|^2, of a population of u = asinh(theta).
+@dataclass(frozen=True)
+class _Projection:
+    """A model at n points with its linear parameters eliminated (variable projection).
 
-    Takes shape (m, p), gives shape (m,).
+    The parameters in which the force is linear have their best values at any others: the search
+    is in the others alone, and the unit of force does not matter (G. Golub and V. Pereyra, The
+    differentiation of pseudo-inverses and nonlinear least squares problems whose variables
+    separate, SIAM J. Numer. Anal. 10 (1973) 413-432).
     """
-    scale = float(np.sum(force_n**2))
-    rows = max(LARGEST_PART // len(force_n), 1)
-    value = model.parsed.with_known(model.columns_of(factors))
 
-    def sum_of_squares(u: Array) -> Array:
+    model: ExpressionModel
+    factors: Factors
+    force_n: Array
+
+    @cached_property
+    def searched(self) -> Array:
+        """Mask of the parameters that are not linear, shape (p,)."""
+        linear = self.model.linear_names
+        return np.array([name not in linear for name in self.model.parameter_names])
+
+    @cached_property
+    def _value(self) -> Value:
+        return self.model.parsed.with_known(self.model.columns_of(self.factors))
+
+    def _parts(self, u: Array) -> tuple[Array, Array]:
+        """Force less its part without linear parameters (m, n); columns of these (m, k, n)."""
+        names, linear = self.model.parameter_names, self.model.linear_names
+        searched = [name for name in names if name not in linear]
+        theta = dict(zip(searched, np.sinh(u).T[..., None, None], strict=True))
+        units = np.eye(len(linear) + 1)[1:, :, None]
+        shape = len(u), len(linear) + 1, len(self.force_n)
+        values = np.broadcast_to(self._value(theta | dict(zip(linear, units, strict=True))), shape)
+        return self.force_n - values[:, 0], values[:, 1:] - values[:, :1]
+
+    def objective(self, u: Array) -> Array:
+        """Sum of squares (paper eq. 4) over |y|^2, of a population of u = asinh(theta).
+
+        Takes shape (m, q), q parameters being searched for, gives shape (m,).
+        """
+        rows = max(LARGEST_PART // (len(self.force_n) * (len(self.model.linear_names) + 1)), 1)
+        starts = range(0, len(u), rows)
         with np.errstate(all="ignore"):
-            theta = dict(zip(model.parameter_names, np.sinh(u).T[..., None], strict=True))
-            residual = value(theta) - force_n
-            squares = np.sum(residual**2, axis=-1) / scale
+            return np.concatenate([self._squares(u[start : start + rows]) for start in starts])
+
+    def _squares(self, u: Array) -> Array:
+        residual, columns = self._parts(u)
+        length = np.linalg.norm(columns, axis=-1)
+        for place in range(columns.shape[1]):  # Gram and Schmidt's, modified: no unit of force
+            left = np.linalg.norm(columns[:, place], axis=-1)
+            left[left < DEPENDENT * length[:, place]] = np.inf  # for one that others replace
+            unit = columns[:, place] / left[:, None]
+            residual = residual - np.sum(unit * residual, axis=-1)[:, None] * unit
+            rest = columns[:, place + 1 :]
+            shares = np.sum(unit[:, None] * rest, axis=-1)
+            columns[:, place + 1 :] = rest - shares[..., None] * unit[:, None]
+        squares = np.sum(residual**2, axis=-1) / np.sum(self.force_n**2)
         return np.fmin(squares, UNDEFINED)  # which takes the number where squares are none
 
-    return lambda u: np.concatenate(
-        [sum_of_squares(u[start : start + rows]) for start in range(0, len(u), rows)]
-    )
+    def theta(self, u: Array) -> Array:
+        """All parameters, shape (p,), from those that were searched for, shape (q,)."""
+        theta = np.zeros(len(self.searched))
+        theta[self.searched] = np.sinh(u)
+        with np.errstate(all="ignore"):
+            (wanted,), (columns,) = self._parts(u[None])
+        theta[~self.searched] = _linear_solution(columns.T, wanted)
+        return theta
+
+
+def _linear_solution(columns: Array, wanted: Array) -> Array:
+    """Least-squares coefficients of columns (n, k), whatever their sizes."""
+    size = np.linalg.norm(columns, axis=0)
+    size = np.where(size > 0, size, 1.0)
+    return np.asarray(np.linalg.lstsq(columns / size, wanted, rcond=None)[0] / size)
 
 
 def local_fit(
@@ -258,11 +317,7 @@ def local_fit(
     if not free.any():
         return theta
     if model.is_linear:  # exact in one step, whatever the parameters' sizes
-        rows = slopes(theta[free])
-        size = np.linalg.norm(rows, axis=0)
-        size = np.where(size > 0, size, 1.0)
-        change = np.linalg.lstsq(rows / size, -begun, rcond=None)[0] / size
-        return whole(theta[free] + change)
+        return whole(theta[free] + _linear_solution(slopes(theta[free]), -begun))
     tolerances = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
     with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
         found = scipy.optimize.least_squares(

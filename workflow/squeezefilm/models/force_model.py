@@ -80,9 +80,18 @@ class ExpressionModel:
         return self.factor_names == ("h0_m", "hv_m")
 
     @property
+    def linear_names(self) -> tuple[str, ...]:
+        """Parameters in which the force is linear, all the others fixed."""
+        names: tuple[str, ...] = ()
+        for name in self.parameter_names:
+            if _degree(self.parsed, (*names, name)) <= 1:
+                names = (*names, name)
+        return names
+
+    @property
     def is_linear(self) -> bool:
         """True if the force is linear in the parameters, so that no search is needed."""
-        return _degree(self.parsed, self.parameter_names) <= 1
+        return self.linear_names == self.parameter_names
 
     def evaluate(self, theta: ArrayLike, factors: Factors) -> Array:
         """Force eta in newtons, from the model's expression.
