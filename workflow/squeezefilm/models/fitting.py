@@ -29,6 +29,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -59,10 +60,16 @@ RANGES_NOTE = (
     "intervals that do not overlap these. null is open."
 )
 """Said wherever intervals are written."""
-MOST_STEPS = 60
-"""Doublings and halvings of the step away from the estimate before a range counts as open."""
+MOST_STEPS, OPEN = 60, 2.0**30
+"""Doublings and halvings of the step away from the estimate, and its multiple, before a range
+counts as open."""
 LEAST_SINGULAR_VALUE = 1e-9
 SHARE_OF_DIRECTION = 0.1
+COMBINATIONS = {"/": np.divide, "*": np.multiply, " + ": np.add, " - ": np.subtract}
+HARDLY_CHANGES = 0.1
+"""Relative change of a combination of parameters that the points determine."""
+WIDER, MUCH_WORSE = 1e4, 1.01
+"""Factor of the widest bound in a check of it; ratio of sums of squares that this check finds."""
 
 
 @dataclass(frozen=True)
@@ -275,6 +282,34 @@ class _Projection:
         return theta
 
 
+def checked_bounds(
+    runs: Sequence[Fit], model: ExpressionModel, factors: Factors, force_n: Array
+) -> tuple[Fit, list[str]]:
+    """The best of a model's runs, or of wider bounds if it is much better, and what to note."""
+    best, widest = (
+        min(runs, key=lambda run: run.sum_of_squares),
+        max(run.bound for run in runs),
+    )
+    if model.is_linear:
+        return best, []
+    wider = fit_model(model, factors, force_n, bound=WIDER * widest, seed=best.seed)
+    rounding = 1e-20 * float(np.sum(force_n**2))
+    if best.sum_of_squares > MUCH_WORSE * wider.sum_of_squares + rounding:
+        return wider, [
+            f"fit.bounds up to {widest:g} are too narrow: the sum of squares there is "
+            f"{best.sum_of_squares:.4g} N², with {wider.bound:g} it is "
+            f"{wider.sum_of_squares:.4g} N², and this fit is shown"
+        ]
+    searched = [name for name in model.parameter_names if name not in model.linear_names]
+    theta = dict(zip(model.parameter_names, best.theta, strict=True))
+    beyond = [name for name in searched if abs(theta[name]) >= widest]
+    if not beyond:
+        return best, []
+    return best, [
+        f"{', '.join(beyond)} at or beyond fit.bounds ({widest:g}); wider ones fit no better"
+    ]
+
+
 def _linear_solution(columns: Array, wanted: Array) -> Array:
     """Least-squares coefficients of columns (n, k), whatever their sizes."""
     size = np.linalg.norm(columns, axis=0)
@@ -401,6 +436,46 @@ class ParameterRange:
         return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
+def _along(theta: Array, place: int, value: float) -> list[Array]:
+    """Starts (p,) with a new value of a parameter: the others kept, or one in proportion to it.
+
+    Points may determine the quotient or the product of two parameters and neither of them.
+    """
+    kept = theta.copy()
+    kept[place] = value
+    starts, share = [kept], value / theta[place] if theta[place] else 0.0
+    for other in range(len(theta) if share > 0 else 0):
+        for factor in (share, 1 / share):
+            if other != place:
+                starts.append(kept * np.where(np.arange(len(theta)) == other, factor, 1.0))
+    return starts
+
+
+def undetermined(ranges: Sequence[ParameterRange]) -> list[str]:
+    """Statements about the parameters whose ranges are open, for a fit's reader.
+
+    A quotient, product, sum or difference of two of them that hardly changes along their ranges
+    is determined by the points all the same.
+    """
+    names = [each.name for each in ranges]
+    unbounded = [each for each in ranges if not np.isfinite([each.lower, each.upper]).all()]
+    statements, paired = [], set[str]()
+    for one, other in combinations(unbounded, 2):
+        ends = (each for pair in (one, other) for each in (pair.theta_lower, pair.theta_upper))
+        estimate = [each.estimate for each in ranges]
+        a, b = np.array([estimate, *ends])[:, [names.index(one.name), names.index(other.name)]].T
+        for operator, combine in COMBINATIONS.items():
+            with np.errstate(all="ignore"):
+                values = combine(a, b)
+            if np.ptp(values) < HARDLY_CHANGES * abs(values[0]):
+                what = f"{one.name}{operator}{other.name}"
+                statements.append(f"only {what} is determined by these points")
+                paired |= {one.name, other.name}
+                break
+    alone = [each.name for each in unbounded if each.name not in paired]
+    return statements + [f"{name} is not determined by these points" for name in alone]
+
+
 def parameter_ranges(
     model: ExpressionModel,
     factors: Factors,
@@ -435,8 +510,9 @@ def parameter_ranges(
         def excess(way: float) -> float:
             if way not in tried:
                 defined = [each for each in tried if tried[each][1] < np.inf]
-                at = tried[min(defined, key=lambda each: abs(each - way))][0].copy()
-                at[place] = theta[place] + way * step
+                near = tried[min(defined, key=lambda each: abs(each - way))][0]
+                starts = _along(near, place, float(theta[place] + way * step))
+                at = min(starts, key=lambda at: sum_of_squares(model, factors, force_n, at))
                 if np.isfinite(sum_of_squares(model, factors, force_n, at)):
                     at = local_fit(model, factors, force_n, at, fixed=place)
                 tried[way] = at, sum_of_squares(model, factors, force_n, at) - allowed
@@ -445,6 +521,8 @@ def parameter_ranges(
         inside, way = 0.0, 1.0
         for _ in range(MOST_STEPS):
             above = excess(way)
+            if above <= 0 and way > OPEN:
+                break
             if above <= 0:
                 inside, way = way, 2 * way
                 continue

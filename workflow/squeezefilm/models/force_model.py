@@ -35,6 +35,8 @@ NAMING = ("comparison", "refine")
 MOST_PARAMETERS = 30
 STEP = 1e-30
 """Of the complex step of derivatives, over the parameter's magnitude."""
+DIFFERENCE = 1e-6
+"""Relative change of a parameter over which a force that overflows inside does not change."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,12 @@ class ExpressionModel:
         step = STEP * np.where(theta == 0, 1.0, np.abs(theta))
         turned = self.parsed.evaluate(**self._inputs(theta + 1j * np.diag(step), factors))
         slopes = np.broadcast_to(turned.imag / step[:, None], (len(theta), len(factors))).T
+        if not np.all(np.isfinite(slopes)):
+            # A part that overflows has no derivative, where the force has one: 1/(1 + exp(1000)).
+            change = np.diag(DIFFERENCE / STEP * step)
+            ahead, behind = (self.evaluate(theta + way * change, factors).T for way in (1, -1))
+            flat = (ahead == value[:, None]) & (behind == value[:, None])
+            slopes = np.where(flat & ~np.isfinite(slopes), 0.0, slopes)
         defined, known = np.isfinite(value), np.isfinite(slopes)
         wrong = np.argwhere(defined[:, None] & ~known)
         if len(wrong):
