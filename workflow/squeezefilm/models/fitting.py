@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
 from squeezefilm.formulas import Value
@@ -66,8 +66,8 @@ counts as open."""
 LEAST_SINGULAR_VALUE = 1e-9
 SHARE_OF_DIRECTION = 0.1
 COMBINATIONS = {"/": np.divide, "*": np.multiply, " + ": np.add, " - ": np.subtract}
-HARDLY_CHANGES = 0.1
-"""Relative change of a combination of parameters that the points determine."""
+HARDLY_CHANGES = 0.5
+"""Relative change of a combination that the points determine while its parameters are unbounded."""
 WIDER, MUCH_WORSE = 1e4, 1.01
 """Factor of the widest bound in a check of it; ratio of sums of squares that this check finds."""
 
@@ -229,7 +229,7 @@ class _Projection:
     force_n: Array
 
     @cached_property
-    def searched(self) -> Array:
+    def searched(self) -> NDArray[np.bool_]:
         """Mask of the parameters that are not linear, shape (p,)."""
         linear = self.model.linear_names
         return np.array([name not in linear for name in self.model.parameter_names])
