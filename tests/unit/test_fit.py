@@ -6,7 +6,14 @@ import reference_forces as known
 from scipy.optimize import least_squares
 
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fitting import evolution, fit_model
+from squeezefilm.models.fitting import (
+    checked_bounds,
+    evolution,
+    fit_model,
+    parameter_ranges,
+    undetermined,
+)
+from squeezefilm.models.force_model import make_model
 
 
 @pytest.fixture(scope="module")
@@ -58,3 +65,38 @@ def test_as_many_points_as_parameters_are_met_exactly():
     fit = fit_model(known.TWO_FACTOR, factors, known.TWO_FACTOR.evaluate(theta, factors))
     assert fit.global_error < 1e-10
     assert fit.theta == pytest.approx(theta, rel=1e-6)
+
+
+EPSILON = np.tile(np.linspace(0.05, 0.4, 6), 6)
+H0_M = np.repeat(np.linspace(5e-6, 10e-6, 6), 6)
+AT = Factors.of(h0_m=H0_M, hv_m=EPSILON * H0_M)
+
+
+def own(expression: str):
+    return make_model("own", {"expression": expression}, place="models.own")
+
+
+def scattered(model, theta, share: float):
+    noise = 1 + share * np.random.default_rng(1).standard_normal(len(AT))
+    return model.evaluate(theta, AT) * noise
+
+
+def test_of_a_step_steeper_than_the_points_resolve_its_place_is_determined():
+    model = own("t0/(1 + exp(-(t1 + t2*hv/h0)))")
+    force = 1e-3 + scattered(model, (1.2, -400.0, 2000.0), 1e-3)
+    fit = fit_model(model, AT, force, bound=100.0)
+    assert fit.global_error < 3e-3
+    ranges = parameter_ranges(model, AT, force, fit.theta)
+    assert [np.isfinite([each.lower, each.upper]).all() for each in ranges] == [True, False, False]
+    assert undetermined(ranges) == ["only t1/t2 is determined by these points"]
+
+
+def test_parameters_beyond_the_bounds_are_found_or_said_to_be_there():
+    """A peak at 0.2, whose two parameters exceed a bound of 0.5."""
+    model = own("t0*exp(-(t1*hv/h0 - t2)**2)")
+    force = scattered(model, (600.0, 12.0, 2.4), 1e-3)
+    runs = [fit_model(model, AT, force, bound=0.5)]
+    fit, notes = checked_bounds(runs, model, AT, force)
+    assert np.abs(fit.theta) == pytest.approx([600.0, 12.0, 2.4], rel=1e-2)
+    assert "fit.bounds" in notes[0]
+    assert not checked_bounds([fit_model(model, AT, force)], model, AT, force)[1]

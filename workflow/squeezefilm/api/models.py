@@ -164,6 +164,11 @@ class Fit:
         fit = self.model
         units = dict(zip(self.theta, fit.force_model.parameter_units, strict=True))
         theta = {name: f"{value:.6g} {units[name]}" for name, value in self.theta.items()}
+        for known in fit.parameter_ranges:
+            low, high = (known[end] for end in ("lower", "upper"))
+            ends = ["open" if end is None else f"{end:.4g}" for end in (low, high)]
+            theta[known["name"]] += f", 95 % range {ends[0]} to {ends[1]}"
+        theta |= {"parameters": "; ".join(fit.parameter_notes)} if fit.parameter_notes else {}
         formula = f"{self.name}: {fit.force_model.expression}"
         row = {"formula": formula, **theta, "fitted_points": fit.points}
         return in_lines(row | {"global_error": fit.global_error, "validation": self.statement})

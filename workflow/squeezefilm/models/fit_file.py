@@ -92,6 +92,8 @@ class FittedModel(BaseModel):
     expression: str
     parameters: list[str]
     parameter_units: list[str]
+    parameter_ranges: list[dict[str, Any]] = []
+    parameter_notes: list[str] = []
     ranges: dict[str, tuple[StrictFloat, StrictFloat]] = {}
     cross_validation: dict[str, StrictInt | StrictFloat] | None = None
     interval: PredictionInterval | None = Field(None, alias="validation")

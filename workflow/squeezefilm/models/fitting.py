@@ -28,13 +28,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
+from squeezefilm.formulas import Value
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.search import Array, Found, Objective, genetic_search, nelder_mead
@@ -43,6 +46,8 @@ from squeezefilm.parallel import parallel_map
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
 MOST_SEARCHES = 32
+DEPENDENT = 1e-10
+"""Share of a column's length that others do not replace, below which it counts as none."""
 LARGEST_PART = 12_000
 """Forces evaluated at once: in 100 kB, which memory is kept for; five times as fast as 260 kB."""
 DRAWS, SEED = 400, 1
@@ -55,10 +60,16 @@ RANGES_NOTE = (
     "intervals that do not overlap these. null is open."
 )
 """Said wherever intervals are written."""
-MOST_STEPS = 60
-"""Doublings and halvings of the step away from the estimate before a range counts as open."""
+MOST_STEPS, OPEN = 60, 2.0**30
+"""Doublings and halvings of the step away from the estimate, and its multiple, before a range
+counts as open."""
 LEAST_SINGULAR_VALUE = 1e-9
 SHARE_OF_DIRECTION = 0.1
+COMBINATIONS = {"/": np.divide, "*": np.multiply, " + ": np.add, " - ": np.subtract}
+HARDLY_CHANGES = 0.5
+"""Relative change of a combination that the points determine while its parameters are unbounded."""
+WIDER, MUCH_WORSE = 1e4, 1.01
+"""Factor of the widest bound in a check of it; ratio of sums of squares that this check finds."""
 
 
 @dataclass(frozen=True)
@@ -172,11 +183,12 @@ def fit_by(
         method = "linear least squares" if count else "no parameters"
         about = {"bound": ways[0][0], "seed": ways[0][2], "evaluations": 1}
         return [Fit.of(model, factors, force, theta, method=method, **about)]
-    objective = _objective(model, factors, force)
+    projection = _Projection(model, factors, force)
+    objective, size = projection.objective, int(projection.searched.sum())
 
     def searched(way: tuple[float, Search, int]) -> list[Found]:
         bound, search, seed = way
-        return search(objective, np.full(count, np.arcsinh(bound)), seed)
+        return search(objective, np.full(size, np.arcsinh(bound)), seed)
 
     searches = parallel_map(searched, ways, processes=processes)
     # A false minimum can look better while the search is rough: the best four go on for a while.
@@ -191,7 +203,7 @@ def fit_by(
             model,
             factors,
             force,
-            np.sinh(end.x),
+            projection.theta(end.x),
             method=f"{METHODS[search]}, then Nelder-Mead",
             bound=bound,
             seed=seed,
@@ -202,25 +214,107 @@ def fit_by(
     ]
 
 
-def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Objective:
-    """Sum of squares (paper eq. 4) over |y|^2, of a population of u = asinh(theta).
+@dataclass(frozen=True)
+class _Projection:
+    """A model at n points with its linear parameters eliminated (variable projection).
 
-    Takes shape (m, p), gives shape (m,).
+    The parameters in which the force is linear have their best values at any others: the search
+    is in the others alone, and the unit of force does not matter (G. Golub and V. Pereyra, The
+    differentiation of pseudo-inverses and nonlinear least squares problems whose variables
+    separate, SIAM J. Numer. Anal. 10 (1973) 413-432).
     """
-    scale = float(np.sum(force_n**2))
-    rows = max(LARGEST_PART // len(force_n), 1)
-    value = model.parsed.with_known(model.columns_of(factors))
 
-    def sum_of_squares(u: Array) -> Array:
+    model: ExpressionModel
+    factors: Factors
+    force_n: Array
+
+    @cached_property
+    def searched(self) -> NDArray[np.bool_]:
+        """Mask of the parameters that are not linear, shape (p,)."""
+        linear = self.model.linear_names
+        return np.array([name not in linear for name in self.model.parameter_names])
+
+    @cached_property
+    def _value(self) -> Value:
+        return self.model.parsed.with_known(self.model.columns_of(self.factors))
+
+    def _parts(self, u: Array) -> tuple[Array, Array]:
+        """Force less its part without linear parameters (m, n); columns of these (m, k, n)."""
+        names, linear = self.model.parameter_names, self.model.linear_names
+        searched = [name for name in names if name not in linear]
+        theta = dict(zip(searched, np.sinh(u).T[..., None, None], strict=True))
+        units = np.eye(len(linear) + 1)[1:, :, None]
+        shape = len(u), len(linear) + 1, len(self.force_n)
+        values = np.broadcast_to(self._value(theta | dict(zip(linear, units, strict=True))), shape)
+        return self.force_n - values[:, 0], values[:, 1:] - values[:, :1]
+
+    def objective(self, u: Array) -> Array:
+        """Sum of squares (paper eq. 4) over |y|^2, of a population of u = asinh(theta).
+
+        Takes shape (m, q), q parameters being searched for, gives shape (m,).
+        """
+        rows = max(LARGEST_PART // (len(self.force_n) * (len(self.model.linear_names) + 1)), 1)
+        starts = range(0, len(u), rows)
         with np.errstate(all="ignore"):
-            theta = dict(zip(model.parameter_names, np.sinh(u).T[..., None], strict=True))
-            residual = value(theta) - force_n
-            squares = np.sum(residual**2, axis=-1) / scale
+            return np.concatenate([self._squares(u[start : start + rows]) for start in starts])
+
+    def _squares(self, u: Array) -> Array:
+        residual, columns = self._parts(u)
+        length = np.linalg.norm(columns, axis=-1)
+        for place in range(columns.shape[1]):  # Gram and Schmidt's, modified: no unit of force
+            left = np.linalg.norm(columns[:, place], axis=-1)
+            left[left < DEPENDENT * length[:, place]] = np.inf  # for one that others replace
+            unit = columns[:, place] / left[:, None]
+            residual = residual - np.sum(unit * residual, axis=-1)[:, None] * unit
+            rest = columns[:, place + 1 :]
+            shares = np.sum(unit[:, None] * rest, axis=-1)
+            columns[:, place + 1 :] = rest - shares[..., None] * unit[:, None]
+        squares = np.sum(residual**2, axis=-1) / np.sum(self.force_n**2)
         return np.fmin(squares, UNDEFINED)  # which takes the number where squares are none
 
-    return lambda u: np.concatenate(
-        [sum_of_squares(u[start : start + rows]) for start in range(0, len(u), rows)]
+    def theta(self, u: Array) -> Array:
+        """All parameters, shape (p,), from those that were searched for, shape (q,)."""
+        theta = np.zeros(len(self.searched))
+        theta[self.searched] = np.sinh(u)
+        with np.errstate(all="ignore"):
+            (wanted,), (columns,) = self._parts(u[None])
+        theta[~self.searched] = _linear_solution(columns.T, wanted)
+        return theta
+
+
+def checked_bounds(
+    runs: Sequence[Fit], model: ExpressionModel, factors: Factors, force_n: Array
+) -> tuple[Fit, list[str]]:
+    """The best of a model's runs, or of wider bounds if it is much better, and what to note."""
+    best, widest = (
+        min(runs, key=lambda run: run.sum_of_squares),
+        max(run.bound for run in runs),
     )
+    if model.is_linear:
+        return best, []
+    wider = fit_model(model, factors, force_n, bound=WIDER * widest, seed=best.seed)
+    rounding = 1e-20 * float(np.sum(force_n**2))
+    if best.sum_of_squares > MUCH_WORSE * wider.sum_of_squares + rounding:
+        return wider, [
+            f"fit.bounds up to {widest:g} are too narrow: the sum of squares there is "
+            f"{best.sum_of_squares:.4g} N², with {wider.bound:g} it is "
+            f"{wider.sum_of_squares:.4g} N², and this fit is shown"
+        ]
+    searched = [name for name in model.parameter_names if name not in model.linear_names]
+    theta = dict(zip(model.parameter_names, best.theta, strict=True))
+    beyond = [name for name in searched if abs(theta[name]) >= widest]
+    if not beyond:
+        return best, []
+    return best, [
+        f"{', '.join(beyond)} at or beyond fit.bounds ({widest:g}); wider ones fit no better"
+    ]
+
+
+def _linear_solution(columns: Array, wanted: Array) -> Array:
+    """Least-squares coefficients of columns (n, k), whatever their sizes."""
+    size = np.linalg.norm(columns, axis=0)
+    size = np.where(size > 0, size, 1.0)
+    return np.asarray(np.linalg.lstsq(columns / size, wanted, rcond=None)[0] / size)
 
 
 def local_fit(
@@ -258,11 +352,7 @@ def local_fit(
     if not free.any():
         return theta
     if model.is_linear:  # exact in one step, whatever the parameters' sizes
-        rows = slopes(theta[free])
-        size = np.linalg.norm(rows, axis=0)
-        size = np.where(size > 0, size, 1.0)
-        change = np.linalg.lstsq(rows / size, -begun, rcond=None)[0] / size
-        return whole(theta[free] + change)
+        return whole(theta[free] + _linear_solution(slopes(theta[free]), -begun))
     tolerances = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
     with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
         found = scipy.optimize.least_squares(
@@ -346,6 +436,46 @@ class ParameterRange:
         return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
+def _along(theta: Array, place: int, value: float) -> list[Array]:
+    """Starts (p,) with a new value of a parameter: the others kept, or one in proportion to it.
+
+    Points may determine the quotient or the product of two parameters and neither of them.
+    """
+    kept = theta.copy()
+    kept[place] = value
+    starts, share = [kept], value / theta[place] if theta[place] else 0.0
+    for other in range(len(theta) if share > 0 else 0):
+        for factor in (share, 1 / share):
+            if other != place:
+                starts.append(kept * np.where(np.arange(len(theta)) == other, factor, 1.0))
+    return starts
+
+
+def undetermined(ranges: Sequence[ParameterRange]) -> list[str]:
+    """Statements about the parameters whose ranges are open, for a fit's reader.
+
+    A quotient, product, sum or difference of two of them that hardly changes along their ranges
+    is determined by the points all the same.
+    """
+    names = [each.name for each in ranges]
+    unbounded = [each for each in ranges if not np.isfinite([each.lower, each.upper]).all()]
+    statements, paired = [], set[str]()
+    for one, other in combinations(unbounded, 2):
+        ends = (each for pair in (one, other) for each in (pair.theta_lower, pair.theta_upper))
+        estimate = [each.estimate for each in ranges]
+        a, b = np.array([estimate, *ends])[:, [names.index(one.name), names.index(other.name)]].T
+        for operator, combine in COMBINATIONS.items():
+            with np.errstate(all="ignore"):
+                values = combine(a, b)
+            if np.ptp(values) < HARDLY_CHANGES * abs(values[0]):
+                what = f"{one.name}{operator}{other.name}"
+                statements.append(f"only {what} is determined by these points")
+                paired |= {one.name, other.name}
+                break
+    alone = [each.name for each in unbounded if each.name not in paired]
+    return statements + [f"{name} is not determined by these points" for name in alone]
+
+
 def parameter_ranges(
     model: ExpressionModel,
     factors: Factors,
@@ -380,8 +510,9 @@ def parameter_ranges(
         def excess(way: float) -> float:
             if way not in tried:
                 defined = [each for each in tried if tried[each][1] < np.inf]
-                at = tried[min(defined, key=lambda each: abs(each - way))][0].copy()
-                at[place] = theta[place] + way * step
+                near = tried[min(defined, key=lambda each: abs(each - way))][0]
+                starts = _along(near, place, float(theta[place] + way * step))
+                at = min(starts, key=lambda at: sum_of_squares(model, factors, force_n, at))
                 if np.isfinite(sum_of_squares(model, factors, force_n, at)):
                     at = local_fit(model, factors, force_n, at, fixed=place)
                 tried[way] = at, sum_of_squares(model, factors, force_n, at) - allowed
@@ -390,6 +521,8 @@ def parameter_ranges(
         inside, way = 0.0, 1.0
         for _ in range(MOST_STEPS):
             above = excess(way)
+            if above <= 0 and way > OPEN:
+                break
             if above <= 0:
                 inside, way = way, 2 * way
                 continue

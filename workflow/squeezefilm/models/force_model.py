@@ -35,6 +35,8 @@ NAMING = ("comparison", "refine")
 MOST_PARAMETERS = 30
 STEP = 1e-30
 """Of the complex step of derivatives, over the parameter's magnitude."""
+DIFFERENCE = 1e-6
+"""Relative change of a parameter over which a force that overflows inside does not change."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +82,18 @@ class ExpressionModel:
         return self.factor_names == ("h0_m", "hv_m")
 
     @property
+    def linear_names(self) -> tuple[str, ...]:
+        """Parameters in which the force is linear, all the others fixed."""
+        names: tuple[str, ...] = ()
+        for name in self.parameter_names:
+            if _degree(self.parsed, (*names, name)) <= 1:
+                names = (*names, name)
+        return names
+
+    @property
     def is_linear(self) -> bool:
         """True if the force is linear in the parameters, so that no search is needed."""
-        return _degree(self.parsed, self.parameter_names) <= 1
+        return self.linear_names == self.parameter_names
 
     def evaluate(self, theta: ArrayLike, factors: Factors) -> Array:
         """Force eta in newtons, from the model's expression.
@@ -107,6 +118,12 @@ class ExpressionModel:
         step = STEP * np.where(theta == 0, 1.0, np.abs(theta))
         turned = self.parsed.evaluate(**self._inputs(theta + 1j * np.diag(step), factors))
         slopes = np.broadcast_to(turned.imag / step[:, None], (len(theta), len(factors))).T
+        if not np.all(np.isfinite(slopes)):
+            # A part that overflows has no derivative, where the force has one: 1/(1 + exp(1000)).
+            change = np.diag(DIFFERENCE / STEP * step)
+            ahead, behind = (self.evaluate(theta + way * change, factors).T for way in (1, -1))
+            flat = (ahead == value[:, None]) & (behind == value[:, None])
+            slopes = np.where(flat & ~np.isfinite(slopes), 0.0, slopes)
         defined, known = np.isfinite(value), np.isfinite(slopes)
         wrong = np.argwhere(defined[:, None] & ~known)
         if len(wrong):

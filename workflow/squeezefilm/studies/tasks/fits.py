@@ -16,7 +16,18 @@ from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import POSITION, Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, fit_of
-from squeezefilm.models.fitting import Fit, check_identifiable, evolution, fit_by, genetic
+from squeezefilm.models.fitting import (
+    RANGES_NOTE,
+    Fit,
+    ParameterRange,
+    check_identifiable,
+    checked_bounds,
+    evolution,
+    fit_by,
+    genetic,
+    parameter_ranges,
+    undetermined,
+)
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.prediction_interval import (
     error_scale,
@@ -109,10 +120,11 @@ def fit_to_forces(
     searches = [*((genetic, first + number) for number in range(seeds)), (evolution, first)]
     ways = [(bound, *search) for bound, search in product(settings["bounds"], searches)]
     runs = fit_by(ways, model, factors, force_n, processes=processes)
-    best = min(runs, key=lambda run: run.sum_of_squares)
+    best, bound_notes = checked_bounds(runs, model, factors, force_n)
     absent_terms = forces["absent_terms"]
     about = fit_values(model, config, factors, force_n, best, absent_terms, uncertainty=uncertainty)
     about["source"] = {"squeezefilm": __version__, **source}
+    about["parameter_notes"] += bound_notes
     if model.column_names and limit_table and "not_supported" not in limit_table:
         about["limit_table"] = limit_table
     fit = fit_of(about, place=f"{config['study']}: {model.name}")
@@ -138,6 +150,7 @@ def fit_values(
     held_out = held_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
     known = bool(np.isfinite(held_out).all())
     sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
+    ranges, notes = _ranges(model, factors, force_n, fit.theta)
     missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
     return {
         **asdict(fit),
@@ -145,6 +158,9 @@ def fit_values(
         "expression": model.expression,
         "parameters": list(model.parameter_names),
         "parameter_units": list(model.parameter_units),
+        "parameter_ranges": [each.to_dict() for each in ranges],
+        "parameter_ranges_note": RANGES_NOTE,
+        "parameter_notes": notes,
         "ranges": {
             name: [float(np.min(values)), float(np.max(values))]
             for name in (*model.factor_names, *position, *model.column_names)
@@ -156,6 +172,19 @@ def fit_values(
         "directions": symmetry_of(config).to_dict(),
         "film": film_of(config, absent_terms=absent_terms),
     }
+
+
+def _ranges(
+    model: ExpressionModel, factors: Factors, force_n: np.ndarray, theta: tuple[float, ...]
+) -> tuple[list[ParameterRange], list[str]]:
+    """The range of each parameter and what to note of them, or why there are none."""
+    if not theta:
+        return [], []
+    try:
+        ranges = parameter_ranges(model, factors, force_n, theta)
+    except InputError as error:
+        return [], [str(error)]
+    return ranges, undetermined(ranges)
 
 
 def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> FittedModel:

@@ -11,7 +11,7 @@ from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import fit_of
-from squeezefilm.models.fitting import RANGES_NOTE, Fit, parameter_ranges
+from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.prediction_interval import error_by_region
 from squeezefilm.reynolds import solve
@@ -202,22 +202,19 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
 def _fit_values(
     model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, *, uncertainty: float
 ) -> dict[str, Any]:
-    """The last fit as its file tells it, with the range of each parameter."""
+    """The last fit as its file tells it."""
     last = outcome.rounds[-1]
     # A model without parameters is fitted to nothing, and described on what verifies it.
     points = last.design if len(last.design) else outcome.simulated
     factors, forces = space.pool.factors.take(points), space.solved.loc[points]
     force_n, seed = forces["force_n"].to_numpy(), space.config["refine"]["seed"]
     fit = Fit.of(model, factors, force_n, last.theta, method="closed loop", bound=0.0, seed=seed)
-    ranges = parameter_ranges(model, factors, force_n, last.theta) if len(last.theta) else []
     absent_terms = space.solved["absent_terms"]
     return {
         **fit_values(
             model, space.config, factors, force_n, fit, absent_terms, uncertainty=uncertainty
         ),
         "points": len(last.design),
-        "parameter_ranges": [each.to_dict() for each in ranges],
-        "parameter_ranges_note": RANGES_NOTE,
     }
 
 
