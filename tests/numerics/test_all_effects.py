@@ -24,7 +24,6 @@ from verification.modelling_errors import included_effects, interval_percent, ra
 STORED = pd.read_csv(Path(__file__).parent / "data" / "all_effects.csv", comment="#")
 
 
-@pytest.mark.xfail(strict=True, reason="effects are first orders about a film without inertia")
 @pytest.mark.parametrize("seed", STORED["seed"])
 def test_a_modelling_error_holds_all_effects_together(seed: int) -> None:
     (row,) = STORED[STORED["seed"] == seed].itertuples()
@@ -67,7 +66,6 @@ def test_a_small_edge_loss_is_that_of_first_order(shape):
     assert budget.effects["edge_loss"].percent == pytest.approx(percent, rel=0.02)
 
 
-@pytest.mark.xfail(strict=True, reason="parts of the first order of inertia cancel")
 def test_auto_neglects_no_effect_whose_parts_cancel():
     """A disc near whose rim a node circle of the vibration lies."""
     disc = Disc(3.05115e-3)

@@ -25,7 +25,7 @@ def test_one_force_outside_is_printed_with_exit_status_1(edited, capsys):
 def test_a_budget_and_a_curve_are_had_by_options(edited, tmp_path, capsys, refused):
     where = ["--h0", "5um", "--config", str(edited("paper"))]
     assert main(["error-budget", "--hv", "2.2um", *where]) == 0
-    assert re.search("inertia +[+]2.1 %", capsys.readouterr().out)
+    assert re.search("inertia +[+]2.0 %", capsys.readouterr().out)
     curve, picture = str(tmp_path / "curve.csv"), str(tmp_path / "curve.svg")
     simulated = ["simulate", "--hv", "1um", *where, "--output", curve]
     assert main(simulated) == 0

@@ -18,7 +18,6 @@ from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import validity
 from squeezefilm.quantities.model_error import (
     MODEL_TOLERANCE,
-    NONE,
     ErrorBudget,
     error_budgets,
     resolve_auto_terms,
@@ -40,7 +39,6 @@ NODE = {"rim": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
 BESSEL_ZERO = 2.404825557695773
 COEFFICIENTS = (1.0, 1.54)
 # Rows of a budget that the film with all effects does not answer.
-NOT_COMPARED = ("depth_averaged", "convected")
 
 
 @command(
@@ -122,10 +120,10 @@ def included_effects(scene: Scene) -> str:
 
 
 def interval_percent(budget: ErrorBudget) -> tuple[float, float]:
-    """Return the ends of the neglected effects that are compared."""
-    return replace(
-        budget, effects={**budget.effects, **dict.fromkeys(NOT_COMPARED, NONE)}
-    ).modelling_error_percent
+    """Return the ends of the neglected effects that are compared: without depth averaging."""
+    lower, upper = budget.modelling_error_percent
+    percent, error_percent, _ = budget.effects["depth_averaged"]
+    return lower - percent + error_percent, upper - percent - error_percent
 
 
 def changes_percent(scene: Scene, drawn: Scene) -> list[tuple[float, float]]:

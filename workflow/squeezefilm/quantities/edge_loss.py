@@ -239,7 +239,7 @@ class EdgeFilms:
         return flows
 
     def mean_of_edge(self, edge: list[np.ndarray]) -> np.ndarray:
-        """What the edge's nodes have of the mean pressure over film and period, (scenes,)."""
+        """Return the part of the mean pressure that the edge's nodes have, (scenes,)."""
         along_x, along_y = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
         inner_x, inner_y = along_x[self.grid.x.inner], along_y[self.grid.y.inner]
         ends = along_x[_ends(self.grid.x)]

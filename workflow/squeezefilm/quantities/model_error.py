@@ -90,7 +90,7 @@ class ErrorBudget:
 
     @property
     def higher_orders_percent(self) -> float:
-        """By how much all neglected effects together differ from the sum of them, each alone."""
+        """Difference of all neglected effects together from the sum of each alone."""
         alone = sum(effect.percent for effect in self.neglected.values())
         alone += (self.edge_loss_upper_percent - self.effects["edge_loss"].percent) / 2
         return sum(self.modelling_error_percent) / 2 - alone
