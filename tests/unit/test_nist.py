@@ -36,7 +36,7 @@ def test_the_certified_minimum_is_found(name):
 
 
 @pytest.mark.parametrize("factor", [1e-6, 1e6])
-@pytest.mark.parametrize("name", ["BoxBOD", "Eckerle4", "Misra1a", "Rat42"])
+@pytest.mark.parametrize("name", ["BoxBOD", "Chwirut2", "Eckerle4", "Misra1a", "Rat42"])
 def test_forces_in_another_unit_give_the_same_fit_in_that_unit(name, factor):
     fit, model, factors = fitted(name, factor)
     expected = factor * model.evaluate(SETS[name]["theta"], factors)

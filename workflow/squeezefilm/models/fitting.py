@@ -42,6 +42,7 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.search import Array, Found, Objective, genetic_search, nelder_mead
 from squeezefilm.parallel import parallel_map
+from squeezefilm.units import compound
 
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
@@ -235,6 +236,15 @@ class _Projection:
         return np.array([name not in linear for name in self.model.parameter_names])
 
     @cached_property
+    def _size(self) -> Array:
+        """Units of the parameters that are searched for, by the forces' root mean square."""
+        units = np.array(self.model.parameter_units)[self.searched]
+        known = [compound(str(unit)) for unit in units]
+        powers = [float(unit.dimension.get("N", 0)) if unit else 0.0 for unit in known]
+        size_n = np.linalg.norm(self.force_n) / np.sqrt(len(self.force_n))
+        return np.asarray(size_n ** np.array(powers))
+
+    @cached_property
     def _value(self) -> Value:
         return self.model.parsed.with_known(self.model.columns_of(self.factors))
 
@@ -242,7 +252,7 @@ class _Projection:
         """Force less its part without linear parameters (m, n); columns of these (m, k, n)."""
         names, linear = self.model.parameter_names, self.model.linear_names
         searched = [name for name in names if name not in linear]
-        theta = dict(zip(searched, np.sinh(u).T[..., None, None], strict=True))
+        theta = dict(zip(searched, (self._size * np.sinh(u)).T[..., None, None], strict=True))
         units = np.eye(len(linear) + 1)[1:, :, None]
         shape = len(u), len(linear) + 1, len(self.force_n)
         values = np.broadcast_to(self._value(theta | dict(zip(linear, units, strict=True))), shape)
@@ -275,7 +285,7 @@ class _Projection:
     def theta(self, u: Array) -> Array:
         """All parameters, shape (p,), from those that were searched for, shape (q,)."""
         theta = np.zeros(len(self.searched))
-        theta[self.searched] = np.sinh(u)
+        theta[self.searched] = self._size * np.sinh(u)
         with np.errstate(all="ignore"):
             (wanted,), (columns,) = self._parts(u[None])
         theta[~self.searched] = _linear_solution(columns.T, wanted)
