@@ -132,7 +132,7 @@ DISC = {
                 "thermal is auto and not",
             ],
         ),
-        (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 13.2", "tenth of the gap"]),
+        (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 12.8", "tenth of the gap"]),
     ],
 )
 def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
