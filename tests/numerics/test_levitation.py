@@ -129,7 +129,7 @@ DISC = {
             DISC,
             ["modified Reynolds number"],
         ),
-        (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 13.2"]),
+        (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 12.8"]),
     ],
 )
 def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
