@@ -129,7 +129,7 @@ WRONG = {
     "a point off the disc": (GOOD.replace("-1.50,-9.75", "-1.50,-10.75"), "line 2: the point lies"),
     "few points": ("r_mm,amplitude_um\n1,1\n2,1\n", "2 measured points (0 missing)"),
     "noise alone": (
-        "r_mm,amplitude_um\n" + "".join(f"{i % 10},{(-1) ** (i * i // 3)}\n" for i in range(20)),
+        "r_mm,amplitude_um\n" + "".join(f"{i / 2},{(-1) ** (i * i // 3)}\n" for i in range(20)),
         "known to ±",
     ),
 }
