@@ -170,7 +170,7 @@ def test_small_motion_in_two_phases_has_its_second_order():
 
 
 def test_the_budget_is_of_the_scene_itself():
-    """Inertia by the adjoint beside inertia solved for, where it is small."""
+    """The budget's inertia beside inertia solved for, where it is small."""
     scene = shaped(film(epsilon=0.3, sigma=300.0, x=0.1, profile=TWO_MODES))
     scene = replace(scene, gas=replace(scene.gas, density_kg_per_m3=0.05))
     (budget,) = error_budgets([scene])

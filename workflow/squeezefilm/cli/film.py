@@ -67,7 +67,7 @@ def simulate(options: argparse.Namespace) -> None:
     noise; `squeezefilm profile` estimates what the noise of a measured profile adds.
 
     `--derivatives` adds those of the force by h0, hv, the pad's position (x, y) and each property
-    of the gas, with their errors, by one adjoint problem per scene; `derivatives_status` states why
+    of the gas, with their errors, by films beside each scene; `derivatives_status` states why
     there are none. `--outputs thrust,power` adds these quantities instead of the study's `outputs`,
     each with its error, from the periodic state; `outputs_status` states which are missing and
     why. `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms,
