@@ -67,23 +67,47 @@ class SmoothOutline(Term):
         else:
             mean, own, weights = area @ y.weights, second[0], x.weights
             others = y.modes_in_parts[0] / length_y**2
-        operators = (own + others[:, None, None] * np.eye(len(own))) / mean[:, None]
-        # Real as those of the second derivative; of all of x the even ones, then the odd ones.
-        halves = x.in_halves and not outline.varies_around
-        parts = even_and_odd(operators) if halves else operators[None]
-        values, vectors = (each.real for each in np.linalg.eig(parts))
-        values, near = np.concatenate(values, axis=-1), np.concatenate(vectors, axis=-1)
-        mirrored = [sign * each[:, ::-1] for sign, each in zip((1, -1), vectors, strict=False)]
-        far = [np.concatenate(mirrored, axis=-1)] * halves
-        vectors = np.concatenate([near, *far], axis=1)
+        operators = own + others[:, None, None] * np.eye(len(own))
+        if outline.varies_around:
+            values, vectors, inverse = _symmetric_modes(operators, mean)
+        else:
+            values, vectors, inverse = _modes(operators / mean[:, None], in_halves=x.in_halves)
         # Of unit mean square over the pad.
-        vectors /= np.sqrt(weights * mean * grid.mean_area @ vectors**2)[:, None]
+        size = np.sqrt(weights * mean * grid.mean_area @ vectors**2)
         evened = np.broadcast_to(mean if outline.varies_around else mean[:, None], area.shape)
         return {
             "stretch": area - 1,
             "uneven": area - evened,
             "evened": evened,
-            "modes_by": vectors,
-            "to_modes_by": np.linalg.inv(vectors) / mean,
+            "modes_by": vectors / size[:, None],
+            "to_modes_by": inverse * size[..., None] / mean,
             "eigenvalues": values if outline.varies_around else values.T,
         }
+
+
+def _symmetric_modes(
+    operators: np.ndarray, mean: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return eigenvalues, vectors and their inverse of symmetric operators over a positive mean.
+
+    Those of α^(−1/2) S α^(−1/2) are orthogonal, so that none of nearly equal modes has to be
+    inverted, whatever the number of threads makes of their rounding.
+    """
+    root = np.sqrt(mean)
+    values, orthogonal = np.linalg.eigh(operators / np.multiply.outer(root, root))
+    return values, orthogonal / root[:, None], orthogonal.swapaxes(-1, -2) * root
+
+
+def _modes(operators: np.ndarray, *, in_halves: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the same of others, real as those of the second derivative.
+
+    Args:
+        in_halves: modes of all of x, the even ones, then the odd ones.
+    """
+    parts = even_and_odd(operators) if in_halves else operators[None]
+    values, vectors = (each.real for each in np.linalg.eig(parts))
+    near = np.concatenate(vectors, axis=-1)
+    mirrored = [sign * each[:, ::-1] for sign, each in zip((1, -1), vectors, strict=False)]
+    far = [np.concatenate(mirrored, axis=-1)] * in_halves
+    vectors = np.concatenate([near, *far], axis=1)
+    return np.concatenate(values, axis=-1), vectors, np.linalg.inv(vectors)
