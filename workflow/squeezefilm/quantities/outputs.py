@@ -26,7 +26,16 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import State
 from squeezefilm.reynolds.solver import plans_of, solve
-from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, Period, axis, period
+from squeezefilm.reynolds.spectral import (
+    Around,
+    Axis,
+    FluxPoints,
+    Period,
+    axis,
+    flux_points,
+    period,
+)
+from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
 
@@ -389,52 +398,65 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
     """
     speed = scene.actuator.angular_frequency_rad_per_s * scene.pad.length_x_m
     per_length = scene.gas.density_kg_per_m3 * speed**2 * scene.h0_m
-    sides_m = scene.pad.length_y_m, scene.pad.length_x_m
+    whole = Grid(grid.x.full_points, grid.y.full_points, grid.nt, False, False, grid.outline)
+    unfolded = _unfolded(unknowns, grid, whole)
     if outline := grid.outline:
-        whole = Grid(grid.x.full_points, grid.y.full_points, grid.nt, False, False, outline)
-        to_flux = FluxPoints(grid.x).carried_to(FluxPoints(whole.x))
-        unfolded = np.einsum(
-            "fpa,fabi,qb->fpqi",
-            np.stack([grid.x.at(whole.x.nodes), to_flux]),
-            unknowns[:2],
-            grid.y.at(whole.y.nodes),
-            optimize=True,
-        )
-        each = _leaving(scene, whole, unfolded, which=0)[1]
-        # ū_n² n dl, the velocity being that times |z′| over typical lengths.
-        ways = each / outline.slope(np.array(outline.rim), whole.y.nodes).conj()
+        along, around = _leaving(scene, whole, unfolded, which=0)[:, 1]
+        # ū ū·n dl, the velocity being that times |z′| over typical lengths.
+        ways = (along + 1j * around) / outline.slope(np.array(outline.rim), whole.y.nodes).conj()
         around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
-        return float(ways.real.mean() * around_n), float(ways.imag.mean() * around_n)
-    found = []
-    for which, (along, side_m) in enumerate(zip((grid.y, grid.x), sides_m, strict=True)):
-        if (grid.x, grid.y)[which].folded:
-            found.append(0.0)  # as much leaves on both sides, to both sides
-            continue
-        each = _leaving(scene, grid, unknowns, which=which) @ along.weights
-        found.append(float(each[1] - each[0]) * per_length * side_m)
-    return found[0], found[1]
+        momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
+    else:
+        momentum_n = np.zeros(2)
+        for which, side_m in enumerate((scene.pad.length_y_m, scene.pad.length_x_m)):
+            weights = (whole.y, whole.x)[which].weights
+            first, last = (_leaving(scene, whole, unfolded, which=which) @ weights).T
+            # Along the axis and across it, in the order of x and y.
+            momentum_n += np.roll(last - first, which) * per_length * side_m
+    # Of an even film as much leaves on both sides, to both sides.
+    in_x, in_y = np.where([grid.fold_x, grid.fold_y], 0.0, momentum_n).tolist()
+    return in_x, in_y
+
+
+def _unfolded(unknowns: np.ndarray, grid: Grid, whole: Grid) -> np.ndarray:
+    """Return a state with inertia on a grid of the same nodes and no symmetry."""
+    nodes = grid.x.at(whole.x.nodes), grid.y.at(whole.y.nodes)
+    flux = [
+        flux_points(one).carried_to(flux_points(other))  # type: ignore[arg-type]
+        for one, other in ((grid.x, whole.x), (grid.y, whole.y))
+    ]
+    matrices = nodes, (flux[0], nodes[1]), (nodes[0], flux[1])
+    return np.stack(
+        [
+            np.einsum("pa,abi,qb->pqi", in_x, field, in_y, optimize=True)
+            for (in_x, in_y), field in zip(matrices, unknowns, strict=True)
+        ]
+    )
 
 
 def _leaving(scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int) -> np.ndarray:
-    """⟨ρ h β ū²⟩ by the velocity along an axis, at both of its ends, (2, nodes)."""
+    """⟨ρ h β ū_n ū⟩ along an axis and across it, at both of its ends, (2, 2, nodes)."""
     gap, velocity = at_ends(scene, grid, unknowns, which=which)
     # Mean square of a velocity across the gap over the square of its mean: with slip it is
     # ζ(1 − ζ) + Kn/H, ζ across the gap. There the gas has ambient density.
     slip = scene.slip_knudsen / gap
     spread = (1 / 30 + slip / 3 + slip**2) / (1 / 6 + slip) ** 2
-    return np.asarray((spread * gap * velocity**2).mean(axis=-1))
+    return np.asarray((spread * gap * velocity[0] * velocity).mean(axis=-1))
 
 
 def at_ends(
     scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gap over h0 and mean velocity over ω l0 at both ends of an axis that is not folded.
+    """Gap over h0 and mean velocity over ω l0 at both ends of an axis of a grid without symmetry.
 
-    Along the axis ``which``, 0 or 1, at the nodes of the other one: each (2, nodes, nt).
+    The axis is ``which``, 0 or 1, and places are the nodes of the other one: (2, nodes, nt), of the
+    velocity that along the axis, then that across it. Gas that comes in has none across.
     """
     along, other = (grid.x, grid.y) if which == 0 else (grid.y, grid.x)
     assert isinstance(along, Axis)
-    pressure, deficit = (np.moveaxis(unknowns[k], which, 0) for k in (0, 1 + which))
+    pressure, deficit, tangential = (
+        np.moveaxis(unknowns[k], which, 0) for k in (0, 1 + which, 2 - which)
+    )
     ends = np.array([0.0, 1.0])
     length = grid.lengths(scene.aspect)[which]
     slope = np.tensordot(along.derivative[[0, -1], 1:-1] / length, pressure, axes=1)
@@ -445,7 +467,13 @@ def at_ends(
     else:
         x, y = places if which == 0 else places[::-1]
     gap = scene.gap(x, y, grid.t.nodes)
-    return gap, -gap * (gap + 6 * scene.slip_knudsen) / scene.sigma * slope - missing
+    velocity = -gap * (gap + 6 * scene.slip_knudsen) / scene.sigma * slope - missing
+    # No pressure drives gas along the rim: its velocity there is the deficit's alone.
+    near = np.stack([tangential[:4], tangential[:-5:-1]])
+    at_rim = -np.einsum("j,ejai->eai", along.to_end, near)
+    carried = np.einsum("qa,eai->eqi", flux_points(other).to_nodes, at_rim)
+    out = np.array([-1, 1])[:, None, None] * velocity / Inertia().numbers(scene)["reversing"]
+    return gap, np.stack([velocity, carried * (0.5 + 0.5 * out / np.sqrt(1 + out**2))])
 
 
 # Half the distance of numbers in a difference quotient, relative; taken once more twice as wide,

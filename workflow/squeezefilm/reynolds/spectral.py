@@ -140,6 +140,16 @@ class Axis:
         """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""
         return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights
 
+    @property
+    def to_end(self) -> np.ndarray:
+        """Factors of a function's values on the four nodes beside an end for that there.
+
+        A polynomial through all nodes would grow beyond bounds.
+        """
+        near = self.all_nodes[1:5]
+        others = [np.delete(near, at) for at in range(len(near))]
+        return np.array([np.prod(o / (o - node)) for node, o in zip(near, others, strict=True)])
+
     def at(self, places: np.ndarray) -> np.ndarray:
         """Matrix from the unknowns to some places (m,), shape (m, n)."""
         return self.fold(self.to_points(places)[:, 1:-1], rows=len(places))
@@ -406,16 +416,12 @@ class FluxPoints:
         Of a velocity along the other axis: ``across``, its derivative along this one on the nodes,
         as if it vanished at the ends as it does where the gas comes in; ``rim``, what that lacks
         per velocity at each end, of a folded axis, whose ends are alike, their sum first;
-        ``to_end``, factors of its values on the four nodes beside an end for that there: a
-        polynomial through all would grow beyond bounds.
+        ``to_end`` as of the axis.
         """
         axis, parts = self.axis, self.axis.parts_of
-        to_points, to_nodes = axis.to_points(self.all_points), self.at(axis.all_nodes[1:-1])
+        to_points, to_nodes = axis.to_points(self.all_points), self.to_nodes
         first, last = axis.derivative[1 : axis.points + 1, [0, -1]].T
         rim = np.stack([first + last, 0 * last] if axis.folded else [first, last])
-        near = axis.all_nodes[1:5]
-        others = [np.delete(near, at) for at in range(len(near))]
-        pairs = zip(near, others, strict=True)
         slope = (to_points @ axis.derivative)[:, 1:-1]
         return {
             "values": parts(axis.fold(to_points[:, 1:-1])),
@@ -425,8 +431,13 @@ class FluxPoints:
             "divergence": parts(axis.fold(to_nodes @ self._derivative, odd=True)) / length,
             "across": parts(axis.fold(axis.derivative[1:-1, 1:-1])) / length,
             "rim": rim / length,
-            "to_end": np.array([np.prod(some / (some - node)) for node, some in pairs]),
+            "to_end": axis.to_end,
         }
+
+    @property
+    def to_nodes(self) -> np.ndarray:
+        """Interpolation from all points to all nodes inside, (full_points, full_points)."""
+        return self.at(self.axis.all_nodes[1:-1])
 
     def carried_to(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""
@@ -469,6 +480,10 @@ class AroundPoints:
         ends = {"rim": np.zeros((2, n)), "to_end": np.zeros(4)}
         values = {"values": same, "nodes": same}
         return {**values, **ends, "slope": even, "across": even, "along": odd, "divergence": odd}
+
+    @property
+    def to_nodes(self) -> np.ndarray:
+        return np.eye(self.axis.full_points)
 
     def carried_to(self, finer: AroundPoints) -> np.ndarray:
         return self.axis.at(finer.axis.nodes, odd=True)
