@@ -14,7 +14,7 @@ from stored_strip import strip_force
 from squeezefilm.film.profiles import Formula, Profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.quantities.model_error import error_budgets, resolve_auto_terms
+from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.spectral import axis
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
@@ -305,9 +305,3 @@ def test_what_auto_leaves_out_moves_no_force_by_more_than_allowed(
     moved = moved_by_leaving_out(scenes, term=term, model_tolerance=most)
     assert 3 < len(moved) < 27
     assert 1e-3 < moved.max() < most
-
-
-def test_auto_includes_heat_where_a_first_order_says_nothing(scene: Scene) -> None:
-    thick = replace(with_gas(scene, thermal="auto"), h0_m=15e-6, hv_m=1e-6)
-    assert thick.modified_reynolds > 2
-    assert resolve_auto_terms([thick], model_tolerance=0.5)[0].gas.thermal == "included"

@@ -258,7 +258,8 @@ def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Compar
     most = float(np.nanmax(forces_and_errors(there, study, tolerance=1e-3)[0], initial=-inf))
     yield stated("force at wider gaps / N", -inf, load_n, most)
     for name, with_them, change, off, usable in _neglected(scene, found.budget):
-        change_m, off_m = load_n / stiffness * change, load_n / abs(stiffness) * off
+        change_m = load_n / stiffness * change
+        off_m = load_n / abs(stiffness) * off + found.second_order_m(change_m)
         ends = _around(h0_m + change_m, off_m + 2 * found.h0_error_m)
         numbers = *ends, _gap_under(with_them, load_n, study), 2 * LESS_TIGHT * h0_m
         yield stated(f"gap with {name} / m", *numbers, usable)

@@ -95,13 +95,13 @@ class Levitation:
         Each end is wider by what that misses at second order. NaN where an effect is unknown.
         """
         lower, upper = (self._moved_m(each) for each in self.budget.modelling_error_percent)
-        return lower - self._curved_m(lower), upper + self._curved_m(upper)
+        return lower - self.second_order_m(lower), upper + self.second_order_m(upper)
 
     def _moved_m(self, percent: float) -> float:
         """Change of the gap by that of the force."""
         return percent / 100 * self.force_n / abs(self.stiffness_n_per_m)
 
-    def _curved_m(self, moved_m: float) -> float:
+    def second_order_m(self, moved_m: float) -> float:
         """Bound on the second order of a change of the gap.
 
         With forces ~ h^−m it is (m + 1)/2 of the square of the relative change, and with effects
@@ -115,7 +115,7 @@ class Levitation:
         """Return the reasons why the gap is not valid for a real film; empty where it is."""
         reasons = list(exceeded(self.scene))
         error_m = abs(self._moved_m(self.budget.known_error_percent))
-        error_m += self._curved_m(error_m)
+        error_m += self.second_order_m(error_m)
         if self.budget.status == "ok" and not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
             reasons.append(
                 f"the gap's modelling error, up to {1e6 * error_m:.2g} µm, is more than a tenth of "
