@@ -1,5 +1,8 @@
 """The command line speaks to its user: help, messages, exit statuses; never a traceback."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pandas as pd
@@ -81,3 +84,30 @@ def test_doctor_fails_without_a_device_and_says_how_to_mend_it(tmp_path, refused
     text = refused("doctor", status=1)
     assert "pip install" in text
     assert "SQUEEZEFILM_DEVICE" in text
+
+
+THREADS_OF_A_COMMAND = """
+import os
+from squeezefilm.cli.main import main
+try:
+    main(["simulate", "--help"])
+except SystemExit:
+    pass
+import numpy as np
+np.linalg.eigh(np.eye(300))
+print(len(os.listdir("/proc/self/task")))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux" or os.cpu_count() == 1, reason="counts threads")
+def test_linear_algebra_of_a_command_takes_one_thread_unless_it_is_told():
+    for threads, expected in ((None, "1"), ("2", "2")):
+        environment = {
+            name: each for name, each in os.environ.items() if "_NUM_THREADS" not in name
+        }
+        environment["PYTHONPATH"] = os.pathsep.join(map(str, sys.path))
+        if threads:
+            environment["OPENBLAS_NUM_THREADS"] = threads
+        command = [sys.executable, "-c", THREADS_OF_A_COMMAND]
+        run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        assert run.stdout.split()[-1] == expected

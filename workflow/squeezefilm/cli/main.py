@@ -37,6 +37,9 @@ GROUPS: Groups = {
 }
 """Commands by the titles of their groups and their modules, where ``a-b`` is ``a_b``."""
 INTERRUPTED = "squeezefilm: interrupted\n"
+# Threads of NumPy's libraries, which wait for each other where the solver's keep all cores busy: the
+# modes of one ellipse (terms/outline.py) took 14 s on two threads and 0.2 s on one.
+THREADS = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 NEGATIVE = re.compile(r"-\.?\d")
 NAME_WIDTH, WIDTH = 18, 100
 
@@ -87,6 +90,8 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
     commands, chosen = commands_of(groups), words[0] if words else ""
     if chosen not in commands:
         _explain(words, commands, overview=overview(groups))
+    for name in THREADS:
+        os.environ.setdefault(name, "1")
     # No module is garbage before the process ends, and a search for it takes a quarter of the time
     # of a small command.
     gc.disable()
