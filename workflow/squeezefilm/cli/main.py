@@ -37,7 +37,7 @@ GROUPS: Groups = {
 }
 """Commands by the titles of their groups and their modules, where ``a-b`` is ``a_b``."""
 INTERRUPTED = "squeezefilm: interrupted\n"
-# Threads of NumPy's libraries, which wait for each other where the solver's keep all cores busy: the
+# Threads of NumPy's libraries wait for each other where the solver's keep all cores busy: the
 # modes of one ellipse (terms/outline.py) took 14 s on two threads and 0.2 s on one.
 THREADS = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 NEGATIVE = re.compile(r"-\.?\d")
