@@ -33,7 +33,7 @@ HEAD_OF_LIMITS = (
 
 def bound(value: float) -> str:
     """Return a limit as the page shows it."""
-    return f"{value:.2g}" if isfinite(value) else "–"
+    return f"{float(f'{value:.2g}'):g}" if isfinite(value) else "–"
 
 
 def claims() -> list[str]:

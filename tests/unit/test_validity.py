@@ -17,7 +17,7 @@ from squeezefilm.film.validity import (
 from squeezefilm.studies.study import scene_of
 
 
-def at(scene, h0_um, hv_um=1e-3, *, hz=43270.0, side_m=0.01, gap=None, **gas):
+def at(scene, h0_um, hv_um=1e-3, *, hz=43270.0, side_m=0.01, gap=None, speed=0.0, **gas):
     """A piston over a square pad."""
     return replace(
         scene,
@@ -25,7 +25,13 @@ def at(scene, h0_um, hv_um=1e-3, *, hz=43270.0, side_m=0.01, gap=None, **gas):
         hv_m=1e-6 * hv_um,
         gas=replace(scene.gas, **gas),
         actuator=replace(scene.actuator, frequency_hz=hz, profile=Piston()),
-        pad=replace(scene.pad, length_x_m=2 * side_m, length_y_m=side_m, gap=gap or GapShape()),
+        pad=replace(
+            scene.pad,
+            length_x_m=2 * side_m,
+            length_y_m=side_m,
+            gap=gap or GapShape(),
+            speed_x_m_per_s=speed,
+        ),
     )
 
 
@@ -51,6 +57,17 @@ IN, SLIP, KINETIC = (
             f"Re = 10.4 is above 10 (thermal effects included): {UNKNOWN}",
         ),
         ({"h0_um": 5, "hz": 8e6}, f"h0/λ = 0.117 is above 0.1: {NOT_APPLICABLE}"),
+        ({"h0_um": 5, "speed": -1000.0}, f"Ma = 2.91 is above 1: {NOT_APPLICABLE}"),
+        ({"h0_um": 5, "speed": 120.0}, f"Ma = 0.35 is above 0.3: {UNKNOWN}"),
+        (
+            {"h0_um": 30, "hz": 100.0, "side_m": 1.5e-3, "speed": 100.0},
+            f"Re_s = 2 is above 1: {UNKNOWN}",
+        ),
+        (
+            {"h0_um": 30, "side_m": 1.5e-3, "speed": 100.0, "gap": GapShape(tilt_x_m=30e-6)},
+            f"Re_s = 4.49 is above 1: {UNKNOWN}",
+        ),
+        ({"h0_um": 200, "speed": 100.0}, f"ρUh/μ = 1.33e+03 is above 1000: {UNKNOWN}"),
         ({"h0_um": 1, "hv_um": 0.92}, f"Ra/h = 1.25 is above 1: {UNKNOWN}"),
     ],
 )
@@ -64,7 +81,7 @@ def test_a_limit_is_for_its_own_model(scene):
     assert exceeded(at(scene, 0.06, **SLIP), ["Kn"])
     assert not exceeded(at(scene, 0.06, **KINETIC), ["Kn"])
     assert validity(at(scene, 14)) != OK == validity(at(scene, 14, **IN))
-    assert len(exceeded(at(scene, 300, 299.99))) == 5  # all but the Knudsen number
+    assert len(exceeded(at(scene, 300, 299.99))) == 5  # all but those of Knudsen and sliding
 
 
 @pytest.mark.parametrize("study", ["paper", "quick"])

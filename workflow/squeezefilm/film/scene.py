@@ -82,6 +82,13 @@ class OperatingPoints:
         return self.gas.density_kg_per_m3 * omega * self.h0_m**2 / self.gas.viscosity_pa_s
 
     @property
+    def shear_reynolds(self) -> Any:
+        """Shear Reynolds number ρ |U| h0² / (μ l0): inertia of gas that a sliding pad shears."""
+        gas, speed = self.gas, np.abs(self.pad.speed_x_m_per_s)
+        per_length = gas.density_kg_per_m3 * speed / gas.viscosity_pa_s / self.pad.length_x_m
+        return per_length * self.h0_m**2
+
+    @property
     def aspect(self) -> Any:
         """Length of the pad along y over its length along x."""
         return self.pad.length_y_m / self.pad.length_x_m

@@ -37,12 +37,22 @@ def _over(value: Any, gap: np.ndarray) -> np.ndarray:
     return np.divide(value, gap, out=np.full(gap.shape, inf), where=gap > 0)
 
 
-# The list's quantities by their symbols: Kn where the gap at rest is narrowest, Re where widest.
+def _couette_reynolds(scenes: Scenes) -> Any:
+    """ρ |U| h / μ of the widest gap at rest."""
+    per_length = scenes.shear_reynolds * scenes.pad.length_x_m / scenes.h0_m
+    return per_length * scenes.rest_range[1]
+
+
+# The list's quantities by their symbols: Kn where the gap at rest is narrowest, Re, Re_s and ρUh/μ
+# where widest.
 QUANTITIES: dict[str, Callable[[Scenes], Any]] = {
     "h0/l": lambda s: s.h0_m / np.minimum(s.pad.length_x_m, s.pad.length_y_m),
     "Kn": lambda s: _over(s.knudsen, s.rest_range[0]),
     "Re": lambda s: s.modified_reynolds * s.rest_range[1] ** 2,
     "h0/λ": lambda s: s.h0_m * s.actuator.frequency_hz / _sound_speed(s),
+    "Ma": lambda s: np.full(len(s), np.abs(s.pad.speed_x_m_per_s) / _sound_speed(s)),
+    "Re_s": lambda s: s.shear_reynolds * s.rest_range[1] ** 2,
+    "ρUh/μ": _couette_reynolds,
     "hv/h0": lambda s: s.closure,
     "Ra/h": lambda s: _over(ROUGHNESS_M, s.narrowest * s.h0_m),
 }
@@ -91,7 +101,8 @@ class Limit:
         bound = self.not_above if never else self.unknown_above
         kind = "" if self.films == "all" else f" ({self.films})"
         named = f"{self.quantity} {self.symbol} = {value:.3g}"
-        return f"{named} is above {bound:.2g}{kind}: {NOT_APPLICABLE if never else UNKNOWN}"
+        above = f"{float(f'{bound:.2g}'):g}{kind}"
+        return f"{named} is above {above}: {NOT_APPLICABLE if never else UNKNOWN}"
 
 
 def _read(path: Path) -> tuple[Limit, ...]:
