@@ -7,7 +7,10 @@ GROUPS = {
         "verification.random_studies": "random-studies",
         "verification.modelling_errors": "modelling-errors",
         "verification.run_times": "run-times",
-    }
+    },
+    "Tables of the solver computed": {
+        "verification.edge_layers": "edge-layers",
+    },
 }
 
 if __name__ == "__main__":
