@@ -10,6 +10,7 @@ GROUPS = {
     },
     "Tables of the solver computed": {
         "verification.edge_layers": "edge-layers",
+        "verification.second_order": "depth-averaged",
     },
 }
 
