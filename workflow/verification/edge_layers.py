@@ -275,7 +275,7 @@ class InertiaLayer:
         return np.asarray(residual[:-1])
 
     def _coefficients(self, stream: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Of the linear equation: those of w, ∂w/∂ξ, ∂w/∂T, q and ∂q/∂T."""
+        """Coefficients of w, ∂w/∂ξ, ∂w/∂T, q and ∂q/∂T in the linear equation."""
         mass, flux, rate = self.mass(stream), -stream @ self.rate.T, self.rate
         slope, weight = self.second @ stream, self.reynolds / 10 * self.gap
         return (

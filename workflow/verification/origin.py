@@ -1,4 +1,4 @@
-"""Where the numbers of a table come from: its first lines."""
+"""The first lines of a table: the origin of its numbers."""
 
 import os
 from datetime import UTC, datetime

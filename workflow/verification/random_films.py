@@ -9,7 +9,7 @@ Numbers that a row does not draw are those of a plain film. A film is of one of 
 - *ellipse*: axes 1 : 0.5 to 1 : 1; ε at most 0.9, σ at most 1e4;
 - *slip*: Knudsen number log-uniform in 1e-3 to 0.1;
 - *inertia* and *thermal*: modified Reynolds number log-uniform in 0.05 to 5, ε Re at most 2, ε at
-  most 0.8, σ in 1 to 1e5.
+  most 0.8, σ in 1 to 1e5; tolerances of 1e-4 and looser, for direct solutions take minutes.
 
 A quarter of the pads is centred, the others lie up to 0.3 sides off along x and y. Profiles are
 pistons, smooth ones, measured ones (Zernike modes), ridges, kinks and narrow spots, as of PROFILES.
@@ -51,6 +51,7 @@ DEGREE = 8
 # An excursion ratio at which no gap is closed.
 SMALL = 1e-3
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+LEAST_TOLERANCE_WITH_INERTIA = 1e-4
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,9 @@ def random_film(
             return replace(drawn, aspect=_between(random, ASPECT))
         case "inertia" | "thermal":
             reynolds = _between(random, limits.get("reynolds", REYNOLDS))
-            return replace(drawn, reynolds=min(reynolds, MOST_EPSILON_REYNOLDS / drawn.epsilon))
+            reynolds = min(reynolds, MOST_EPSILON_REYNOLDS / drawn.epsilon)
+            tolerance = max(drawn.tolerance, LEAST_TOLERANCE_WITH_INERTIA)
+            return replace(drawn, reynolds=reynolds, tolerance=tolerance)
         case "shaped gap":
             return _shaped(random, drawn)
     return drawn

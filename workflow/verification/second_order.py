@@ -55,7 +55,7 @@ def depth_averaged(options: argparse.Namespace) -> None:
 
 
 def rows() -> list[tuple[bool, float, float]]:
-    """With thermal effects or without, Re and σ of the table's rows."""
+    """Return thermal effects or not, Re and σ of the table's rows."""
     return [
         (thermal, reynolds, sigma)
         for thermal in (False, True)
@@ -94,7 +94,7 @@ def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
         return np.asarray(line.first @ flow[0] + flow[1] @ line.first.T)
 
     def mean(a: np.ndarray | complex, b: np.ndarray) -> np.ndarray:
-        """Of the product of two harmonics over a period."""
+        """Mean of the product of two harmonics over a period."""
         return np.real(np.conj(a) * b) / 2
 
     prandtl = PRANDTL if thermal else 0.0
