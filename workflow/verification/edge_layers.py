@@ -52,7 +52,7 @@ MOST_UNRESOLVED = 5e-3
 
 @command(option("--output", "FOLDER", "for the two tables", required=True, type=Path))
 def edge_layers(options: argparse.Namespace) -> None:
-    """Compute both tables of the edge layer anew, in half an hour of one core.
+    """Compute both tables of the edge layer again, in half an hour of one core.
 
     python -m verification edge-layers --output workflow/squeezefilm/reynolds/asymptotics
     """

@@ -161,9 +161,9 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-@command(option("--output", "TABLE.csv", "table to solve anew", required=True, type=Path))
+@command(option("--output", "TABLE.csv", "table to solve again", required=True, type=Path))
 def stored_films(options: argparse.Namespace) -> None:
-    """Solve the stored films that need a guard of the error estimate anew.
+    """Solve the stored films that need a guard of the error estimate again.
 
     python -m verification stored-films --output tests/numerics/data/judged_films.csv
     """

@@ -39,7 +39,7 @@ SMALL = 5e-4
 
 @command(option("--output", "TABLE.csv", "table to write", required=True, type=Path))
 def depth_averaged(options: argparse.Namespace) -> None:
-    """Compute the table of depth-averaged and resolved forces anew.
+    """Compute the table of depth-averaged and resolved forces again.
 
     python -m verification depth-averaged --output depth_averaged.csv
     """
