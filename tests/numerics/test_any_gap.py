@@ -103,7 +103,7 @@ def test_a_standing_wave_may_begin_at_any_instant(terms):
     ],
 )
 def test_forces_are_those_of_galerkin_s_method_in_the_pad_s_modes(numbers, gap, expected):
-    """Mean overpressures good to 2e-7, by a method that shared the equation alone (cde05ac)."""
+    """Mean overpressures good to 2e-7, by a method that shares the equation alone."""
     scene = shaped(film(epsilon=0.3, sigma=200.0, **numbers), gap)
     assert mean(scene) == pytest.approx(expected, rel=1.5e-6)
 

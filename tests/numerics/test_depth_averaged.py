@@ -16,6 +16,7 @@ from squeezefilm.quantities.model_error import (
     depth_averaging_percent,
 )
 from squeezefilm.reynolds import solve
+from verification.second_order import averaged_force, resolved_force, rows
 
 
 def film(scene: Scene, reynolds: float, sigma: float, epsilon: float = 0.1, **gas: str) -> Scene:
@@ -42,6 +43,17 @@ def test_the_tables_nodes_come_back(scene):
         )
         assert change == pytest.approx(100 * (row.resolved / row.averaged - 1), rel=1e-9, abs=1e-12)
         assert off >= 0.7 * abs(change)
+
+
+@pytest.mark.parametrize("row", [0, 18, 33])
+def test_a_row_of_the_table_is_found_again(row):
+    """``python -m verification depth-averaged``; stored averages with heat are of ε 0.005."""
+    thermal, reynolds, sigma = rows()[row]
+    stored = pd.read_csv(TABLE).loc[row]
+    assert tuple(stored[["thermal", "reynolds", "sigma"]]) == (thermal, reynolds, sigma)
+    numbers = {"reynolds": reynolds, "sigma": sigma, "thermal": thermal}
+    assert resolved_force(**numbers) == pytest.approx(stored["resolved"], abs=6e-7)
+    assert averaged_force(**numbers) == pytest.approx(stored["averaged"], abs=2e-6)
 
 
 def test_the_error_falls_to_zero_with_re_and_is_smooth_in_both(scene):

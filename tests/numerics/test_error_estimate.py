@@ -3,21 +3,19 @@
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pyopencl as cl
 import pytest
-from films import PISTON, film, saying
+from films import film, saying
 
 from squeezefilm import reynolds
-from squeezefilm.film.profiles import Formula, Modes, Quadrature, StandingWave
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.profiles import Formula
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import refinement
+from verification.estimates import film_of, read_films
 
-DISC = Disc(0.012)
-JUDGED = pd.read_csv(Path(__file__).parent / "data" / "judged_films.csv", comment="#")
+JUDGED = read_films(Path(__file__).parent / "data" / "judged_films.csv")
 
 
 @pytest.mark.parametrize(
@@ -82,26 +80,11 @@ __kernel void most(__global const double4 *values, __global double *result,
         assert np.array_equal(result[0], expected, equal_nan=True)
 
 
-def scene_of(row: pd.Series) -> Scene:
-    """A stored film: its profile is a formula, Zernike modes, or has a second phase."""
-    kind, _, numbers = row["profile"].partition(" ")
-    if kind == "zernike":
-        orders = DISC.orders_up_to(8, axisymmetric=False)
-        profile = Modes(orders, tuple(map(float, numbers.split())), DISC)
-    elif kind == "piston":
-        wave = StandingWave(0.00806783744704207, 161.10342338401298, -3.304887452778127e-05, DISC)
-        profile = Quadrature(PISTON, wave, shares=(0.9696541898636697, 0.24448057607881724))
-    else:
-        profile = Formula(row["profile"], surface=DISC)
-    names = ("epsilon", "sigma", "bearing", "x", "y")
-    return film(profile=profile, **{name: float(row[name]) for name in names})
-
-
 @pytest.mark.parametrize("number", JUDGED.index, ids=JUDGED["film"])
 def test_a_film_that_was_outside_its_estimate_is_within_it(number):
     """Moments agreed by chance, or errors went up and down from grid to grid in thin layers."""
     row = JUDGED.loc[number]
-    scene = scene_of(row)
+    scene = film_of(row).scene
     (solution,) = solve([scene], tolerance=row["tolerance"], method="periodic")
     error_n = abs(solution.force_n - scene.force_scale_n * row["force"])
     assert error_n <= solution.force_error_n <= row["tolerance"] * abs(solution.force_n)

@@ -15,6 +15,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
     small_amplitude_expansion,
 )
 from squeezefilm.reynolds.asymptotics.films import expansion_axis
+from verification.edge_layers import excursions, layer
 
 
 @pytest.mark.parametrize(
@@ -27,6 +28,14 @@ def test_boundary_layer_functions_at_known_excursions(a, d, g):
         pytest.approx([d, d], abs=3e-6),
         pytest.approx([g, -g], abs=2e-5),
     )
+
+
+@pytest.mark.parametrize("row", [0, 3, 20])
+def test_the_layer_of_a_row_of_the_table_is_found_again(row):
+    """``python -m verification edge-layers``."""
+    table = np.loadtxt(edge_layer.TABLE, delimiter=",", skiprows=1)
+    a = excursions()[row]
+    assert (a, *layer(a)) == pytest.approx(table[row], rel=1e-8)
 
 
 def test_boundary_layer_of_small_excursions_is_linear():

@@ -1,7 +1,7 @@
 """The limits with the gas' inertia: layer, core and second order, against independent solutions.
 
-Strips are by dense collocation (strip_with_inertia.py at commit a1a68f24), which agrees with a
-marched, resolved velocity profile; the square is by a program of the second-order theory.
+Strips are by dense collocation, which agrees with a marched, resolved velocity profile; the
+square is by a program of the second-order theory.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,13 @@ from squeezefilm.reynolds.asymptotics.composite import (
     high_squeeze_limit,
     small_amplitude_expansion,
 )
+from squeezefilm.reynolds.asymptotics.edge_layer import INERTIA_ROWS
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
+from verification.edge_layers import (
+    excursions_with_inertia,
+    layers_with_inertia,
+    reynolds_numbers,
+)
 
 SINC_ALONG = 1.098
 Method = Callable[[Films], AsymptoticForces]
@@ -77,18 +83,19 @@ def test_rim_of_small_excursions(reynolds: float) -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("a", "reynolds", "found"),
-    [
-        (0.4, 0.45, (1.57455251, -0.90287746, 2.17502933, -0.06765521)),
-        (0.3, 3.3, (1.90491892, -0.82975502, 1.88412317, -0.58957656)),
-        (0.2, 8.0, (2.12073681, -0.87727886, 1.25449037, -1.02872612)),
-    ],
-)
-def test_table_between_its_rows(a: float, reynolds: float, found: tuple[float, ...]) -> None:
-    """Layers solved for (layer_state.py at commit cde05ac)."""
+@pytest.mark.parametrize(("a", "reynolds"), [(0.4, 0.45), (0.3, 3.3), (0.2, 8.0)])
+def test_table_between_its_rows(a: float, reynolds: float) -> None:
+    ((_, _, *found),) = layers_with_inertia(reynolds, [a])
     assert at(a, reynolds) == pytest.approx(found, abs=1e-4)
     assert at(a, reynolds)[0] == pytest.approx(found[0], rel=1e-6)
+
+
+def test_the_layer_of_a_row_of_the_table_is_found_again() -> None:
+    """``python -m verification edge-layers``."""
+    table = np.loadtxt(edge_layer.TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
+    reynolds = reynolds_numbers()[2]
+    found = layers_with_inertia(reynolds, excursions_with_inertia(reynolds)[:1])
+    assert found[0] == pytest.approx(table[2 * INERTIA_ROWS], rel=1e-8)
 
 
 def test_table_says_where_it_ends() -> None:

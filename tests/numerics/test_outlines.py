@@ -118,7 +118,7 @@ def test_an_ellipse_holds_its_tolerance():
 def test_an_ellipse_has_the_forces_of_galerkin_s_method_in_its_modes(
     numbers, aspect, gap, expected
 ):
-    """Mean overpressures good to 5e-7, by a method that shared the equation alone (cde05ac).
+    """Mean overpressures good to 5e-7, by a method that shares the equation alone.
 
     With each symmetry, and none.
     """
@@ -242,7 +242,7 @@ def test_a_patch_of_no_symmetry_has_the_force_of_finite_elements(epsilon, sigma,
     assert (4 * fine - coarse) / 3 * scale_n == pytest.approx(force_n, rel=1e-4)
 
 
-# Answers and their errors by Galerkin's method in the modes of the ellipse (commit cde05ac).
+# Answers and their errors by Galerkin's method in the modes of the ellipse.
 MODES = {
     "power": (0.1210377, 4.7e-4),
     "thrust_x": (4.865736e-05, 1.1e-7),

@@ -187,7 +187,7 @@ def test_with_the_layer_the_strip_settles_where_the_full_equation_does():
 
 
 def test_gain_and_phase_agree_with_marching_within_the_error():
-    """5 µm, 2.2 µm of the paper's actuator, marched through every period (commit cde05ac)."""
+    """5 µm, 2.2 µm of the paper's actuator, marched through every period."""
     marched = np.array([2.134, 1.962, 1.644]) * np.exp(1j * np.radians([-4.092, -9.049, -8.979]))
     scene = film(epsilon=0.44, sigma=2331.15)
     vibration = scene.actuator.frequency_hz / 43_270
@@ -225,8 +225,7 @@ def test_the_change_by_slip_is_that_of_a_film_with_slip():
 def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
     """A wave that travels and stands: the rim's layer has a part a quarter of a period ahead.
 
-    ε 0.3, σ 300, a modulation of 24 periods, marched with the trapezoidal rule on a long strip
-    (test_slow_film.py at commit a1a68f24).
+    ε 0.3, σ 300, a modulation of 24 periods, marched with the trapezoidal rule on a long strip.
     """
     marched = 1.57218 - 0.448378j
     x = expansion_axis(31).all_nodes

@@ -6,8 +6,13 @@ GROUPS = {
     "The solver examined": {
         "verification.random_studies": "random-studies",
         "verification.modelling_errors": "modelling-errors",
+        "verification.estimates": "estimates stored-films",
         "verification.run_times": "run-times",
-    }
+    },
+    "Tables of the solver computed": {
+        "verification.edge_layers": "edge-layers",
+        "verification.second_order": "depth-averaged",
+    },
 }
 
 if __name__ == "__main__":

@@ -1,12 +1,10 @@
 """Run times: the paper by rule, one force by part, many scenes on host and device."""
 
 import argparse
-import os
 import re
 import resource
 import subprocess
 import sys
-from datetime import UTC, datetime
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -19,11 +17,11 @@ from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
 from squeezefilm.parallel import say
-from squeezefilm.provenance import provenance
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import box_of
+from verification.origin import origin
 from verification.work_precision import FILMS, measure, work_precision
 
 PAPER = "config/paper.yaml"
@@ -51,15 +49,7 @@ def run_times(options: argparse.Namespace) -> None:
     the four-factor space, on host and device; `equal_error.csv`: of other methods, and how often
     the solver's is in it where its error is no larger. Nothing else should run meanwhile.
     """
-    device = choose_device()
-    now = datetime.now(UTC)
-    origin = {
-        "command": "python -m verification run-times --output docs/data",
-        "commit": str(provenance({}, device={})["commit"])[:8],
-        "machine": f"{device.name}, {os.cpu_count()} cores",
-        "date": f"{now.day} {now:%B %Y}",
-    }
-    head = "".join(f"# {key}: {value}\n" for key, value in origin.items())
+    head = origin("run-times --output docs/data")
     for measured in paper_times, force_times, batch_times, equal_error:
         say(f"{measured.__name__}: measuring")
         table = measured().to_csv(index=False)

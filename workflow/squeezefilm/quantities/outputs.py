@@ -389,8 +389,7 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
     gas ⟨∫h∇p⟩ and what leaves over the rim, β = 6/5 for a parabola across the gap; and each gives
     half, for the flow is even about the middle of the gap. On a strip with the velocity resolved
     across the gap that was true of the shear at the wall to 2e-6, 1e-5 and 3e-4 of it at Re 0.45,
-    1.8 and 7.2, where what leaves is 1.7, 7 and 30 % of the shear (tests/numerics/test_outputs.py
-    at commit cde05ac).
+    1.8 and 7.2, where what leaves is 1.7, 7 and 30 % of the shear.
 
     Args:
         unknowns: overpressure and the velocity's deficits along x and y (terms/inertia.py), shape

@@ -13,17 +13,16 @@ Where the surface moves with two quadrature components the layer at a point is t
 a = ε √(s₁² + s₂²), at another instant; the gap's slope then has a part a quarter of a
 period from the motion itself, whose effect on the force is q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
 
-They were computed once, at commit cde05ac (reynolds/limits/boundary_layer.py),
-and are stored as d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series
-give them.
+``python -m verification edge-layers`` computes them. They are stored as d/a², g/a and q/a at
+Chebyshev nodes in −ln(1 − a²), from where Chebyshev series give them.
 
 With the gas' inertia the core sees ψ² on the rim, the layer's own overpressure d, and the changes g
 and h of the rim's ψ² with the slopes of the profile and of the core.
 
-They were computed once, at commit cde05ac (reynolds/limits/inertial_layer.py, half an hour of one
-core), and are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev points: in Re up to
-MOST_REYNOLDS and, for each Re, in −ln(1 − a²) up to a = ``largest(Re)``. Somewhere beyond, waves
-steepen to a shock in the layer, and no periodic state was found that a finer grid would not change.
+The same command computes them. They are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev
+points: in Re up to MOST_REYNOLDS and, for each Re, in −ln(1 − a²) up to a = ``largest(Re)``.
+Somewhere beyond, waves steepen to a shock in the layer, and no periodic state was found that a
+finer grid would not change.
 
 Within √(1/σ) of the pad's rim, with ξ = n√σ, n the distance from the rim, and ū = v/√σ the mean
 velocity over the gap, mass w = HP and flux q = wv obey
@@ -70,7 +69,7 @@ def integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def ratios(a: np.ndarray) -> np.ndarray:
     """d/a², g/a and q/a at excursion ratios |a| ≤ LARGEST, shape (3, …); NaN beyond."""
     size = np.abs(np.asarray(a, dtype=float))
-    place = 2 * _stretched(np.minimum(size, LARGEST)) / _stretched(LARGEST) - 1
+    place = 2 * stretched(np.minimum(size, LARGEST)) / stretched(LARGEST) - 1
     # All polynomials at once: chebval goes through them one by one.
     polynomials = np.cos(np.multiply.outer(np.arange(ROWS), np.arccos(np.clip(place, -1, 1))))
     values = np.tensordot(_series().T, polynomials, axes=1)
@@ -85,7 +84,8 @@ def all_weights(line: Axis) -> np.ndarray:
     return np.concatenate([[end / 2], line.weights, [end / 2]])
 
 
-def _stretched(a: np.ndarray | float) -> np.ndarray:
+def stretched(a: np.ndarray | float) -> np.ndarray:
+    """Return −ln(1 − a²), in which the tables have Chebyshev points."""
     return -np.log1p(-np.square(a))
 
 
@@ -93,7 +93,7 @@ def _stretched(a: np.ndarray | float) -> np.ndarray:
 def _series() -> np.ndarray:
     """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (ROWS, 3)."""
     rows = np.loadtxt(TABLE, delimiter=",", skiprows=1)
-    nodes = 2 * _stretched(rows[:, 0]) / _stretched(LARGEST) - 1
+    nodes = 2 * stretched(rows[:, 0]) / stretched(LARGEST) - 1
     return np.linalg.solve(chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
 
 
@@ -112,7 +112,7 @@ def rim_values(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
     films = a.reshape(len(reynolds), -1)
     most = largest(reynolds)[:, None]
     inside = (np.abs(films) <= most) & (reynolds[:, None] <= MOST_REYNOLDS)
-    place = 2 * _stretched(np.minimum(np.abs(films), most)) / _stretched(most) - 1
+    place = 2 * stretched(np.minimum(np.abs(films), most)) / stretched(most) - 1
     powers = chebyshev.chebvander(place, INERTIA_ROWS - 1)
     of_film = chebyshev.chebvander(
         2 * np.minimum(reynolds, MOST_REYNOLDS) / MOST_REYNOLDS - 1, REYNOLDS_ROWS - 1
