@@ -11,7 +11,13 @@ from films import PISTON, film
 from periodic_strip import PeriodicStrip
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.model_error import error_budgets
+from squeezefilm.quantities.model_error import (
+    NAMES,
+    Effect,
+    ErrorBudget,
+    budget_row,
+    error_budgets,
+)
 from squeezefilm.reynolds import solve
 
 
@@ -113,3 +119,12 @@ def test_what_is_not_known_has_no_number(scene: Scene) -> None:
     assert all(isnan(each.percent) for each in still.effects.values())
     assert heated.unknown == ["thermal"]
     assert np.isnan(heated.modelling_error_percent).all()
+
+
+def test_a_total_that_is_unknown_has_a_reason() -> None:
+    """Each effect alone is known here, all of them together are not."""
+    known = dict.fromkeys(NAMES, Effect(1.0, 0.0))
+    assert ErrorBudget(known, 1.5, (0.8, 1.2)).unknown == []
+    assert budget_row(ErrorBudget(known, 1.5))["unknown_effects"] == "all effects together"
+    without_inertia = ErrorBudget(known | {"inertia": Effect(float("nan"))}, 1.5)
+    assert without_inertia.unknown == ["inertia"]

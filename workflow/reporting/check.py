@@ -77,7 +77,7 @@ CLOSENESS = {
     r"fig1[01236] (epsilon|h0_um|hv_um|phi_r_mm|phi_deg)": "place",
     r"fig.. (epsilon|\w+_(um|mm|deg)|amplitude_ratio|points|band_percent)": "given",
     r".* force_n": "model",
-    r".* relative_error(_percent)?": "relative error",
+    r".* relative_error(_all)?(_percent)?": "relative error",
     r".* value": "parameters",
 }
 """How close a column of numbers is, by its table and name; the first that fits, else derived."""

@@ -38,6 +38,8 @@ MOST_SCENES = 128
 OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
 NAMES = (*OPEN, "depth_averaged", "slip", "flow_factor", "edge_loss", "bearing")
+# Name of all neglected effects at once, where each alone was solved for.
+TOGETHER = "all effects together"
 
 
 class Effect(NamedTuple):
@@ -85,8 +87,10 @@ class ErrorBudget:
 
     @property
     def unknown(self) -> list[str]:
-        """The names of neglected effects that could not be solved for."""
-        return [name for name, effect in self.neglected.items() if isnan(effect.percent)]
+        """The names of neglected effects that could not be solved for, or that of all together."""
+        alone = [name for name, effect in self.neglected.items() if isnan(effect.percent)]
+        together_known = isfinite(sum(self.modelling_error_percent))
+        return alone if alone or together_known else [TOGETHER]
 
     @property
     def higher_orders_percent(self) -> float:

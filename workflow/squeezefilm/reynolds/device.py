@@ -7,6 +7,7 @@ import os
 import platform
 import shutil
 import struct
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,6 +20,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.lazy import cl
+from squeezefilm.parallel import say
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 # Compiled kernels of a job on a cluster are kept on its node, compiled once for all jobs there. The
@@ -257,6 +259,10 @@ def _of_pocl(device: Any) -> bool:
     return bool(device.platform.name.strip() == "Portable Computing Language")
 
 
+# Programs from the cache are built in a tenth of a second, others in seconds.
+SLOW_BUILD_S = 1.0
+
+
 @cache
 def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
     if _of_pocl(context.devices[0]):
@@ -272,9 +278,20 @@ def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
     options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", cl.CompilerWarning)
-        return cl.Program(context, "\n".join(texts)).build(options=options)
+    notice = threading.Timer(SLOW_BUILD_S, announce_compilation)
+    notice.start()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", cl.CompilerWarning)
+            return cl.Program(context, "\n".join(texts)).build(options=options)
+    finally:
+        notice.cancel()
+
+
+@cache
+def announce_compilation() -> None:
+    """Say on the terminal, once a process, what it is waiting for."""
+    say("compiling kernels for this device: once, up to a minute")
 
 
 def known_processor(device: Any) -> str:
