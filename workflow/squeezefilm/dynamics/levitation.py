@@ -214,11 +214,16 @@ def trustworthy(
         if slopes[k] < 0 < forces_n[k] and not exceeded(there)
     ]
     some = some[:: -(-len(some) // BUDGETS) or 1]
-    how: dict[str, Any] = {"model_tolerance": model_tolerance, "method": method, "device": device}
-    scenes = resolve_auto_terms(_at(scene, *gaps_m[some]), **how)
+    scenes = resolve_auto_terms(
+        _at(scene, *gaps_m[some]),
+        model_tolerance=max(model_tolerance, LOOK_TOLERANCE),
+        method=method,
+        device=device,
+    )
+    budgets = error_budgets(scenes, device=device, tolerances=(ROUGH_TOLERANCE,))
     given = [
         k
-        for k, there, budget in zip(some, scenes, error_budgets(scenes, device=device), strict=True)
+        for k, there, budget in zip(some, scenes, budgets, strict=True)
         if not Levitation(there, forces_n[k], nan, -slopes[k], nan, budget).untrustworthy
     ]
     if not given:

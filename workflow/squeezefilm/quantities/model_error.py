@@ -29,9 +29,10 @@ from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import Solution
 
-# Relative error of the forces whose differences are effects, and of those that are dear: where a
-# force takes more operations than these, a fraction of a second, it is not solved more closely.
-FORCE_TOLERANCE, LOOSE_TOLERANCE, DEAR = 1e-5, 1e-3, 2e9
+# Relative errors of the forces whose differences are effects. The next is taken where an error is
+# more than a fraction of the largest effect, unless a force took more operations than DEAR, a
+# fraction of a second.
+TOLERANCES, EFFECT_TOLERANCE, DEAR = (1e-3, 1e-4, 1e-5), 0.01, 2e9
 # Scenes whose budgets are solved for together, so that not all states are held.
 MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
@@ -108,13 +109,23 @@ class ErrorBudget:
         return sum(abs(effect.percent) + effect.error_percent for effect in known)
 
 
-def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
-    """The budget of each scene's force; what of their gases is ``auto`` must be decided."""
+def error_budgets(
+    scenes: Sequence[Scene],
+    *,
+    device: Device | None = None,
+    tolerances: Sequence[float] = TOLERANCES,
+) -> list[ErrorBudget]:
+    """The budget of each scene's force; what of their gases is ``auto`` must be decided.
+
+    Args:
+        tolerances: relative errors of the forces, falling; each is used only where the differences
+            of forces need it.
+    """
     device = device or choose_device()
     budgets: list[ErrorBudget] = []
     for first in range(0, len(scenes), MOST_SCENES):
         films = [FilmWithEffects(scene) for scene in scenes[first : first + MOST_SCENES]]
-        budgets += _budgets(films, device)
+        budgets += _budgets(films, tolerances, device)
     return budgets
 
 
@@ -190,34 +201,46 @@ class FilmWithEffects:
         ]
 
 
-def _budgets(films: Sequence[FilmWithEffects], device: Device) -> list[ErrorBudget]:
+def _budgets(
+    films: Sequence[FilmWithEffects], tolerances: Sequence[float], device: Device
+) -> list[ErrorBudget]:
     moving = [film for film in films if film.scene.epsilon]
     with_states = {scene: None for film in moving for scene in (film.scene, film.together)}
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
-    for distinct, keep_states in ((with_states, True), (others, False)):
-        waiting = list(distinct)
-        for tolerance in (LOOSE_TOLERANCE, FORCE_TOLERANCE):
+    for tolerance in tolerances:
+        vague = [film for film in moving if not _resolved(film, solutions)]
+        waiting = {scene: None for film in vague for scene in film.scenes}
+        for distinct, keep_states in ((with_states, True), (others, False)):
+            asked = [scene for scene in distinct if scene in waiting]
             solved = solve(
-                waiting,
+                asked,
                 tolerance=tolerance,
                 method="periodic",
                 device=device,
                 keep_states=keep_states,
             )
-            for scene, solution in zip(waiting, solved, strict=True):
+            for scene, solution in zip(asked, solved, strict=True):
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
-            waiting = [
-                scene
-                for scene in waiting
-                if solutions[scene].status == "ok" and solutions[scene].work < DEAR
-            ]
     edge = mean_changes(
         list(with_states), [solutions[scene] for scene in with_states], device=device
     )
     edge_losses = dict(zip(with_states, np.moveaxis(edge, -1, 0), strict=True))
     return [_budget(film, solutions, edge_losses) for film in films]
+
+
+def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> bool:
+    """Whether forces are known closely enough for their differences, or as closely as it pays."""
+    if film.scene not in solutions:
+        return False
+    known = [solutions[scene] for scene in film.scenes]
+    if any(solution.status != "ok" for solution in known):
+        return True
+    forces_n = [solution.force_n for solution in known]
+    error_n = max(solution.force_error_n for solution in known)
+    dearest = max(solution.work for solution in known)
+    return dearest > DEAR or error_n <= EFFECT_TOLERANCE * (max(forces_n) - min(forces_n))
 
 
 def _budget(
@@ -340,8 +363,8 @@ def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.n
     return np.append(0.0, nodes), reynolds, change
 
 
-# Change of the force, relative, below which a term that is ``auto`` is not included; the forces
-# that show it are solved to this fraction of it.
+# Change of the force, relative, below which a term that is ``auto`` is not included. The forces
+# that show it are solved to it, and to this fraction of it where that leaves it open.
 MODEL_TOLERANCE, DECIDING = 1e-3, 0.1
 
 
@@ -398,24 +421,37 @@ def solve_auto_terms(
         solutions = solve(films, tolerance=tolerance, method="periodic", device=device)
         return dict(zip(terms, solutions, strict=True))
 
-    deciding = DECIDING * model_tolerance
+    rough, fine = model_tolerance, DECIDING * model_tolerance
     every = {row: names for row, names in enumerate(needed) if names}
-    full = solved(every, min(tolerance, deciding))
+    full = solved(every, min(max(tolerance, fine), rough))
     # Where that has no force, all terms stay, and the scene's own solution says why.
-    waiting = {row: names for row, names in every.items() if full[row].status == "ok"}
+    kept = {row: names for row, names in every.items() if full[row].status == "ok"}
     for fewer in ((), ("inertia",), ("thermal",)):
-        tried = {row: fewer for row, names in waiting.items() if set(fewer) < set(names)}
-        for row, solution in solved(tried, deciding).items():
-            off_n = abs(solution.force_n - full[row].force_n)
-            off_n += solution.force_error_n + full[row].force_error_n
-            if off_n < model_tolerance * abs(full[row].force_n):
-                needed[row] = fewer
-                del waiting[row]
+        undecided = [row for row, names in kept.items() if set(fewer) < set(names)]
+        for accuracy in (rough, fine):
+            vague = {
+                row: kept[row]
+                for row in undecided
+                if full[row].force_error_n > accuracy * abs(full[row].force_n)
+            }
+            closer = solved(vague, accuracy)
+            full |= {row: solution for row, solution in closer.items() if solution.status == "ok"}
+            tried = solved(dict.fromkeys(undecided, fewer), accuracy)
+            undecided = []
+            for row, solution in tried.items():
+                limit_n = model_tolerance * abs(full[row].force_n)
+                change_n = abs(solution.force_n - full[row].force_n)
+                error_n = solution.force_error_n + full[row].force_error_n
+                if change_n + error_n < limit_n:
+                    needed[row] = fewer
+                    del kept[row]
+                elif change_n - error_n < limit_n:
+                    undecided.append(row)
     chosen = list(zip(index.tolist(), needed, strict=True))
     places = {choice: place for place, choice in enumerate(dict.fromkeys(chosen))}
     films = tuple(_with_terms(closed.films[film], included) for film, included in places)
     decided = replace(scenes, films=films, film_index=np.array([places[each] for each in chosen]))
-    return decided, {row: full[row] for row in waiting}
+    return decided, {row: full[row] for row in kept if tolerance >= fine}
 
 
 def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
