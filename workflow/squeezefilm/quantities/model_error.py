@@ -32,7 +32,7 @@ from squeezefilm.solution import Solution
 # Relative errors of the forces whose differences are effects. The next is taken where an error is
 # more than a fraction of the largest effect, unless a force took more operations than DEAR, a
 # fraction of a second.
-TOLERANCES, EFFECT_TOLERANCE, DEAR = (1e-3, 1e-4, 1e-5), 0.01, 2e9
+TOLERANCES, EFFECT_TOLERANCE, DEAR = (1e-3, 1e-4, 1e-5), 0.003, 2e9
 # Scenes whose budgets are solved for together, so that not all states are held.
 MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
