@@ -107,8 +107,11 @@ def neglected_by_auto(seed: int) -> dict[str, Any]:
     if excluded_terms(film):
         return row | {"outcome": "not supported"}
     own = _own_effects(scene)
+    both = replace(own, inertia=True, thermal=True)
+    if both == own:
+        return row | {"neglected_by_auto_percent": 0.0, "outcome": "nothing neglected"}
     try:
-        ((change, error),) = changes_percent(scene, [replace(own, inertia=True, thermal=True)])
+        ((change, error),) = changes_percent(scene, [both])
     except ArithmeticError as reason:
         return row | {"outcome": f"not compared: {reason}"}
     row |= {"neglected_by_auto_percent": change, "solved_error_percent": error}
