@@ -82,7 +82,7 @@ def _run(item: Any) -> Any:
 
 @dataclass
 class Progress:
-    """How far some work is: so many of a total, and what is done now."""
+    """Work that is under way: the finished part of a total, and what is done now."""
 
     name: str
     unit: str
