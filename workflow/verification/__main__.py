@@ -5,7 +5,7 @@ from squeezefilm.cli.main import main
 GROUPS = {
     "The solver examined": {
         "verification.random_studies": "random-studies",
-        "verification.modelling_errors": "modelling-errors",
+        "verification.modelling_errors": "modelling-errors auto-terms",
         "verification.estimates": "estimates stored-films",
         "verification.run_times": "run-times",
     },

@@ -14,7 +14,7 @@ from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.scene import Scene
-from squeezefilm.parallel import progress_bar
+from squeezefilm.parallel import progress_of
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.grid import iteration_flops
 from squeezefilm.reynolds.needs import needs_of
@@ -54,7 +54,7 @@ def estimates(options: argparse.Namespace) -> None:
     output, numbers = Path(options.output), range(1, options.films + 1)
     table = _table_so_far(output, seed=options.seed)
     missing = [number for number in numbers if number not in {*table["film"]}]
-    with progress_bar(len(missing), unit="film", name="estimates") as bar:
+    with progress_of(len(missing), unit="film", name="estimates") as bar:
         for start in range(0, len(missing), BATCH):
             some = missing[start : start + BATCH]
             rows = examined({number: random_film(number, seed=options.seed) for number in some})

@@ -21,7 +21,7 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
 from squeezefilm.formatting import scene_row
-from squeezefilm.parallel import progress_bar
+from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.model_error import (
     OPEN,
     ErrorBudget,
@@ -422,7 +422,7 @@ def levitations(
         whole: with the columns of scenes and error budgets too.
     """
     rows = []
-    with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
+    with progress_of(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
         for scene, load_n in product(scenes, loads_n):
             row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
             try:

@@ -63,8 +63,6 @@ NEGLIGIBLE = 1e-14
 class VelocityTerm(Term):
     """A term of the gas' velocities, along each axis on its flux points and the other's nodes."""
 
-    MOST_WORK = 1e11  # ten to twenty seconds of one core
-
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         return flux_matrices(grid, aspect=aspect)
 
