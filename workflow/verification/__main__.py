@@ -6,7 +6,7 @@ GROUPS = {
     "The solver examined": {
         "verification.random_studies": "random-studies",
         "verification.modelling_errors": "modelling-errors auto-terms",
-        "verification.estimates": "estimates stored-films",
+        "verification.estimates": "estimates guards stored-films",
         "verification.run_times": "run-times",
     },
     "Tables of the solver computed": {

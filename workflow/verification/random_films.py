@@ -13,6 +13,8 @@ Numbers that a row does not draw are those of a plain film. A film is of one of 
 
 A quarter of the pads is centred, the others lie up to 0.3 sides off along x and y. Profiles are
 pistons, smooth ones, measured ones (Zernike modes), ridges, kinks and narrow spots, as of PROFILES.
+Five films with successive numbers share profile and position, since sampling a profile takes longer
+than solving a film.
 """
 
 from dataclasses import dataclass, replace
@@ -48,6 +50,7 @@ LIMITS = {
     "thermal": {"epsilon": (0.01, 0.8), "sigma": (1.0, 1e5)},
 }
 DEGREE = 8
+FILMS_A_PROFILE = 5
 # An excursion ratio at which no gap is closed.
 SMALL = 1e-3
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -121,12 +124,13 @@ def random_film(
     random = np.random.default_rng((seed, number))
     group = group or _drawn(random, GROUPS)
     limits = {"epsilon": EPSILON, "sigma": SIGMA} | LIMITS.get(group, {}) | limits
-    x, y = random.uniform(-FARTHEST, FARTHEST, 2) * (random.uniform() > CENTRED)
+    shared = np.random.default_rng((seed, number // FILMS_A_PROFILE, FILMS_A_PROFILE))
+    x, y = shared.uniform(-FARTHEST, FARTHEST, 2) * (shared.uniform() > CENTRED)
     drawn = RandomFilm(
         group=group,
         epsilon=float(random.uniform(*limits["epsilon"])),
         sigma=_between(random, limits["sigma"]),
-        profile=_profile(random, x * LENGTH_M, y * LENGTH_M),
+        profile=_profile(shared, x * LENGTH_M, y * LENGTH_M),
         tolerance=TOLERANCES[number % len(TOLERANCES)],
         x=float(x),
         y=float(y),
