@@ -522,7 +522,7 @@ class FilmSections(Section):
 
     @property
     def written(self) -> Mapping[Place, Any]:
-        """What was written, by its place; all else follows from it or is a default."""
+        """Values that were written, by their places; all others follow or are defaults."""
         return self._written
 
     def read_from(self, path: Path, values: Mapping[str, Any]) -> Self:
