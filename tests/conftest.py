@@ -110,7 +110,7 @@ def edited(repository, tmp_path):
     """A function that writes a study of config/ with other values in its sections."""
 
     def edited(name: str = "quick", /, **sections: dict[str, Any]) -> Path:
-        study = dict(load_config(repository / "config" / f"{name}.yaml"))
+        study = load_config(repository / "config" / f"{name}.yaml").sections()
         study |= {key: {**study[key], **values} for key, values in sections.items()}
         path = tmp_path / "study.yaml"
         path.write_text(json.dumps(as_written(study)), encoding="utf-8")  # YAML, without aliases

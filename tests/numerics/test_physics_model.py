@@ -6,9 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from changed_sections import changed
 from reference_forces import FOUR_FACTOR_THETA, reference_table
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fitting import fit_model
 from squeezefilm.models.force_model import get_model
@@ -21,11 +22,11 @@ from squeezefilm.studies.tasks import physics_limits as limits
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
 
-def limits_of(table: pd.DataFrame, paper: Config) -> pd.DataFrame:
+def limits_of(table: pd.DataFrame, paper: Study) -> pd.DataFrame:
     return with_limits(table, scenes_in(table, paper))
 
 
-def reference(name: str, paper: Config) -> tuple[Factors, np.ndarray]:
+def reference(name: str, paper: Study) -> tuple[Factors, np.ndarray]:
     table = reference_table(name)
     return factors_of(limits_of(table, paper)), table["force_n"].to_numpy()
 
@@ -65,7 +66,7 @@ def test_each_corrective_parameter_makes_it_better(paper, control):
     assert errors[3] < errors[2] / 2
 
 
-def with_inertia(table: pd.DataFrame, paper: Config) -> tuple[Factors, np.ndarray, np.ndarray]:
+def with_inertia(table: pd.DataFrame, paper: Study) -> tuple[Factors, np.ndarray, np.ndarray]:
     """A plan's factors with the limits, their errors and the forces by the periodic state."""
     scenes = scenes_in(table, paper)
     scenes = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
@@ -118,7 +119,6 @@ def test_a_table_of_limits_has_gaps_and_positions_enough(
     """Inertia grows like the square of the gap; 7 × 6 positions left half of a wavy force."""
     box = box_of(paper).ranges | ranges
     monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(box)))
-    changed = {name: paper[name] | values for name, values in sections.items()}
-    table = limits.limit_table_of(Config(path=paper.path, sections=paper.sections | changed))
+    table = limits.limit_table_of(changed(paper, **sections))
     assert table.largest_relative_error < error
     assert len(table.coefficients["limit_n"]) <= limits.MOST_NODES

@@ -2,14 +2,15 @@
 
 import pandas as pd
 import pytest
+from changed_sections import changed
 
 from squeezefilm.api import forces as simulation
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.studies.plans import chunk_counts, expected_seconds
 
 
-def with_jobs_of(config: Config, seconds: float) -> Config:
-    return Config(config.path, {**config, "simulation": {"seconds_per_job": seconds}})
+def with_jobs_of(config: Study, seconds: float) -> Study:
+    return changed(config, simulation={"seconds_per_job": seconds})
 
 
 def test_a_plan_has_as_many_jobs_as_its_cost_asks_for(quick):
@@ -17,7 +18,7 @@ def test_a_plan_has_as_many_jobs_as_its_cost_asks_for(quick):
     counts = chunk_counts(with_jobs_of(quick, 5.5 * scene))
     assert counts["screen"] == 3  # 12 scenes
     assert counts["error_map"] == 7  # 36 scenes
-    large = Config(quick.path, {**quick, "sweep": {"points": 10**6 + 1}})
+    large = changed(quick, sweep={"points": 10**6 + 1})
     counts = chunk_counts(with_jobs_of(large, 1e5))
     # At most half a million scenes each.
     assert counts == dict.fromkeys(counts, 1) | {"sweep": 3}

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.config.loading import Config, load_config
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.studies.plans import scenes_of
 from squeezefilm.studies.study import check_study
@@ -26,7 +27,7 @@ def study(tmp_path):
     return write
 
 
-def load(path: Path) -> Config:
+def load(path: Path) -> Study:
     """What the rules do before anything runs."""
     return check_study(load_config(path))
 
@@ -34,9 +35,9 @@ def load(path: Path) -> Config:
 @pytest.mark.parametrize("name", ["paper", "paper-inertia", "quick", "sweep", "vibrometer"])
 def test_the_studies_that_come_with_the_workflow_are_valid(repository, name):
     config = load(repository / "config" / f"{name}.yaml")
-    assert config["study"] == name
-    assert config["gas"]["viscosity_pa_s"] == 1.81e-5
-    assert config["actuator"]["frequency_hz"] == 43270
+    assert config.study == name
+    assert config.gas.viscosity_pa_s == 1.81e-5
+    assert config.actuator.frequency_hz == 43270
 
 
 @pytest.mark.parametrize("name", ["paper", "vibrometer"])
@@ -58,7 +59,7 @@ def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(repository
             values = table[factor]
             assert values.min() >= low * (1 - 1e-9), (kind, factor)
             assert values.max() <= high * (1 + 1e-9), (kind, factor)
-    assert config["error_map"]["h0_m"]["stop"] == 30e-6
+    assert config.error_map.h0_m.stop == 30e-6
 
 
 HZ, SINC = "43.27 kHz", "kind: sinc, wave_number: 109.8 1/m"

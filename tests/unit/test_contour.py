@@ -58,7 +58,7 @@ def test_a_study_s_outline_counts_from_its_own_folder(tmp_path):
     assert pad_of(config).area_m2 == pytest.approx(np.pi * 20e-6, rel=2e-5)
     elsewhere = tmp_path / "results" / "mine"
     again = parse_config(effective_text(config, folder=elsewhere), path=elsewhere / "study.yaml")
-    assert again["pad"]["outline"]["file"] == "../../patch.csv"
+    assert again.pad.outline.file == "../../patch.csv"
 
 
 def test_a_film_with_an_outline_off_its_plate_is_refused(tmp_path):

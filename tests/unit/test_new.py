@@ -17,7 +17,7 @@ def test_a_new_study_is_valid_and_has_its_scan(tmp_path):
     config = check_study(load_config(path))
     assert "vibrometer" not in str(dict(config))
     assert "results/vibrometer" not in path.read_text(encoding="utf-8")
-    assert config["study"] == "my-actuator"
+    assert config.study == "my-actuator"
     assert scan_path(config) == tmp_path / "config" / "my-actuator.csv"
     smoothed = smoothed_scan_of(config)
     assert smoothed is not None

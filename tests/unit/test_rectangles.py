@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from changed_sections import changed
 from example_scan import EXAMPLES, PLATE, scan_text
 
-from squeezefilm.config.loading import Config, load_config
+from squeezefilm.config.loading import load_config, with_changes
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Rectangle
@@ -22,17 +24,13 @@ PAD = {"shape": "rectangle", "length_x_m": 0.010, "length_y_m": 0.008}
 
 
 @pytest.fixture(scope="module")
-def plate(repository: Path) -> Config:
+def plate(repository: Path) -> Study:
     return load_config(repository / "config" / "plate.yaml")
 
 
-def study(config: Config, **changes: dict[str, Any]) -> Config:
+def study(config: Study, **changes: dict[str, Any]) -> Study:
     """The plate under a rectangular pad, its wave known by formula, with other keys in sections."""
-    first = {"pad": PAD, "actuator": {"profile": WAVE}}
-    sections = dict(config.sections)
-    for name, keys in (*first.items(), *changes.items()):
-        sections[name] = sections[name] | keys
-    return Config(path=config.path, sections=sections)
+    return changed(changed(config, pad=PAD, actuator={"profile": WAVE}), **changes)
 
 
 def test_modes_span_the_polynomials_of_their_degree():
@@ -70,9 +68,7 @@ def test_the_pad_must_lie_on_the_plate(plate, x_m, y_m):
 
 
 def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):
-    config = study(plate)
-    positions = {"x_m": [0.005, 0.0095], "y_m": [0, 0.005]}
-    config = Config(path=config.path, sections=config.sections | {"positions": positions})
+    config = with_changes(study(plate), {"positions": {"x": [0.005, 0.0095], "y": [0, 0.005]}})
     assert symmetry_of(config) == Mirrors(x=True, y=True)
     mirrored = pad_positions(config)
     assert mirrored[:4] == [(0.0, 0.0), (0.0, 0.005), (0.005, 0.0), (0.005, 0.005)]

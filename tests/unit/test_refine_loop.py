@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from squeezefilm.config.study import Refine
 from squeezefilm.designs.sequential import Outcome, Pool, Sequential
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
@@ -49,7 +50,7 @@ def run(
         force = truth(points.factors.take(which).epsilon)
         return force, np.full(len(which), error_n)
 
-    loop = Sequential(tried, points, goal, simulate, bound=100)
+    loop = Sequential(tried, points, Refine(**goal), simulate, bound=100)
     return loop.run(), asked
 
 

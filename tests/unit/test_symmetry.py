@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from changed_sections import changed
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import plan_sizes
@@ -46,11 +47,8 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any] | None, tuple[float, float
 }  # fmt: skip
 
 
-def study(quick: Config, pad: dict[str, Any], profile: dict[str, Any] | None = None) -> Config:
-    sections = {**quick, "pad": quick["pad"] | pad}
-    if profile:
-        sections["actuator"] = quick["actuator"] | {"profile": profile}
-    return Config(path=quick.path, sections=sections)
+def study(quick: Study, pad: dict[str, Any], profile: dict[str, Any] | None = None) -> Study:
+    return changed(quick, pad=pad, actuator={"profile": profile} if profile else {})
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -85,6 +83,6 @@ def test_the_template_s_directions_stand_for_all_that_differ(quick):
     rectangle = study(quick, RECTANGLE)
     places = pad_positions(rectangle)
     assert {angle for _, angle in places} == {0, 45, 90}
-    assert plan_sizes(rectangle)["four_factor"] == len(places) * quick["design"]["points"]
+    assert plan_sizes(rectangle)["four_factor"] == len(places) * quick.design.points
     assert box_of(rectangle).ranges["phi_deg"] == (0, 90)
     assert Space.of(rectangle, centred=False).box.upper[3] == 90

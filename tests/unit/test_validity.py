@@ -87,10 +87,8 @@ def test_a_limit_is_for_its_own_model(scene):
 @pytest.mark.parametrize("study", ["paper", "quick"])
 def test_the_papers_space_is_within_the_limits(request, study):
     config = request.getfixturevalue(study)
-    screen = config["screen"]
-    gaps, amplitudes = (
-        np.linspace(screen[name]["start"], screen[name]["stop"], 5) for name in ("h0_m", "hv_m")
-    )
+    levels = config.screen.h0_m, config.screen.hv_m
+    gaps, amplitudes = (np.linspace(each.start, each.stop, 5) for each in levels)
     for gap in gaps:
         for amplitude in amplitudes:
             assert validity(scene_of(config, gap, amplitude)) == OK

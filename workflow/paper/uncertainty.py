@@ -7,7 +7,6 @@ tell it. What is plausible was set from what the paper states, with how many dig
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from copy import deepcopy
 from functools import reduce
 from operator import getitem
 from pathlib import Path
@@ -20,7 +19,8 @@ from scipy.optimize import brentq
 
 from reporting.pages import Page, readable
 from reporting.results import Results
-from squeezefilm.config.loading import Config
+from squeezefilm.config.loading import with_changes
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
@@ -39,14 +39,14 @@ _TABLE = yaml.safe_load(Path(__file__).with_name("assumptions.yaml").read_text(e
 ASSUMPTIONS = [{"plausible": None, "rest": None, "switch": {}} | entry for entry in _TABLE]
 
 
-def _differences(config: Config) -> Iterator[tuple[dict[str, Any], float, dict[str, float]]]:
+def _differences(config: Study) -> Iterator[tuple[dict[str, Any], float, dict[str, float]]]:
     """The forces in which the paper's simulations and ours differ.
 
     For each how its rows begin, half a unit of the last digit of the paper's, and the point.
     """
-    beyond, screen = config["extrapolation"], config["screen"]
-    operating = {name: beyond[name] for name in ("h0_m", "hv_m")}
-    smallest = {"h0_m": screen["h0_m"]["stop"], "hv_m": screen["hv_m"]["start"]}
+    beyond, screen = config.extrapolation, config.screen
+    operating = {"h0_m": beyond.h0_m, "hv_m": beyond.hv_m}
+    smallest = {"h0_m": screen.h0_m.stop, "hv_m": screen.hv_m.start}
     for claim_id, force, paper_n, half_digit_n, point in (
         ("simulation_at_2.2", "force", 0.99, 0.005, operating),
         ("smallest_force", "smallest force of the screen,", 90e-6, 5e-6, smallest),
@@ -69,7 +69,7 @@ def uncertainty_page(results: Results) -> Page:
     return Page({"explaining": explaining, "shown": shown}, {"csv": table})
 
 
-def compare(config: Config, *, forces: Forces) -> pd.DataFrame:
+def compare(config: Study, *, forces: Forces) -> pd.DataFrame:
     """A row for each difference and assumption.
 
     It has, in the assumption's unit, what is assumed and plausible; the forces over the
@@ -78,48 +78,51 @@ def compare(config: Config, *, forces: Forces) -> pd.DataFrame:
 
     Raises RunError when a film cannot be simulated even with everything as assumed.
     """
-    rows = []
+    rows: list[dict[str, Any]] = []
     for claim, half_n, point in _differences(config):
         (ours_n,) = forces([scene_of(config, **point)])
         if not np.isfinite(ours_n):
             raise RunError(f"{claim['claim_id']}: the film could not be simulated")
-        study = Config(path=config.path, sections={**config.sections, "point": point})
         begin = {**claim, "ours_n": float(ours_n)}
-        rows += [row for each in ASSUMPTIONS for row in _rows(study, begin, half_n, each, forces)]
+        for assumption in ASSUMPTIONS:
+            rows += _rows(config, point, begin, half_n, assumption, forces)
     return pd.DataFrame(rows)
 
 
 def _rows(
-    study: Config, begin: Mapping[str, Any], half_n: float, assumption: Assumption, forces: Forces
+    config: Study,
+    point: Mapping[str, float],
+    begin: Mapping[str, Any],
+    half_n: float,
+    assumption: Assumption,
+    forces: Forces,
 ) -> Iterator[dict[str, Any]]:
     """The row; none where the study's film does not know the assumption.
 
     Args:
-        study: with the point as a section.
+        point: the operating point, which ``point`` in the assumption's places stands for.
         begin: how the row begins, the paper's and our force in it.
         half_n: rounding error of the paper's force, by its digits.
     """
-    sections: Any = study.sections
+    sections: Any = {**config.model_dump(exclude_none=True, by_alias=True), "point": point}
     paper_n, assumed = begin["paper_n"], assumption["rest"]
     if assumed is None:
-        *path, key = assumption["places"][0].split(".")
-        if key not in (section := reduce(getitem, path, sections)):
+        section, key = assumption["places"][0].rsplit(".", 1)
+        values = reduce(getitem, section.split("."), sections)
+        if key not in values:
             return
-        assumed = float(section[key])
+        assumed = float(values[key])
 
     def forces_n(values: np.ndarray) -> np.ndarray:
         """The forces with other values of the assumption; NaN where there is no such film."""
         scenes = {}
         for k, value in enumerate(values.tolist()):
-            changed: Any = deepcopy(sections)
-            settings: dict[str, Any] = dict.fromkeys(assumption["places"], value)
-            for place, setting in {**settings, **assumption["switch"]}.items():
-                *path, key = place.split(".")
-                if value != assumption["rest"]:
-                    reduce(getitem, path, changed)[key] = setting
-            point = changed.pop("point")
+            changed = dict.fromkeys(assumption["places"], value) | assumption["switch"]
+            if value == assumption["rest"]:
+                changed = {}
+            at = {key: changed.pop(f"point.{key}", point[key]) for key in point}
             with suppress(InputError):
-                scenes[k] = scene_of(Config(path=study.path, sections=changed), **point)
+                scenes[k] = scene_of(with_changes(config, changed), **at)
         found = np.full(len(values), np.nan)
         found[list(scenes)] = forces(list(scenes.values()))
         return found

@@ -308,7 +308,7 @@ def study_quantities(results: Results, reference: Path) -> list[Quantity]:
     def names(pattern: str) -> list[str]:
         return sorted(path.stem for path in folder.glob(pattern))
 
-    close = tolerances(float(config["solver"]["tolerance"]))
+    close = tolerances(float(config.solver.tolerance))
     plans = sorted(path.parent.name for path in folder.glob("simulations/*/forces.csv"))
     items = [
         *(("figure data", name, _table) for name in names("figures/fig*.csv") if name != BY_CHANCE),
@@ -320,7 +320,7 @@ def study_quantities(results: Results, reference: Path) -> list[Quantity]:
         *(("designs", name, _design) for name in FIT_OF_DESIGN),
     ]
     # A reference has a sample of the films; all of them take minutes.
-    if config["numerics"]["extent"] == "sample" and results.exists("numerics/stability.csv"):
+    if config.numerics.extent == "sample" and results.exists("numerics/stability.csv"):
         items.append(("numerics", "stability", _stability))
     quantities = [each for part, item, make in items for each in make(results, close, part, item)]
     return [*quantities, *picture_quantities(folder / PLACE_OF_PICTURES, reference)]
@@ -388,7 +388,7 @@ def _simulations(results: Results, close: Kinds, part: str, item: str) -> Made:
     shown = forces[["point_id", "h0_m", "hv_m", *form_of(forces), "force_n"]]
     yield from column_quantities(shown, close, part, item)
     largest = (forces["force_error_n"] / forces["force_n"].abs()).max()
-    kept = {"of all points": str(largest <= results.config["solver"]["tolerance"])}
+    kept = {"of all points": str(largest <= results.config.solver.tolerance)}
     yield Quantity(part, item, "estimated errors within the tolerance", kept)
 
 

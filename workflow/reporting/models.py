@@ -89,7 +89,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     factors, forces = factors.take(known), sample[known].reset_index(drop=True)
     scenes, no_force = forces[as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
-    for name in results.config["comparison"][space]:
+    for name in results.config.comparison.of(space):
         path = results.candidate(space, name)
         values = read_json(path)
         try:
@@ -179,15 +179,15 @@ def _recommended(
         "simulations": len(known),
         "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
     }
-    target = results.config["extrapolation"]
+    target = results.config.extrapolation
     positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
     if space == "two_factor":  # the centre alone: models know no other
         positions = pd.DataFrame([dict.fromkeys(form_of(every), 0.0)])
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
         place = {str(name): float(value) for name, value in row.items()}
-        at = Factors.of(h0_m=target["h0_m"], hv_m=target["hv_m"], **place)
-        found = amplitude_for(fit, at, force_n=target["force_n"])
-        yield {**about, "h0_m": target["h0_m"], **place, **found}
+        at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **place)
+        found = amplitude_for(fit, at, force_n=target.force_n)
+        yield {**about, "h0_m": target.h0_m, **place, **found}
 
 
 def refine_page(results: Results, *, space: str) -> Page:
@@ -201,7 +201,7 @@ def refine_page(results: Results, *, space: str) -> Page:
     known = (sample["status"] == "ok").to_numpy()
     force_n, factors = sample["force_n"].to_numpy()[known], factors.take(known)
     rows, reasons, profile_uncertainty = [], {}, 0.0
-    for name in results.config["refine"][space]:
+    for name in results.config.refine.of(space):
         folder = f"refine/{space}/{name}"
         verdict = results.summary(f"{folder}/verdict.json")
         if "not_supported" in verdict:

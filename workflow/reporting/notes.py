@@ -1,12 +1,12 @@
 """Numbers as pages and figures show them, and how far a study's films go beyond its equation."""
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
 
 from squeezefilm import units
+from squeezefilm.config.study import Study
 from squeezefilm.film.validity import LIMITS, Limit
 
 VERDICTS = {
@@ -68,32 +68,32 @@ def reynolds_limit(films: str) -> Limit:
     return next(each for each in LIMITS if each.symbol == "Re" and each.films == films)
 
 
-def inertia(config: Mapping[str, Any]) -> dict[str, Any]:
+def inertia(config: Study) -> dict[str, Any]:
     """Estimate the size of the gas inertia in a study, for pages that have no scene.
 
     Returns ``reynolds_per_h0_square``, the modified Reynolds number ρωh0²/μ over h0² in 1/m²;
     ``most_reynolds``, above which its modelling error is unverified; ``beyond``, what a larger
     one means.
     """
-    gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
+    gas, omega = config.gas, 2 * math.pi * config.actuator.frequency_hz
     # ``auto`` has inertia and thermal effects where they matter.
-    kind = "thermal effects included" if gas["thermal"] != "none" else "inertia included"
-    kind = kind if gas["inertia"] != "none" else "inertia neglected"
+    kind = "thermal effects included" if gas.thermal != "none" else "inertia included"
+    kind = kind if gas.inertia != "none" else "inertia neglected"
     limit = reynolds_limit(kind)
     beyond = f"{kind}, modelling error unverified above Re {limit.unknown_above:g}"
     if limit.not_above < math.inf:
         beyond += f"; above Re {limit.not_above:g} the equation does not apply"
     return {
-        "reynolds_per_h0_square": omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"],
+        "reynolds_per_h0_square": omega * gas.density_kg_per_m3 / gas.viscosity_pa_s,
         "most_reynolds": limit.unknown_above,
         "beyond": f"{beyond}.",
     }
 
 
-def beyond_note(config: Mapping[str, Any]) -> str:
+def beyond_note(config: Study) -> str:
     """A line for a study whose gaps exceed the equation's validity; empty where none does."""
     per_square, most, beyond = inertia(config).values()
-    h0_m = config["screen"]["h0_m"]["stop"]
+    h0_m = config.screen.h0_m.stop
     if (reynolds := per_square * h0_m**2) <= most:
         return ""
     edge_um = 1e6 * math.sqrt(most / per_square)

@@ -8,7 +8,8 @@ from typing import Any
 import pandas as pd
 
 from reporting.notes import beyond_note
-from squeezefilm.config.loading import STUDY_FILE, Config, load_config
+from squeezefilm.config.loading import STUDY_FILE, load_config
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
@@ -33,7 +34,7 @@ class Results:
     """
 
     folder: Path
-    config: Config
+    config: Study
 
     @classmethod
     def of(cls, folder: Path, study: Path | str | None = None) -> "Results":

@@ -10,6 +10,7 @@ from reporting.notes import CLAIM, largest_error, percent, rounded_up, signed, v
 from reporting.pages import Page, body_of, render
 from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.film.pad import net
+from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import label_of
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
@@ -32,11 +33,12 @@ def summary_page(results: Results, *, pictures: Mapping[str, str], **about: Sequ
         pictures: the figures with which both open, by what they show.
     """
     values = summary_values(results, **about) | {"pictures": pictures}
-    guide = "paper_guide.rst" if results.config["paper"] else "study_guide.rst"
+    guide = "paper_guide.rst" if results.config.paper else "study_guide.rst"
     body = body_of(render("in_short.md", **values), folder=results.folder)
-    front = render("front.rst", study=results.config["study"], body=body, guide=guide)
+    front = render("front.rst", study=results.config.study, body=body, guide=guide)
     device = results.summary("simulations/device.json")
-    return Page(values, {"front": front, "provenance": provenance(results.config, device=device)})
+    facts = provenance(results.config.sections(), device=device)
+    return Page(values, {"front": front, "provenance": facts})
 
 
 def summary_values(
@@ -51,18 +53,18 @@ def summary_values(
     """
     config = results.config
     tables = {plan: results.forces(plan) for plan in plans}
-    sections = {section: config[section] for section in ("gas", "actuator", "pad", "solver")}
+    sections = config.sections("gas", "actuator", "pad", "solver")
     settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting)
     on_disc = form_of(next(iter(tables.values()))) == POLAR
     return {
         **headline_values(results),
-        "frequency_khz": f"{config['actuator']['frequency_hz'] / 1e3:g}",
-        "terms": list(_terms(config["gas"], tables)),
+        "frequency_khz": f"{config.actuator.frequency_hz / 1e3:g}",
+        "terms": list(_terms(config.gas, tables)),
         "position": "radius φr and angle φφ" if on_disc else "x and y from the surface's centre",
         "total": sum(len(table) for table in tables.values()),
         "plans": pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]),
         "settings": settings.rename_axis("setting").reset_index(name="value"),
-        "tolerance": f"{config['solver']['tolerance']:g}",
+        "tolerance": f"{config.solver.tolerance:g}",
         "largest_error": max(map(largest_error, tables.values())),
         "methods": sorted({method for table in tables.values() for method in table["method"]}),
         "device": results.summary("simulations/device.json").get("device", "unknown"),
@@ -84,11 +86,11 @@ def headline_values(results: Results) -> dict[str, Any]:
     point = results.row(forces, "operating_point", file)
     if results.exists("profile/summary.json"):
         noise = results.summary("profile/summary.json").get("largest_force_noise_fraction", 0.0)
-    if not config["paper"]:
+    if not config.paper:
         columns = ("space", "model", "validation_error", "force_n")
         recommended = results.table("models/recommended.csv", *columns).dropna(subset="model")
     return {
-        "study": config["study"],
+        "study": config.study,
         "point": point,
         "force": "{} N ± {} N".format(*to_its_error(point["force_n"], point["force_error_n"])),
         "noise": noise,
@@ -99,11 +101,11 @@ def headline_values(results: Results) -> dict[str, Any]:
         "on_map": results.validation("two_factor_design", "error_map"),
         "fitted": results.fit("two_factor_design").points,
         "judged": results.validation("two_factor_design", "screen"),
-        "claims": verdicts(results.table("claims.csv", *CLAIM)) if config["paper"] else None,
+        "claims": verdicts(results.table("claims.csv", *CLAIM)) if config.paper else None,
         "recommended": recommended,
-        "measured": "measurements" in config and results.summary("measurements/summary.json"),
+        "measured": config.measurements and results.summary("measurements/summary.json"),
         "amplitudes": _amplitudes,
-        "target": config["extrapolation"],
+        "target": config.extrapolation,
         "neglected": _neglected(results),
         "beyond": results.beyond,
     }
@@ -153,13 +155,13 @@ def _effects(results: Results) -> pd.DataFrame:
     return pd.DataFrame(shown)
 
 
-def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
+def _terms(gas: Gas, tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     """Terms of the study's equation beyond the paper's, as in the simulations if there are any."""
     absent = [row for each in tables.values() for row in each["absent_terms"].dropna()]
-    for name in ("inertia", "thermal"):
-        if gas[name] != "none" and not all(name in each for each in absent):
-            chosen = "" if gas[name] == "included" else " where needed"
-            yield f"{label_of(name)}{chosen}"
+    for name, chosen in (("inertia", gas.inertia), ("thermal", gas.thermal)):
+        if chosen != "none" and not all(name in each for each in absent):
+            where = "" if chosen == "included" else " where needed"
+            yield f"{label_of(name)}{where}"
 
 
 def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:

@@ -7,7 +7,7 @@ rule checked:
     input:
         rules.all.input,
         # The stiff and extreme films are part of the check where a sample of them is the study's.
-        "<results>/numerics/stability.csv" if CONFIG["numerics"]["extent"] == "sample" else [],
+        "<results>/numerics/stability.csv" if CONFIG.numerics.extent == "sample" else [],
     message:
         "All that a reference tells of is made"
 
@@ -27,7 +27,7 @@ rule compare_with_reference:
             caption="check",
         ),
     params:
-        study=sections(*CONFIG),
+        study=sections(),
         page="check",
         about=lambda wildcards: {"reference": relative(REFERENCE)},
     message:

@@ -62,14 +62,14 @@ except InputError as error:
     refuse(error)
 # All that scripts read of Snakemake's configuration.
 config = {"study_file": CONFIG_FILE}
-STUDY = CONFIG["study"]
+STUDY = CONFIG.study
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
-PAPER = CONFIG["paper"]
+PAPER = CONFIG.paper
 SUMMARY = "1 Summary and claims" if PAPER else "1 Summary"
-SCAN = CONFIG["actuator"]["profile"].get("file")
-OUTLINE = CONFIG["pad"].get("outline", {}).get("file")
-STYLE = CONFIG["figures"].get("style")
-MEASURED = CONFIG.get("measurements", {}).get("file")
+SCAN = getattr(CONFIG.actuator.profile, "file", None)
+OUTLINE = CONFIG.pad.outline and CONFIG.pad.outline.file
+STYLE = CONFIG.figures.style
+MEASURED = CONFIG.measurements and CONFIG.measurements.file
 
 # What decides a job's numbers beside its input files are parameters of its rule, so that Snakemake
 # makes anew what an edit reaches: a digest of its stage's code, and sections of the study.
@@ -79,8 +79,8 @@ FILM = ["gas", *SHAPES]
 
 
 def sections(*names):
-    """Sections of the study with what is in the files that they name: a rule's parameter."""
-    found = {name: CONFIG[name] for name in names}
+    """Sections of the study, all if none is named, and what is in their files: a rule's parameter."""
+    found = CONFIG.sections(*names)
     named = [
         CONFIG.path.parent / file
         for file, section in (
@@ -98,7 +98,7 @@ def sections(*names):
 
 def checked_study():
     """The number of chunks by plan, of a study that is checked; kept, for that takes a second."""
-    key = hashlib.sha256(f"{CODE['models']} {sections(*CONFIG)}".encode()).hexdigest()[:16]
+    key = hashlib.sha256(f"{CODE['models']} {sections()}".encode()).hexdigest()[:16]
     kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())
@@ -107,7 +107,7 @@ def checked_study():
     from squeezefilm.studies.study import check_study
 
     check_study(CONFIG)
-    check_models(CONFIG["models"], CONFIG, place=Path(CONFIG_FILE))
+    check_models(CONFIG)
     if STYLE:
         from reporting.figures.style import read_style
 
@@ -199,7 +199,7 @@ def limit_tables(space):
 
 def candidates(space):
     """The models that are compared in a space beside its own, of which there is a fit already."""
-    return [model for model in CONFIG["comparison"][space] if model != space]
+    return [model for model in CONFIG.comparison.of(space) if model != space]
 
 
 def candidate_files(space):
@@ -209,7 +209,7 @@ def candidate_files(space):
 
 def refined_files(space):
     """All that the refinement of a space's models leaves."""
-    models = CONFIG["refine"][space]
+    models = CONFIG.refine.of(space)
     return expand(f"<results>/refine/{space}/{{model}}/{{name}}", model=models, name=REFINED)
 
 

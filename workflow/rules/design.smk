@@ -9,7 +9,7 @@ rule design_two_factor:
         searches="<results>/designs/two_factor_searches.csv",
         summary="<results>/designs/two_factor.json",
     priority: 2
-    threads: cores_for(CONFIG["design"]["searches"])
+    threads: cores_for(CONFIG.design.searches)
     params:
         code=CODE["models"],
         study=sections("design", "screen"),
@@ -26,7 +26,7 @@ use rule design_two_factor as design_four_factor with:
         paper="<results>/designs/four_factor.csv",
         distinct="<results>/designs/four_factor_distinct.csv",
         summary="<results>/designs/four_factor.json",
-    threads: cores_for(CONFIG["four_factor_design"]["searches"])
+    threads: cores_for(CONFIG.four_factor_design.searches)
     params:
         code=CODE["models"],
         study=sections("four_factor_design", "positions", "screen", *SHAPES),

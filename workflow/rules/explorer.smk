@@ -14,7 +14,7 @@ rule explorer:
     output:
         "<results>/explorer.html",
     params:
-        study=sections(*CONFIG),
+        study=sections(),
         fits=EXPLORER_FITS,
         candidates=candidates("four_factor"),
         plans=EXPLORER_PLANS,

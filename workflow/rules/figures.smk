@@ -106,7 +106,7 @@ for page, (places, files) in {
             # The paper's numbered figures keep the table that they draw.
             [f"<results>/{place}.csv" for place in places if place.startswith("figures/fig")],
         params:
-            study=sections(*CONFIG),
+            study=sections(),
         message:
             f"Draw the figures of {page}"
         script:

@@ -13,7 +13,7 @@ rule fit:
         runs="<results>/fits/{fit}_runs.csv",
     # All that is designed and judged waits for it.
     priority: 2
-    threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
+    threads: cores_for(CONFIG.fit.seeds.two_factor + CONFIG.fit.seeds.four_factor)
     params:
         code=CODE["models"],
         study=sections("fit", "models", "screen", "positions", *SHAPES),

@@ -38,7 +38,7 @@ rule summary:
         front="<results>/report/front.rst",
         provenance="<results>/provenance.json",
     params:
-        study=sections(*CONFIG),
+        study=sections(),
         page="summary",
         about={
             "plans": SUMMARY_PLANS,

@@ -12,7 +12,7 @@ from verification.ablation import ablation
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 
 snakemake, config = begin_with_study()
-device, repeats = device_of(config), config["numerics"]["repeats"]
+device, repeats = device_of(config), config.numerics.repeats
 points = pd.concat([read_scenes(path) for path in snakemake.input.scenes])
 settings = solver_settings(config, outputs=())
 scenes = settings.resolved(scenes_in(points, config))

@@ -28,7 +28,7 @@ if candidates:
 uncertainty = profile_uncertainty(config, summary=files.scan)
 source = {"forces_sha256": digest(Path(files.forces))}
 for name, path in zip(params.models, output.fits, strict=True):
-    model = get_model(name, config["models"], place=config.path)
+    model = get_model(name, config.models, place=config.path)
     try:
         fit, runs = fit_to_forces(
             model,

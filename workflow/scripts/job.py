@@ -10,7 +10,8 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.config.loading import Config, load_config
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.tables import write_json, write_table
@@ -65,7 +66,7 @@ def write(output: Any, **values: pd.DataFrame | dict[str, Any] | str) -> None:
             write_json(value, output[name])
 
 
-def begin_with_study() -> tuple[Any, Config]:
+def begin_with_study() -> tuple[Any, Study]:
     """Begin a script; the job, and the study that it belongs to."""
     job = begin()
     return job, load_config(job.config["study_file"])

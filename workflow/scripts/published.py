@@ -6,5 +6,5 @@ from squeezefilm.tables import write_table
 from verification.published.comparison import published
 
 snakemake, config = begin_with_study()
-sample = config["numerics"]["extent"] != "full"
+sample = config.numerics.extent != "full"
 write_table(published(sample=sample, device=device_of(config)), snakemake.output[0])

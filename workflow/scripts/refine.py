@@ -9,7 +9,7 @@ from squeezefilm.tables import read_forces
 snakemake, config = begin_with_study()
 files = snakemake.input
 tables, fit, verdict = refine(
-    get_model(snakemake.wildcards.model, config["models"], place=config.path),
+    get_model(snakemake.wildcards.model, config.models, place=config.path),
     config,
     space=snakemake.wildcards.space,
     sample=read_forces(files.sample),

@@ -8,7 +8,7 @@ from verification.films import SAMPLE, cases
 from verification.stability import stability
 
 snakemake, config = begin_with_study()
-chosen = cases() if config["numerics"]["extent"] == "full" else cases()[SAMPLE]
+chosen = cases() if config.numerics.extent == "full" else cases()[SAMPLE]
 table = stability(chosen, device=device_of(config))
 write_table(table, snakemake.output[0])
 failed = table[table["verdict"] == "failed"]

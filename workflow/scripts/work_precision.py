@@ -9,13 +9,13 @@ from verification.work_precision import FILMS, work_precision
 BATCH = 100
 
 snakemake, config = begin_with_study()
-settings, device = config["numerics"], device_of(config)
-full = settings["extent"] == "full"
+settings, device = config.numerics, device_of(config)
+full = settings.extent == "full"
 table = work_precision(
     FILMS if full else (FILMS[1],),
-    repeats=settings["repeats"],
+    repeats=settings.repeats,
     batch=BATCH,
-    longest_seconds=settings["longest_seconds"],
+    longest_seconds=settings.longest_seconds,
     rungs=10 if full else 3,
     device=device,
 )

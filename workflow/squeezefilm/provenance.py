@@ -72,7 +72,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def provenance(config: Mapping[str, Any], *, device: Mapping[str, Any]) -> dict[str, Any]:
+def provenance(configuration: Mapping[str, Any], *, device: Mapping[str, Any]) -> dict[str, Any]:
     """The facts, for ``results/STUDY/provenance.json``; without git no commit is known."""
     changed = _git("status", "--porcelain", "--", ".", ":!results")
     return {
@@ -82,7 +82,7 @@ def provenance(config: Mapping[str, Any], *, device: Mapping[str, Any]) -> dict[
         "code_digests": {stage: code_digest(stage) for stage in SOURCES},
         "packages": versions(),
         "device": dict(device),
-        "configuration": dict(config),
+        "configuration": dict(configuration),
     }
 
 

@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from reporting.figures import parts, style
 from reporting.results import Results
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.studies.study import pad_of, profile_of
 
 DIGITS = {"radius_mm": 9, "x_mm": 9, "y_mm": 9, "amplitude_ratio": 12}
@@ -73,9 +73,9 @@ def _polar_grid(surface: pd.DataFrame) -> list[np.ndarray]:
     ]
 
 
-def profile_table(config: Config, *, radii: int, angles: int) -> pd.DataFrame:
+def profile_table(config: Study, *, radii: int, angles: int) -> pd.DataFrame:
     """The profile on a polar grid over the disc."""
-    radius_m = np.linspace(0, config["actuator"]["surface_radius_m"], radii)
+    radius_m = np.linspace(0, config.actuator.surface_radius_m, radii)
     table = _polar_table(1e3 * radius_m, np.linspace(0, 360, angles))
     places = {f"{name}_m": table[f"{name}_mm"].to_numpy() / 1e3 for name in "xy"}
     s = profile_of(config).amplitude(**places)
@@ -88,7 +88,7 @@ def _polar_table(radius_mm: np.ndarray, angle_deg: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame({"radius_mm": radius, "angle_deg": angle, "x_mm": x_mm, "y_mm": y_mm})
 
 
-def centre_limit_mm(config: Config) -> float:
+def centre_limit_mm(config: Study) -> float:
     """Largest distance of the pad's centre at which the pad is on the disc at every angle."""
-    free_m = config["actuator"]["surface_radius_m"] - pad_of(config).reach_m
+    free_m = config.actuator.surface_radius_m - pad_of(config).reach_m
     return round(1e3 * float(free_m), 9)

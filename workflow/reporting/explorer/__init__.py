@@ -64,13 +64,13 @@ def explorer_page(
         "position": form_of(next(iter(forces.values()))),
         "inertia": inertia(config),
         "modulation": _modulation(results),
-        "start": {name: config["extrapolation"][name] for name in ("h0_m", "hv_m", "force_n")},
+        "start": config.extrapolation.model_dump(),
     }
     # In full double precision, and so that no text ends the script it stands in.
     shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
     code = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
     texts = {"library": drawing_library, "models": code, "data": shown}
-    return render("explorer.html", study=config["study"], **texts)
+    return render("explorer.html", study=config.study, **texts)
 
 
 def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:

@@ -51,7 +51,7 @@ def save(function: Draw, results: Results, paths: Sequence[Path]) -> None:
     """
     plain = [path for path in paths if path.name.endswith(style.PLAIN)]
     tables = [path for path in paths if path.suffix == ".csv"]
-    own = results.config["figures"].get("style")
+    own = results.config.figures.style
     with style.settings(file=results.config.path.parent / own if own else None):
         figure, table = _drawn(function, results)
         style.save(figure, [path for path in paths if path not in (*plain, *tables)])

@@ -49,7 +49,7 @@ def error_map(results: Results) -> Figure:
 def forces(results: Results) -> Figure:
     """Mean force with the pad centred over gap and amplitude; the target force is a thick line."""
     rows = parts.plane_table(results.forces("error_map"), layer="map")
-    target_n = results.config["extrapolation"]["force_n"]
+    target_n = results.config.extrapolation.force_n
     grid = parts.grid_of(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
     wide = low > 0 and high > DECADE * low

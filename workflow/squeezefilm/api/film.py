@@ -13,7 +13,7 @@ import numpy as np
 
 from squeezefilm.api.forces import Force, forces_of, forces_table
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.loading import Config, config_of
+from squeezefilm.config.loading import config_of
 from squeezefilm.errors import InputError, RunError, needing
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK
@@ -128,7 +128,7 @@ class Film:
         given: arguments of ``solver_settings`` instead of the study's.
     """
 
-    config: Config
+    config: FilmSections
     given: Mapping[str, Any] = field(default_factory=dict)
 
     @staticmethod
@@ -334,10 +334,10 @@ class Film:
         return field
 
     def __repr__(self) -> str:
-        actuator, pad = self.config["actuator"], self.config["pad"]
+        actuator, pad = self.config.actuator, self.config.pad
         return (
-            f"{type(self).__name__}: {actuator['profile']['kind']} at "
-            f"{actuator['frequency_hz'] / 1e3:g} kHz under a pad of "
-            f"{1e3 * pad['length_x_m']:g} mm × {1e3 * pad['length_y_m']:g} mm "
-            f"({pad['shape']})"
+            f"{type(self).__name__}: {actuator.profile.kind} at "
+            f"{actuator.frequency_hz / 1e3:g} kHz under a pad of "
+            f"{1e3 * pad.length_x_m:g} mm × {1e3 * pad.length_y_m:g} mm "
+            f"({pad.shape})"
         )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.errors import naming
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
@@ -316,7 +316,7 @@ PIECE = 4096
 """Scenes whose results are held before they are written."""
 
 
-def compile_kernels(config: Config) -> dict[str, Any]:
+def compile_kernels(config: Study) -> dict[str, Any]:
     """Compile the kernels of a study, so that jobs find them in the caches; name its device."""
     device = device_of(config)
     with one_build_at_a_time():

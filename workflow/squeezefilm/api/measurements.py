@@ -9,7 +9,7 @@ import numpy as np
 
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import Force, solved_with
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.quantities.derivatives import moved
@@ -23,7 +23,7 @@ LEAST_PROBABILITY, MOST_UNCERTAINTIES = 0.05, 2.0
 PARTS = [f"force_uncertainty{part}_n" for part in ("", "_h0", "_hv")]
 
 
-def compare_measurements(config: Config) -> pd.DataFrame:
+def compare_measurements(config: Study) -> pd.DataFrame:
     """Return a study's measured forces beside computed ones, a row for each point.
 
     ``force_uncertainty_h0_n`` and ``…_hv_n`` are what the uncertainties of gap and amplitude make

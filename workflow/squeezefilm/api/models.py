@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from squeezefilm.api.film import Film, Position, Values, levels, points_of
-from squeezefilm.config.loading import Config, load_config
+from squeezefilm.config import study
+from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.formatting import in_lines
 from squeezefilm.lazy import pd
@@ -184,12 +185,12 @@ class Study(Film):
         config: the whole study.
     """
 
-    config: Config
+    config: study.Study
 
     @property
     def name(self) -> str:
         """The study's name, which its results bear."""
-        return str(self.config["study"])
+        return self.config.study
 
     def plan(self, *, centred: bool) -> pd.DataFrame:
         """The points that models are fitted to: the study's screen, and all its positions.
@@ -225,7 +226,7 @@ class Study(Film):
         if seeds < 1:
             raise InputError(f"seeds: {seeds} must be 1 or more")
         config = self.config
-        chosen = get_model(model, config["models"], place=config.path)
+        chosen = get_model(model, config.models, place=config.path)
         forces, sample = self._simulated(centred=chosen.is_centred)
         for failure in failures_in(forces):
             raise RunError(failure)

@@ -12,8 +12,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from squeezefilm.api.film import Film, columns_of
-from squeezefilm.config.film import FilmSections
-from squeezefilm.config.loading import load_config
+from squeezefilm.config.loading import load_film
 from squeezefilm.errors import InputError
 from squeezefilm.formatting import in_lines, json_text
 from squeezefilm.lazy import pd
@@ -83,12 +82,12 @@ SHOWN = (OUTPUT, JSON)
 def film_at(options: argparse.Namespace, outputs: Sequence[str] | None = ()) -> Film:
     """The film of a study, of which no section is checked that film and solver do not need.
 
-    Raises InputError where none is named and there is none, and as ``load_config`` does.
+    Raises InputError where none is named and there is none, and as ``load_film`` does.
     """
     if options.config is None and not PAPER_CONFIG.exists():
         raise InputError("give a study by --config CONFIG.yaml")
     given = {name: getattr(options, name, None) for name in ("tolerance", "method", "device")}
-    config = load_config(options.config or PAPER_CONFIG, model=FilmSections)
+    config = load_film(options.config or PAPER_CONFIG)
     return Film(config, given | {"outputs": outputs})
 
 

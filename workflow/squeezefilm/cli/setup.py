@@ -14,7 +14,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
 from squeezefilm.formatting import in_lines
-from squeezefilm.models.force_model import NAMING, SPACES, check_models
+from squeezefilm.models.force_model import check_models
 from squeezefilm.provenance import versions
 from squeezefilm.reynolds.device import choose_device, describe, device_name, list_devices
 from squeezefilm.studies.plans import chunk_counts
@@ -83,13 +83,13 @@ def config(options: argparse.Namespace) -> None:
     if options.study is None:
         raise InputError("give a study, STUDY.yaml")
     study = check_study(load_config(options.study))
-    check_models(study["models"], study, place=study.path)
+    check_models(study)
     chunk_counts(study)
     print(effective_text(study), end="")
     for note in unusual_values(study):
         print(f"note: {note}", file=sys.stderr)
-    named = {name for section in NAMING for space in SPACES for name in study[section][space]}
-    for name in [each for each in study["models"] if each not in named]:
+    named = {name for section in (study.comparison, study.refine) for name in section.all}
+    for name in [each for each in study.models if each not in named]:
         print(f"note: models.{name} is not fitted: add it to a comparison", file=sys.stderr)
 
 

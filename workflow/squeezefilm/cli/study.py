@@ -80,7 +80,7 @@ def fit(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     with naming(options.forces):
         fitted, runs = fit_to_forces(
-            get_model(options.model, config["models"], place=options.config),
+            get_model(options.model, config.models, place=options.config),
             config,
             forces=read_ok_forces(options.forces),
             sample=read_forces(options.sample) if options.sample else None,

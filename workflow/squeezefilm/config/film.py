@@ -7,12 +7,12 @@ units, or degrees, and a text has its unit.
 """
 
 import re
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from math import pi, sqrt
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import (
@@ -22,6 +22,7 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    PrivateAttr,
     StrictBool,
     ValidatorFunctionWrapHandler,
     WrapValidator,
@@ -35,6 +36,8 @@ UNIT_OF_NAME = re.compile(r"_(m|hz|n|deg|k|pa|pa_s|kg_per_m3|m_per_s|per_m|rad_p
 LIKE_AIR = 0.05
 """By how much a written viscosity may differ, relative, from that of the gas that is named."""
 
+Place = tuple[str | int, ...]
+"""The keys, and numbers of a list's items, that lead to a value."""
 Items = TypeVar("Items", bound=Iterable[Hashable])
 
 
@@ -499,6 +502,9 @@ Output = Literal[
 class FilmSections(Section):
     """A film and how it is solved: what a command needs that simulates single scenes."""
 
+    _path: Path = PrivateAttr(default=Path("study"))
+    _written: Mapping[Place, Any] = PrivateAttr(default_factory=dict)
+
     gas: Annotated[Gas, WrapValidator(_whole_gas)] = Field(default={}, validate_default=True)
     actuator: Actuator
     pad: Pad
@@ -508,3 +514,33 @@ class FilmSections(Section):
         description="quantities beside the mean force in every `forces.csv`, each with its error "
         "(docs/outputs.md)",
     )
+
+    @property
+    def path(self) -> Path:
+        """The file of the study, from whose folder those that it names count."""
+        return self._path
+
+    @property
+    def written(self) -> Mapping[Place, Any]:
+        """Values that were written, by their places; all others follow or are defaults."""
+        return self._written
+
+    def read_from(self, path: Path, values: Mapping[str, Any]) -> Self:
+        """The study, which was read from these values of a file."""
+        self._path, self._written = path, dict(_written(values))
+        return self
+
+    def sections(self, *names: str) -> dict[str, Any]:
+        """Plain values, ready for JSON, by the names that Python has for keys (``frequency_hz``).
+
+        Args:
+            names: of sections; all without.
+        """
+        return self.model_dump(include=set(names) or None, exclude_none=True)
+
+
+def _written(values: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
+    if isinstance(values, Mapping):
+        for name, value in values.items():
+            yield (*place, name), value
+            yield from _written(value, (*place, name))

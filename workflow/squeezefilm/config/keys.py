@@ -9,12 +9,11 @@ from typing import Any
 
 import yaml
 
+from squeezefilm.config.film import Place
 from squeezefilm.config.study import Study
 
 Part = Mapping[str, Any]
 """Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""
-Place = tuple[str | int, ...]
-"""The keys, and numbers of a list's items, that lead to a value."""
 
 HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
 

@@ -11,20 +11,24 @@ import os
 import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 from pydantic import ValidationError
 
-from squeezefilm.config.film import FilmSections, key_of
-from squeezefilm.config.keys import Part, Place, allowed, part_at, unit_of
+from squeezefilm.config.film import FilmSections, Place, key_of
+from squeezefilm.config.keys import Part, allowed, part_at, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
 from squeezefilm.units import DECIMAL, examples
 
+Sections = TypeVar("Sections", bound=FilmSections)
+
+CONFIGURATION = "configuration file"
 CONSTANTS = {"true": True, "false": False, "null": None, "~": None, "": None}
 INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*)", re.ASCII)
 FLOAT = re.compile(rf"(?!{INTEGER.pattern}$)(?!0\d){DECIMAL}|[-+]?\.(?:inf|nan)", re.I | re.ASCII)
@@ -35,49 +39,31 @@ ABOUT_KEYS = ("missing", "extra_forbidden", "unexpected_keyword_argument")
 TEXT = ("string_pattern_mismatch", "string_too_short", "string_too_long")
 
 
-@dataclass(frozen=True)
-class Config(Mapping[str, Any]):
-    """A study's sections as mappings, by the names that Python has for keys (``frequency_hz``).
-
-    Attributes:
-        path: the file, from whose folder those that it names count.
-        sections: what is written, and what follows where it is not.
-        model: the same as it was validated; None of sections that were put together in Python.
-        written: what was written, by its place.
-    """
-
-    path: Path
-    sections: dict[str, Any]
-    model: FilmSections | None = None
-    written: Mapping[Place, Any] = field(default_factory=dict, repr=False)
-
-    def __getitem__(self, section: str) -> Any:
-        return self.sections[section]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.sections)
-
-    def __len__(self) -> int:
-        return len(self.sections)
-
-
-def load_config(path: Path | str, *, model: type[FilmSections] = Study) -> Config:
-    """Read and validate a configuration file; what it lacks has its default.
-
-    Args:
-        model: of FilmSections, sections that only a study has are not checked and may be missing.
+def load_config(path: Path | str) -> Study:
+    """Read and validate the file of a study; what it lacks has its default.
 
     Raises InputError naming the file, line and key, what is wrong with it and what is allowed.
     """
-    text = read_text(path, what="configuration file")
-    return parse_config(text, path=Path(path), model=model)
+    return _parsed(read_text(path, what=CONFIGURATION), path=Path(path), model=Study)
 
 
-def parse_config(text: str, *, path: Path, model: type[FilmSections] = Study) -> Config:
-    """Validate the text of a configuration file, which is or will be at ``path``.
+def load_film(path: Path | str) -> FilmSections:
+    """Read the film of a study; sections that only a study has are not checked and may be missing.
 
     Raises InputError as ``load_config`` does.
     """
+    return _parsed(read_text(path, what=CONFIGURATION), path=Path(path), model=FilmSections)
+
+
+def parse_config(text: str, *, path: Path) -> Study:
+    """Validate the text of a study, which is or will be at ``path``.
+
+    Raises InputError as ``load_config`` does.
+    """
+    return _parsed(text, path=path, model=Study)
+
+
+def _parsed(text: str, *, path: Path, model: type[Sections]) -> Sections:
     values, lines = _read(text, path=path)
     for name in Study.model_fields.keys() - model.model_fields.keys():
         values.pop(name, None)
@@ -88,31 +74,35 @@ def config_of(
     values: Mapping[str, Any],
     *,
     path: Path,
+    model: type[Sections],
     lines: Mapping[Place, int] | None = None,
-    model: type[FilmSections] = Study,
-) -> Config:
+) -> Sections:
     """Validate sections by the keys of a file.
 
     Args:
         path: the file that they are of, or a name for where they are from.
+        model: what they are to be, a study or its film.
         lines: of the file, at which keys and items stand.
 
     Raises InputError as ``load_config`` does.
     """
     try:
-        valid = model.model_validate(values)
+        return model.model_validate(values).read_from(path, values)
     except ValidationError as error:
         told = _mistakes(error, values, lines or {})
         raise InputError("\n".join(f"{path}: {each}" for each in told)) from None
-    sections = valid.model_dump(exclude_none=True)
-    return Config(path, sections, valid, dict(_written(values)))
 
 
-def _written(values: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
-    if isinstance(values, Mapping):
-        for name, value in values.items():
-            yield (*place, name), value
-            yield from _written(value, (*place, name))
+def with_changes(config: Sections, changes: Mapping[str, Any]) -> Sections:
+    """The study with other values of some keys, which stand in a file as ``gas.viscosity`` does.
+
+    Raises InputError as ``load_config`` does.
+    """
+    values = config.model_dump(exclude_none=True, by_alias=True)
+    for place, value in changes.items():
+        *sections, key = place.split(".")
+        reduce(getitem, sections, values)[key] = value
+    return config_of(values, path=config.path, model=type(config))
 
 
 def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
@@ -234,15 +224,14 @@ def _close(key: str, known: Iterable[str]) -> str:
     return next(iter(difflib.get_close_matches(key, known, n=1)), "")
 
 
-def effective_text(config: Config, *, folder: Path | None = None) -> str:
+def effective_text(config: Study, *, folder: Path | None = None) -> str:
     """The whole study as YAML that reads as the same study; what was not written says so.
 
     Args:
         folder: where the text will lie, for the paths of the files that the study names; by
             default beside the study.
     """
-    assert config.model is not None
-    sections = config.model.model_dump(exclude_none=True, by_alias=True)
+    sections = config.model_dump(exclude_none=True, by_alias=True)
     outline, measured = sections["pad"].get("outline", {}), sections.get("measurements", {})
     named = sections["actuator"]["profile"], outline, measured
     for section, key in (*((each, "file") for each in named), (sections["figures"], "style")):
@@ -256,10 +245,10 @@ USUAL = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
 """Range of a study's frequencies and lengths, and the unit that people give them in."""
 
 
-def unusual_values(config: Config) -> Iterator[str]:
+def unusual_values(config: Study) -> Iterator[str]:
     """Yield a note on each number that was written without a unit and lies outside USUAL."""
     for place, value in config.written.items():
-        unit = unit_of(part_at(place, config.sections)[1])
+        unit = unit_of(_part(config, place))
         if unit in USUAL and isinstance(value, int | float):
             least, most, meant = USUAL[unit]
             if not least <= abs(value) <= most:
@@ -267,15 +256,19 @@ def unusual_values(config: Config) -> Iterator[str]:
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 
-def origin(config: Config, place: Place) -> str:
+def origin(config: Study, place: Place) -> str:
     """Origin of a key's value, as a text; empty where it was written."""
     if place in config.written:
         return ""
-    words = part_at(place, config.sections)[1].get("derived")
+    words = _part(config, place).get("derived")
     return f"derived: {words}" if words else "default"
 
 
-def _lines(values: Mapping[str, Any], place: Place, config: Config) -> Iterator[str]:
+def _part(config: Study, place: Place) -> Part:
+    return part_at(place, config.sections())[1]
+
+
+def _lines(values: Mapping[str, Any], place: Place, config: Study) -> Iterator[str]:
     for name, value in values.items():
         here = (*place, name)
         start = "  " * len(place) + f"{_flow(name)}:"
@@ -283,7 +276,7 @@ def _lines(values: Mapping[str, Any], place: Place, config: Config) -> Iterator[
             yield start
             yield from _lines(value, here, config)
         else:
-            notes = unit_of(part_at(here, config.sections)[1]), origin(config, here)
+            notes = unit_of(_part(config, here)), origin(config, here)
             note = ", ".join(filter(None, notes))
             yield f"{start} {_flow(value)}" + (f" # {note}" if note else "")
 
@@ -294,7 +287,7 @@ def _flow(value: Any) -> str:
     return text.removesuffix("\n").removesuffix("\n...")
 
 
-def write_effective(config: Config, folder: Path) -> Path:
+def write_effective(config: Study, folder: Path) -> Path:
     """Write the whole study beside its results, unless it is there; the file's path.
 
     Raises InputError where it cannot be written.
@@ -321,8 +314,8 @@ def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
         plain = json.loads(json.dumps(values))
     except (TypeError, ValueError) as error:
         raise InputError(f"{place}: {error}") from None
-    study = config_of(plain, path=place)
-    return write_effective(study, results / study["study"])
+    study = config_of(plain, path=place, model=Study)
+    return write_effective(study, results / study.study)
 
 
 def configfiles_in(words: Sequence[str]) -> list[str]:

@@ -254,7 +254,23 @@ class OwnModel(Section):
     ) = DERIVED
 
 
-class Comparison(Section):
+class BySpace(Section):
+    """Names of models for each space of factors."""
+
+    two_factor: Names = DERIVED
+    four_factor: Names = DERIVED
+
+    def of(self, space: str) -> list[str]:
+        """The models of a space, ``two_factor`` or ``four_factor``."""
+        return {"two_factor": self.two_factor, "four_factor": self.four_factor}[space]
+
+    @property
+    def all(self) -> list[str]:
+        """The models of both spaces."""
+        return [*self.two_factor, *self.four_factor]
+
+
+class Comparison(BySpace):
     """Candidates that `snakemake models` compares, by the names of your own or of the library
     (workflow/squeezefilm/models/models.yaml).
 
@@ -265,11 +281,8 @@ class Comparison(Section):
         four_factor: those fitted to the four-factor plan, likewise; default: likewise
     """
 
-    two_factor: Names = DERIVED
-    four_factor: Names = DERIVED
 
-
-class Refine(Section):
+class Refine(BySpace):
     """`snakemake refine`: simulate, fit, design, until a model is good enough (see
     docs/how-to/few-simulations.md).
 
@@ -290,8 +303,6 @@ class Refine(Section):
         seed: of the verification points, and of the search of the first fit
     """
 
-    two_factor: Names = DERIVED
-    four_factor: Names = DERIVED
     global_error: Annotated[float, Number("1", 0, 1, open=True)] = 1e-3
     worst_error: Annotated[float, Number("1", 0, 10, open=True)] = 5e-3
     simulations: Annotated[int, Field(strict=True, ge=3, le=10000)] = 20

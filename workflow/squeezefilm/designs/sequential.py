@@ -31,15 +31,15 @@ The loop ends in one of these ways:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import isfinite, nan
-from typing import Any
 
 import numpy as np
 from scipy import stats
 from scipy.spatial.distance import cdist
 
+from squeezefilm.config.study import Refine
 from squeezefilm.designs.optimal import Array, Indices, exchange, sensitivity
 from squeezefilm.errors import InputError, naming
 from squeezefilm.models.data import Factors
@@ -125,7 +125,7 @@ class Sequential:
 
     model: ExpressionModel
     pool: Pool
-    settings: Mapping[str, Any]
+    settings: Refine
     simulate: Simulate
     bound: float
     force_n: Array = field(init=False)
@@ -148,7 +148,7 @@ class Sequential:
         best, least = np.empty(0), np.inf
         for start in starts if self.parameters else ():
             if start is None or sum_of_squares(self.model, factors, force, start) == np.inf:
-                seed = self.settings["seed"]
+                seed = self.settings.seed
                 found = fit_model(self.model, factors, force, bound=self.bound, seed=seed)
                 start = np.array(found.theta)
             theta = local_fit(self.model, factors, force, start)
@@ -183,10 +183,10 @@ class Sequential:
         """
         pool, checks = self.pool, len(self.pool.verification)
         first = self.parameters + 1 if self.parameters else 0
-        if checks + first > self.settings["simulations"]:
+        if checks + first > self.settings.simulations:
             raise InputError(
                 f"refine: the model {self.model.name} takes {first} simulations to begin with and "
-                f"{checks} to verify, more than the {self.settings['simulations']} allowed"
+                f"{checks} to verify, more than the {self.settings.simulations} allowed"
             )
         with naming(f"refine: {len(pool.candidates)} candidates"):
             check_identifiable(self.model, pool.factors.take(pool.candidates))
@@ -196,7 +196,7 @@ class Sequential:
             far = cdist(places, taken).min(axis=1)
             if not len(chosen):  # the first at an edge
                 middle = places.mean(axis=0)
-                far = (far >= self.settings["separation"]) * np.linalg.norm(places - middle, axis=1)
+                far = (far >= self.settings.separation) * np.linalg.norm(places - middle, axis=1)
             best = int(np.argmax(far))
             chosen = np.append(chosen, pool.candidates[best])
             taken = np.concatenate([taken, places[best : best + 1]])
@@ -207,13 +207,13 @@ class Sequential:
         pool, model = self.pool, self.model
         found = exchange(
             model.gradient(theta, pool.factors.take(pool.candidates)),
-            self.settings["batch"],
+            self.settings.batch,
             existing=model.gradient(theta, pool.factors.take(design)),
             coordinates=pool.coordinates[pool.candidates],
             existing_coordinates=pool.coordinates[np.concatenate([pool.verification, design])],
-            separation=self.settings["separation"],
+            separation=self.settings.separation,
             starts=3,
-            seed=self.settings["seed"],
+            seed=self.settings.seed,
         )
         return np.asarray(pool.candidates[found])
 
@@ -259,8 +259,7 @@ class Sequential:
         """The loop's end and the reason for it; nothing while it should go on."""
         settings, parameters = self.settings, self.parameters
         below = (
-            last.global_upper <= settings["global_error"]
-            and last.worst_error <= settings["worst_error"]
+            last.global_upper <= settings.global_error and last.worst_error <= settings.worst_error
         )
         if below and (last.number > 1 or parameters == 0):
             return "reached", (
@@ -269,23 +268,23 @@ class Sequential:
             )
         numerical = last.floor <= NUMERICAL * last.simulation_error
         what = "simulation" if numerical else "model"
-        if last.simulations > parameters and last.floor > settings["worst_error"]:
+        if last.simulations > parameters and last.floor > settings.worst_error:
             return what, (
                 f"no parameters bring the largest residual on the {last.simulations} points "
                 f"simulated below {last.floor:.2g} of the mean force; the target is "
-                f"{settings['worst_error']:.2g}"
+                f"{settings.worst_error:.2g}"
             )
         least = self.least_global_error(hindsight)
-        if least > settings["global_error"]:
+        if least > settings.global_error:
             return what, (
                 "even the best fit to the verification points leaves a global error above "
-                f"{least:.2g} with 95 %; the target is {settings['global_error']:.2g}"
+                f"{least:.2g} with 95 %; the target is {settings.global_error:.2g}"
             )
         if parameters == 0:
             return what, "the model has no parameter that more simulations could improve"
-        if last.simulations + settings["batch"] > settings["simulations"]:
+        if last.simulations + settings.batch > settings.simulations:
             return "budget", (
-                f"{last.simulations} of {settings['simulations']} simulations are done; global "
+                f"{last.simulations} of {settings.simulations} simulations are done; global "
                 f"error {last.global_error:.2g} to {last.global_upper:.2g}, worst error "
                 f"{last.worst_error:.2g}"
             )

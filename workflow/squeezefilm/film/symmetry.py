@@ -7,7 +7,7 @@ all; on a rectangle mirrors of its axes, and positions on one side of them do.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import atan2, degrees, isfinite, radians
@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from squeezefilm.config.study import Positions
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Profile
@@ -23,9 +24,6 @@ from squeezefilm.film.surfaces import Rectangle, Surface
 from squeezefilm.solution import CARTESIAN, POLAR
 
 Array = NDArray[np.float64]
-
-Positions = Mapping[str, Sequence[float]]
-"""A study's section ``positions``."""
 
 WIDTHS_DEG = (45.0, 90.0, 180.0, 360.0)
 
@@ -77,13 +75,13 @@ class Directions:
 
     def limits(self, positions: Positions) -> dict[str, tuple[float, float]]:
         """The limits of the positions of a study."""
-        farthest = float(max(positions["phi_r_m"]))
+        farthest = float(max(positions.phi_r_m))
         return {"phi_r_m": (0.0, farthest), "phi_deg": (self.start_deg, self.stop_deg)}
 
     def places(self, positions: Positions) -> list[tuple[float, float]]:
         """The centre, then every radius with every angle and its images (Fig. 15)."""
-        angles = self.images(positions["phi_deg"])
-        return [(0.0, 0.0), *((r, angle) for r in positions["phi_r_m"] for angle in angles)]
+        angles = self.images(positions.phi_deg)
+        return [(0.0, 0.0), *((r, angle) for r in positions.phi_r_m for angle in angles)]
 
     @property
     def text(self) -> str:
@@ -119,7 +117,7 @@ class Mirrors:
 
     def limits(self, positions: Positions) -> dict[str, tuple[float, float]]:
         """The limits of the positions of a study."""
-        x_m, y_m = (float(max(positions[name])) for name in self.position)
+        x_m, y_m = (float(max(given)) for given in (positions.x_m, positions.y_m))
         least = (0.0 if self.x else -x_m, 0.0 if self.y else -y_m)
         return {"x_m": (least[0], x_m), "y_m": (least[1], y_m)}
 
@@ -127,7 +125,7 @@ class Mirrors:
         """The centre, then every x with every y; those at −x too, or else those on the mirror."""
         x_m, y_m = (
             sorted({0.0, *given} if mirror else {*given, *(0.0 - each for each in given)})
-            for given, mirror in ((positions["x_m"], self.x), (positions["y_m"], self.y))
+            for given, mirror in ((positions.x_m, self.x), (positions.y_m, self.y))
         )
         return [(0.0, 0.0), *((x, y) for x in x_m for y in y_m if (x, y) != (0.0, 0.0))]
 

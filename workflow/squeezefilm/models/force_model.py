@@ -11,7 +11,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from itertools import product
 from math import inf
 from pathlib import Path
 from types import MappingProxyType
@@ -21,6 +20,7 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike
 
+from squeezefilm.config.study import OwnModel, Study
 from squeezefilm.errors import InputError, naming
 from squeezefilm.formulas import Expression, Operation, fold, parameter_units, parse
 from squeezefilm.models.data import COLUMNS, FACTORS, Array, Factors
@@ -30,8 +30,6 @@ LIBRARY = Path(__file__).with_name("models.yaml")
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
 SPACES = ("two_factor", "four_factor")
 """Where models are compared: the pad centred, or anywhere."""
-NAMING = ("comparison", "refine")
-"""The sections of a study that name models for each space."""
 MOST_PARAMETERS = 30
 STEP = 1e-30
 """Of the complex step of derivatives, over the parameter's magnitude."""
@@ -224,7 +222,7 @@ def library() -> Mapping[str, ExpressionModel]:
 
 
 def get_model(
-    name: str, own: Mapping[str, Any] = MappingProxyType({}), *, place: object = ""
+    name: str, own: Mapping[str, OwnModel] = MappingProxyType({}), *, place: object = ""
 ) -> ExpressionModel:
     """A model of the library or of a study by its name; ``two-factor`` is ``two_factor``.
 
@@ -233,28 +231,31 @@ def get_model(
     """
     name = name.replace("-", "_")
     if name in own:
-        return make_model(name, own[name], place=f"{place}: models.{name}")
+        entry = own[name].model_dump(exclude_none=True)
+        return make_model(name, entry, place=f"{place}: models.{name}")
     if name not in library():
         raise InputError(f"model {name!r} is unknown; known are {', '.join((*own, *library()))}")
     return library()[name]
 
 
-def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: object) -> None:
-    """Read every model of a configuration: its own, and those that ``named`` has by section.
+def check_models(study: Study) -> None:
+    """Read every model of a study: its own, and those that are compared and refined.
 
     Raises InputError naming the place of an invalid formula, of a name that is the
     library's, or of a candidate that is unknown.
     """
+    own, path = study.models, study.path
     for name in own:
         if name in library():
             raise InputError(
-                f"{place}: models.{name}: the library has a model of this name; take another"
+                f"{path}: models.{name}: the library has a model of this name; take another"
             )
-        get_model(name, own, place=place)
-    for section, space in product(NAMING, SPACES):
-        for name in named[section][space]:
-            with naming(f"{place}: {section}.{space}"):
-                get_model(name, own, place=place)
+        get_model(name, own, place=path)
+    for section, named in (("comparison", study.comparison), ("refine", study.refine)):
+        for space in SPACES:
+            for name in named.of(space):
+                with naming(f"{path}: {section}.{space}"):
+                    get_model(name, own, place=path)
 
 
 def check_columns(model: ExpressionModel, factors: Factors) -> None:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, naming
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
@@ -46,10 +46,11 @@ MOST_CHUNKS = 20_000
 MOST_SCENES = 500_000
 
 
-def level_grid(section: Mapping[str, Any]) -> pd.DataFrame:
-    """Every gap with every amplitude of a section's ``{start, stop, levels}``."""
-    levels = [section[name] for name in CENTRED]
-    values = [twelve(np.linspace(each["start"], each["stop"], each["levels"])) for each in levels]
+def level_grid(name: str, config: Study) -> pd.DataFrame:
+    """Every gap with every amplitude of a section, of GRIDS."""
+    section = config.screen if name == "screen" else config.error_map
+    levels = section.h0_m, section.hv_m
+    values = [twelve(np.linspace(each.start, each.stop, each.levels)) for each in levels]
     return pd.DataFrame(product(*values), columns=CENTRED)
 
 
@@ -89,7 +90,7 @@ def _within(ranges: dict[str, tuple[float, float]], unit: np.ndarray) -> pd.Data
 
 
 def write_scenes(
-    name: str, config: Config, *, sources: Sequence[Path | str] = (), output: Path | str
+    name: str, config: Study, *, sources: Sequence[Path | str] = (), output: Path | str
 ) -> None:
     """Write the table of a plan; a sweep is made and written in pieces.
 
@@ -98,8 +99,8 @@ def write_scenes(
     """
     with table_writer(output) as write:
         if name == "sweep":
-            ranges: Any = box_of(config).ranges
-            for piece in sweep_pieces(**config["sweep"], **ranges):
+            sweep: Any = config.sweep.model_dump() | box_of(config).ranges
+            for piece in sweep_pieces(**sweep):
                 write(piece)
         elif name == "extrapolation":
             write(_extrapolation(config, {Path(path).stem: read_fit(path) for path in sources}))
@@ -108,17 +109,18 @@ def write_scenes(
             write(scenes_of(name, config, design=design))
 
 
-def scenes_of(name: str, config: Config, *, design: pd.DataFrame | None = None) -> pd.DataFrame:
+def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -> pd.DataFrame:
     """The scenes of a plan that the study or a design gives."""
     position = surface_of(config).position
     if name in GRIDS:
-        return plan(level_grid(config[name]), position=position)
+        return plan(level_grid(name, config), position=position)
     if name == "four_factor_control":
-        return random_plan(**config[name] | box_of(config).ranges)
+        control = config.four_factor_control
+        return random_plan(points=control.points, seed=control.seed, **box_of(config).ranges)
     if name in VALIDATION_SAMPLES:
-        points, seed = config["validation"]["points"], config["validation"]["seed"]
+        sample = config.validation
         space = Space.of(config, centred=name == "validation_two_factor")
-        return space.table(space.independent_sample(points, seed=seed))
+        return space.table(space.independent_sample(sample.points, seed=sample.seed))
     assert design is not None, f"the plan {name} is made from a design"
     if name == "four_factor":
         positions = pd.DataFrame(pad_positions(config), columns=position)
@@ -126,39 +128,40 @@ def scenes_of(name: str, config: Config, *, design: pd.DataFrame | None = None) 
     return design[as_in(SCENE_COLUMNS, design)]
 
 
-def _extrapolation(config: Config, fits: Mapping[str, FittedModel]) -> pd.DataFrame:
+def _extrapolation(config: Study, fits: Mapping[str, FittedModel]) -> pd.DataFrame:
     """The operating point of the section ``extrapolation``, and one scene of each fit.
 
     Each fit adds the scene at which it expects the target force at that gap, named as the fit is.
     """
-    point = config["extrapolation"]
-    amplitudes = {"operating_point": point["hv_m"]}
+    point = config.extrapolation
+    amplitudes = {"operating_point": point.hv_m}
     for name, fit in fits.items():
         with naming(name):
             amplitudes[name] = amplitude_for_force(
-                fit.evaluate, force_n=point["force_n"], h0_m=point["h0_m"]
+                fit.evaluate, force_n=point.force_n, h0_m=point.h0_m
             )
-    factors = pd.DataFrame({"h0_m": point["h0_m"], "hv_m": list(amplitudes.values())})
+    factors = pd.DataFrame({"h0_m": point.h0_m, "hv_m": list(amplitudes.values())})
     return plan(factors, position=fit.position).assign(point_id=list(amplitudes))
 
 
-def plan_sizes(config: Config) -> dict[str, int]:
+def plan_sizes(config: Study) -> dict[str, int]:
     """The number of points of each plan that is simulated in chunks."""
-    positions = config["positions"].get("points") or len(pad_positions(config))
+    positions = config.positions.points or len(pad_positions(config))
     return {
-        **{name: len(level_grid(config[name])) for name in GRIDS},
-        "four_factor": config["design"]["points"] * positions,
-        **{name: config[name]["points"] for name in ("four_factor_control", "sweep")},
-        **dict.fromkeys(VALIDATION_SAMPLES, config["validation"]["points"]),
+        **{name: len(level_grid(name, config)) for name in GRIDS},
+        "four_factor": config.design.points * positions,
+        "four_factor_control": config.four_factor_control.points,
+        "sweep": config.sweep.points,
+        **dict.fromkeys(VALIDATION_SAMPLES, config.validation.points),
     }
 
 
-def chunk_counts(config: Config) -> dict[str, int]:
+def chunk_counts(config: Study) -> dict[str, int]:
     """The number of jobs for each plan, of at most about ``simulation.seconds_per_job`` each.
 
     Raises InputError when a plan would need more jobs than a workflow can handle.
     """
-    target = config["simulation"]["seconds_per_job"]
+    target = config.simulation.seconds_per_job
     counts = {}
     for name, points in plan_sizes(config).items():
         seconds = points * expected_seconds(config, centred=name in GRIDS)
@@ -172,13 +175,13 @@ def chunk_counts(config: Config) -> dict[str, int]:
     return counts
 
 
-def expected_seconds(config: Config, *, centred: bool) -> float:
+def expected_seconds(config: Study, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
     sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
     if centred:
         sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
     scenes = scenes_in(sample, config, profile=planned_profile_of(config))
-    planned = previews(scenes, **{name: config["solver"][name] for name in ("tolerance", "method")})
+    planned = previews(scenes, tolerance=config.solver.tolerance, method=config.solver.method)
     mflop = sum(each.expected_mflop for each in planned) / SAMPLE
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
-    return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config["outputs"] else seconds
+    return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config.outputs else seconds

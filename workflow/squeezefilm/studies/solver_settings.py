@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.film import FilmSections
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.model_error import resolve_auto_terms, solve_auto_terms
@@ -43,17 +43,17 @@ class SolverSettings:
         return solve_auto_terms(scenes, **how, tolerance=self.tolerance, device=self.device)
 
 
-def device_of(config: Config, *, option: str | None = None) -> Device:
+def device_of(config: FilmSections, *, option: str | None = None) -> Device:
     """The device that an option or the study asks for, examined by one job of a node at a time.
 
     Raises InputError as choose_device does.
     """
     with one_build_at_a_time():
-        return choose_device(config["solver"]["device"], option=option)
+        return choose_device(config.solver.device, option=option)
 
 
 def solver_settings(
-    config: Config,
+    config: FilmSections,
     *,
     tolerance: float | None = None,
     method: str | None = None,
@@ -65,8 +65,8 @@ def solver_settings(
     Raises InputError for a tolerance that no method is made for, an unknown method or output, and
     as ``device_of`` does.
     """
-    tolerance = config["solver"]["tolerance"] if tolerance is None else tolerance
-    method = method or config["solver"]["method"]
+    tolerance = config.solver.tolerance if tolerance is None else tolerance
+    method = method or config.solver.method
     if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
         raise InputError(
             f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
@@ -75,8 +75,8 @@ def solver_settings(
         raise InputError(f"method {method!r} is none of {', '.join(METHODS)}")
     return SolverSettings(
         tolerance=tolerance,
-        model_tolerance=config["solver"]["model_tolerance"],
+        model_tolerance=config.solver.model_tolerance,
         method=method,
         device=device_of(config, option=device),
-        outputs=checked_outputs(config.get("outputs", ()) if outputs is None else outputs),
+        outputs=checked_outputs(config.outputs if outputs is None else outputs),
     )

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Positions, Study
 from squeezefilm.designs.box import Array, Box, coordinates, grid
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Film
@@ -50,19 +50,19 @@ def plan(factors: pd.DataFrame, *, position: tuple[str, ...] = POLAR) -> pd.Data
     return table
 
 
-def pad_positions(config: Config) -> list[tuple[float, float]]:
+def pad_positions(config: Study) -> list[tuple[float, float]]:
     """The centre, then those of the section ``positions``, in the surface's form.
 
     With ``points`` they fill the reachable space. Without, they are those written (Fig. 15), with
     their images, as far as the scene's own symmetry does not make them the same.
     """
-    positions = config["positions"]
-    if "points" in positions:
+    positions = config.positions
+    if positions.points:
         return space_filling(symmetry_of(config), positions)
     return symmetry_of(config).places(positions)
 
 
-def space_filling(symmetry: Symmetry, positions: dict[str, Any]) -> list[tuple[float, float]]:
+def space_filling(symmetry: Symmetry, positions: Positions) -> list[tuple[float, float]]:
     """Positions that fill the reachable space, so that no wave of the profile can alias with them.
 
     The centre, then a scrambled Sobol' sequence over the space's limits, whose first quarter is
@@ -70,7 +70,7 @@ def space_filling(symmetry: Symmetry, positions: dict[str, Any]) -> list[tuple[f
     """
     limits = symmetry.limits(positions)
     sequence = sobol(len(limits), seed=POSITIONS_SEED).random_base2(EXPONENT)
-    unit = sequence[: positions["points"] - 1]
+    unit = sequence[: positions.points - 1]
     # Neighbours of the sequence, for those at a distance that is a power of two lie side by side.
     edge = len(unit) // 4
     unit[: edge // 2, 0] = 1.0
@@ -86,20 +86,20 @@ def sobol(factors: int, *, seed: int) -> qmc.Sobol:
     return qmc.Sobol(factors, rng=seed)
 
 
-def box_of(config: Config, *, centred: bool = False) -> Box:
+def box_of(config: Study, *, centred: bool = False) -> Box:
     """The box of a study's factors: the screen's gaps and amplitudes, the pad's positions.
 
     From the section ``screen``; unless the pad is centred also from ``positions``, ``actuator``
     and ``pad``. Positions are those that represent all by the scene's symmetry.
     """
-    levels = {name: config["screen"][name] for name in CENTRED}
-    limits = {name: (each["start"], each["stop"]) for name, each in levels.items()}
+    gaps, amplitudes = config.screen.h0_m, config.screen.hv_m
+    limits = {"h0_m": (gaps.start, gaps.stop), "hv_m": (amplitudes.start, amplitudes.stop)}
     if not centred:
-        limits |= symmetry_of(config).limits(config["positions"])
+        limits |= symmetry_of(config).limits(config.positions)
     return Box(tuple(limits), *zip(*limits.values(), strict=True))
 
 
-def declared_ranges(config: Config, *, centred: bool) -> dict[str, tuple[float, float]]:
+def declared_ranges(config: Study, *, centred: bool) -> dict[str, tuple[float, float]]:
     """The limits of the declared space by factor; those of a centred pad's position are zero."""
     centre = dict.fromkeys(surface_of(config).position if centred else (), (0.0, 0.0))
     return box_of(config, centred=centred).ranges | centre
@@ -117,7 +117,7 @@ class Space:
     position: tuple[str, str] = POLAR
 
     @classmethod
-    def of(cls, config: Config, *, centred: bool) -> Space:
+    def of(cls, config: Study, *, centred: bool) -> Space:
         """The space of a study: the screen's ranges and the pad positions'."""
         box = box_of(config, centred=centred)
         return cls(box, film_in(config), surface_of(config).position)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.film import FilmSections, Scan
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, naming
 from squeezefilm.film.outline import read_contour
-from squeezefilm.film.pad import GapShape, Pad
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
-from squeezefilm.film.scene import Actuator, Film, Gas, Scene, Scenes
+from squeezefilm.film.scene import Actuator, Film, Scene, Scenes
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
 from squeezefilm.film.validity import check_scene, check_scenes
@@ -31,15 +32,15 @@ SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
 """Of the environment: where a run keeps the smooth profile of its study's scan."""
 
 
-def surface_of(config: Config) -> Surface:
+def surface_of(config: FilmSections) -> Surface:
     """The surface that vibrates."""
-    actuator = config["actuator"]
-    if "surface_radius_m" in actuator:
-        return Disc(actuator["surface_radius_m"])
-    return Rectangle(actuator["surface"]["length_x_m"], actuator["surface"]["length_y_m"])
+    actuator = config.actuator
+    if actuator.surface is None:
+        return Disc(actuator.surface_radius_m)
+    return Rectangle(actuator.surface.length_x_m, actuator.surface.length_y_m)
 
 
-def profile_of(config: Config) -> Profile:
+def profile_of(config: FilmSections) -> Profile:
     """The actuator's vibration shape.
 
     Raises InputError naming what is wrong with a formula or a measured profile.
@@ -47,26 +48,26 @@ def profile_of(config: Config) -> Profile:
     smoothed = smoothed_scan_of(config)
     if smoothed is not None:
         return smoothed.profile
-    return make_profile(surface=surface_of(config), **config["actuator"]["profile"])
+    return make_profile(surface=surface_of(config), **config.actuator.profile.model_dump())
 
 
-def scan_path(config: Config) -> Path | None:
+def scan_path(config: FilmSections) -> Path | None:
     """The file that the vibration shape was measured in; None if it is not a measured one."""
-    profile = config["actuator"]["profile"]
-    return config.path.parent / profile["file"] if profile["kind"] == "measured" else None
+    profile = config.actuator.profile
+    return config.path.parent / profile.file if isinstance(profile, Scan) else None
 
 
-def smoothing_settings(config: Config) -> dict[str, Any]:
+def smoothing_settings(config: FilmSections) -> dict[str, Any]:
     """Arguments of ``smoothed_scan`` besides the scan's file."""
-    actuator = config["actuator"]
+    actuator = config.actuator
     return {
         "surface": surface_of(config),
-        "frequency_hz": actuator["frequency_hz"],
-        **{key: value for key, value in actuator["profile"].items() if key not in ("kind", "file")},
+        "frequency_hz": actuator.frequency_hz,
+        **actuator.profile.model_dump(exclude={"kind", "file"}),
     }
 
 
-def smoothed_scan_of(config: Config, *, again: bool = False) -> SmoothedScan | None:
+def smoothed_scan_of(config: FilmSections, *, again: bool = False) -> SmoothedScan | None:
     """The measured vibration shape with all that is known of it; None if it is not measured.
 
     In a run of the workflow as its rule `smooth` wrote it, under the name in SMOOTHED_VARIABLE,
@@ -83,78 +84,86 @@ def smoothed_scan_of(config: Config, *, again: bool = False) -> SmoothedScan | N
     return read_smoothed(kept, path, **settings)
 
 
-def planned_profile_of(config: Config) -> Profile:
+def planned_profile_of(config: FilmSections) -> Profile:
     """The vibration shape as far as plans need it: of a scan a usual one, for it is not smoothed.
 
     By it the work is divided into jobs, whose number may not depend on whether the scan has been
     smoothed: a mode with a node line on the surface, of no symmetry where the scan need have none.
     """
-    profile = config["actuator"]["profile"]
-    if profile["kind"] != "measured":
+    profile = config.actuator.profile
+    if not isinstance(profile, Scan):
         return profile_of(config)
     surface = surface_of(config)
     radius_m = min(surface.half_m)
-    if profile["axisymmetric"]:
+    if profile.axisymmetric:
         return Sinc(wave_number_per_m=1 / radius_m)
     return StandingWave(
         wavelength_m=2 * radius_m, direction_deg=20.0, crest_m=0.1 * radius_m, surface=surface
     )
 
 
-def pad_of(config: Config) -> Pad:
+def pad_of(config: FilmSections) -> Pad:
     """The pad."""
-    keys = dict(config["pad"])
-    contour = None
-    if outline := keys.pop("outline", None):
-        path, scatter_m = config.path.parent / outline["file"], outline["scatter_m"]
-        sides_m = keys["length_x_m"], keys["length_y_m"]
-        contour = read_contour(path, sides_m=sides_m, scatter_m=scatter_m)
-    return Pad(gap=GapShape(**keys.pop("gap")), contour=contour, **keys)
+    pad, contour = config.pad, None
+    if outline := pad.outline:
+        contour = read_contour(
+            config.path.parent / outline.file,
+            sides_m=(pad.length_x_m, pad.length_y_m),
+            scatter_m=outline.scatter_m,
+        )
+    return Pad(
+        length_x_m=pad.length_x_m,
+        length_y_m=pad.length_y_m,
+        speed_x_m_per_s=pad.speed_x_m_per_s,
+        shape=pad.shape,
+        rotation_deg=pad.rotation_deg,
+        gap=pad.gap,
+        contour=contour,
+    )
 
 
-def film_of(config: Config, *, absent_terms: Iterable[str]) -> dict[str, Any]:
+def film_of(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, Any]:
     """The study's film as far as limits of validity go, for a fit's file.
 
     Args:
         absent_terms: of the simulations, a text each; a term that is ``auto`` is included where
             one of them has it.
     """
-    gas, solved = dict(config["gas"]), list(absent_terms)
+    gas, solved = asdict(config.gas), list(absent_terms)
     for term in ("inertia", "thermal"):
         if gas[term] == "auto":
             gas[term] = "none" if all(term in each for each in solved) else "included"
-    keys = ("length_x_m", "length_y_m", "gap")
     return {
         "gas": gas,
-        "frequency_hz": config["actuator"]["frequency_hz"],
-        "pad": {key: config["pad"][key] for key in keys},
+        "frequency_hz": config.actuator.frequency_hz,
+        "pad": config.pad.model_dump(include={"length_x_m", "length_y_m", "gap"}),
     }
 
 
-def symmetry_of(config: Config) -> Symmetry:
+def symmetry_of(config: FilmSections) -> Symmetry:
     """The pad positions that represent all; from ``actuator`` and ``pad``.
 
     Of a scan the settings say it: noise leaves a shape that is free no symmetry.
     """
-    settings, surface = config["actuator"]["profile"], surface_of(config)
-    if settings["kind"] == "measured" and not settings["axisymmetric"]:
+    settings, surface = config.actuator.profile, surface_of(config)
+    if isinstance(settings, Scan) and not settings.axisymmetric:
         return no_symmetry(surface)
     return symmetry(pad_of(config), planned_profile_of(config), surface=surface)
 
 
-def film_in(config: Config, *, profile: Profile | None = None) -> Film:
+def film_in(config: FilmSections, *, profile: Profile | None = None) -> Film:
     """The study's gas, actuator and pad; ``profile`` stands in for its own."""
     actuator = Actuator(
-        frequency_hz=config["actuator"]["frequency_hz"],
+        frequency_hz=config.actuator.frequency_hz,
         surface=surface_of(config),
         profile=profile_of(config) if profile is None else profile,
     )
-    return Film(Gas(**config["gas"]), actuator, pad_of(config))
+    return Film(config.gas, actuator, pad_of(config))
 
 
 def scenes_in(
     table: pd.DataFrame | Mapping[str, Sequence[float]],
-    config: Config,
+    config: FilmSections,
     *,
     profile: Profile | None = None,
 ) -> Scenes:
@@ -184,7 +193,7 @@ def scenes_in(
 
 
 def scene_of(
-    config: Config, h0_m: float, hv_m: float, *, x_m: float = 0.0, y_m: float = 0.0
+    config: FilmSections, h0_m: float, hv_m: float, *, x_m: float = 0.0, y_m: float = 0.0
 ) -> Scene:
     """One scene on the study's film.
 
@@ -195,7 +204,7 @@ def scene_of(
     return scene
 
 
-def check_study(config: Config) -> Config:
+def check_study(config: Study) -> Study:
     """Check every pad position and film of a study before anything is simulated.
 
     Of a scan the points: the rule `smooth` reports an invalid smooth profile through them.
@@ -213,7 +222,7 @@ def check_study(config: Config) -> Config:
             scan = read_scan(path, **how)
             check_places(scan, **settings)
         profile = planned_profile_of(config)
-    if "measurements" in config:
+    if config.measurements:
         measured_points(config, profile=profile)
     for section, points in _extreme_points(config):
         with naming(f"{config.path}: {section}"):
@@ -221,7 +230,7 @@ def check_study(config: Config) -> Config:
     return config
 
 
-def measured_points(config: Config, *, profile: Profile | None = None) -> pd.DataFrame:
+def measured_points(config: Study, *, profile: Profile | None = None) -> pd.DataFrame:
     """Return the table of measured forces of a study that has one.
 
     Args:
@@ -230,9 +239,9 @@ def measured_points(config: Config, *, profile: Profile | None = None) -> pd.Dat
     Raises InputError for a study without one, a wrong table, and for a point that is no film within
     its uncertainties.
     """
-    if "measurements" not in config:
+    if not config.measurements:
         raise InputError(f"{config.path}: there is no section measurements: {{file: TABLE.csv}}")
-    path = config.path.parent / config["measurements"]["file"]
+    path = config.path.parent / config.measurements.file
     table = read_measurements(path)
     for sign, within in zip((0, -1, 1), ("", *[" with its uncertainties"] * 2), strict=True):
         h0_m = table["h0_m"] + sign * table["h0_uncertainty_m"]
@@ -243,21 +252,21 @@ def measured_points(config: Config, *, profile: Profile | None = None) -> pd.Dat
     return table
 
 
-def _extreme_points(config: Config) -> Iterator[tuple[str, pd.DataFrame]]:
+def _extreme_points(config: Study) -> Iterator[tuple[str, pd.DataFrame]]:
     """The points of a study at which a film may fail to exist, by section."""
-    screen, extrapolation = config["screen"], config["extrapolation"]
-    closest = {"h0_m": screen["h0_m"]["start"], "hv_m": screen["hv_m"]["stop"]}
+    screen, extrapolation = config.screen, config.extrapolation
+    closest = {"h0_m": screen.h0_m.start, "hv_m": screen.hv_m.stop}
     yield "screen", pd.DataFrame([{"point_id": "smallest gap, largest amplitude", **closest}])
-    beyond = {name: extrapolation[name] for name in closest}
+    beyond = extrapolation.model_dump(include={"h0_m", "hv_m"})
     yield "extrapolation", pd.DataFrame([{"point_id": "wanted", **beyond}])
-    found, positions = symmetry_of(config), config["positions"]
+    found, positions = symmetry_of(config), config.positions
     places = found.places(positions)
     if isinstance(found, Directions):
         # Designs and control points may lie between the directions given: also where the pad's
         # farthest point is farthest out.
         x_m, y_m = max(pad_of(config).outline().tolist(), key=lambda place: hypot(*place))
         farthest = float(found.fold(degrees(atan2(y_m, x_m))))
-        places += [(radius, farthest) for radius in positions["phi_r_m"]]
+        places += [(radius, farthest) for radius in positions.phi_r_m]
     first, second = found.position
     names = [f"({first} = {one:g}, {second} = {other:g})" for one, other in places]
     table = pd.DataFrame(places, columns=[first, second])

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm import __version__
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import POSITION, Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, fit_of
@@ -50,7 +50,7 @@ TABLE_SHARE = 0.1
 """Largest error of a table of asymptotic forces over that of a model that uses it."""
 
 
-def profile_uncertainty(config: Config, *, summary: Path | str | None = None) -> float:
+def profile_uncertainty(config: Study, *, summary: Path | str | None = None) -> float:
     """Largest uncertainty of a force by the scan of a study's profile, a fraction; 0 without one.
 
     Args:
@@ -64,12 +64,12 @@ def profile_uncertainty(config: Config, *, summary: Path | str | None = None) ->
     return float(errors_in_study(config, scan)["scan_error_fraction"].max())
 
 
-def limits_of(points: pd.DataFrame, config: Config) -> pd.DataFrame:
+def limits_of(points: pd.DataFrame, config: Study) -> pd.DataFrame:
     """The asymptotic forces of the scenes of a table."""
     return with_limits(points, scenes_in(points, config))[as_in(LIMIT_COLUMNS, points)]
 
 
-def limit_table_values(config: Config) -> dict[str, Any]:
+def limit_table_values(config: Study) -> dict[str, Any]:
     """A table of the asymptotic forces over the study's space for JSON, or why there is none."""
     try:
         return limit_table_of(config).model_dump(mode="json")
@@ -79,7 +79,7 @@ def limit_table_values(config: Config) -> dict[str, Any]:
 
 def fit_to_forces(
     model: ExpressionModel,
-    config: Config,
+    config: Study,
     *,
     forces: pd.DataFrame,
     limit_table: dict[str, Any] | None = None,
@@ -105,7 +105,7 @@ def fit_to_forces(
 
     Raises InputError where the model cannot be fitted to these points.
     """
-    settings = config["fit"]
+    settings = config.fit
     if model.column_names and limit_table is None:
         limit_table = limit_table_values(config)
     if uncertainty is None:
@@ -115,10 +115,10 @@ def fit_to_forces(
     if len(factors) >= len(model.parameter_names):
         check_identifiable(model, factors)
     if seeds is None:
-        seeds = settings["seeds"]["two_factor" if model.is_centred else "four_factor"]
-    first = settings["first_seed"]
+        seeds = settings.seeds.two_factor if model.is_centred else settings.seeds.four_factor
+    first = settings.first_seed
     searches = [*((genetic, first + number) for number in range(seeds)), (evolution, first)]
-    ways = [(bound, *search) for bound, search in product(settings["bounds"], searches)]
+    ways = [(bound, *search) for bound, search in product(settings.bounds, searches)]
     runs = fit_by(ways, model, factors, force_n, processes=processes)
     best, bound_notes = checked_bounds(runs, model, factors, force_n)
     absent_terms = forces["absent_terms"]
@@ -127,7 +127,7 @@ def fit_to_forces(
     about["parameter_notes"] += bound_notes
     if model.column_names and limit_table and "not_supported" not in limit_table:
         about["limit_table"] = limit_table
-    fit = fit_of(about, place=f"{config['study']}: {model.name}")
+    fit = fit_of(about, place=f"{config.study}: {model.name}")
     if sample is not None:
         fit = validated(fit, config, sample=sample)
     return fit, pd.DataFrame([_row(run, model) for run in runs])
@@ -135,7 +135,7 @@ def fit_to_forces(
 
 def fit_values(
     model: ExpressionModel,
-    config: Config,
+    config: Study,
     factors: Factors,
     force_n: np.ndarray,
     fit: Fit,
@@ -187,7 +187,7 @@ def _ranges(
     return ranges, undetermined(ranges)
 
 
-def validated(fit: FittedModel, config: Config, *, sample: pd.DataFrame) -> FittedModel:
+def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> FittedModel:
     """The same fit with the prediction interval that a validation sample gives.
 
     Raises InputError where the fit's table of asymptotic forces errs by more than a tenth of the
@@ -228,14 +228,14 @@ def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
 
 
 def errors_on(
-    fit: FittedModel, forces: pd.DataFrame, config: Config
+    fit: FittedModel, forces: pd.DataFrame, config: Study
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
     """The errors of a fit on simulated forces: a table of its points, and their summary.
 
     The summary's sum of squares is in N², its global error |model - simulation|/|simulation|, norms
     over all points; it has the share of points within the study's band of relative errors.
     """
-    band = config["validation"]["relative_error_band"]
+    band = config.validation.relative_error_band
     factors = factors_of(with_physics(fit.force_model, forces, config))
     check_columns(fit.force_model, factors)
     predicted = fit.force_model.evaluate(fit.theta, factors)

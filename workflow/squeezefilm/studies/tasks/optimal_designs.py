@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Optimal, Study
 from squeezefilm.designs.box import grid
 from squeezefilm.designs.optimal import (
     ContinuousDesign,
@@ -48,7 +48,7 @@ class FittedSpace:
     forces, to which it was fitted, or these do not bound the parameters.
     """
 
-    def __init__(self, fit: FittedModel, config: Config, *, forces: pd.DataFrame) -> None:
+    def __init__(self, fit: FittedModel, config: Study, *, forces: pd.DataFrame) -> None:
         self.model, self.config = fit.force_model, config
         factors = factors_of(with_physics(self.model, forces, config))
         check_columns(self.model, factors)
@@ -61,7 +61,7 @@ class FittedSpace:
         upper = [each.theta_upper for each in ranges if np.isfinite(each.upper)]
         self.thetas = np.array([theta, *lower, *upper])
         self.space = Space.of(config, centred=self.model.is_centred)
-        most = config["optimal"]["candidates"]
+        most = config.optimal.candidates
         self.grid = self.space.grid(most, distinct=True)
         self.everywhere = self.space.grid(most, distinct=False)
 
@@ -79,7 +79,7 @@ class FittedSpace:
 
 
 def optimal_designs(
-    study: FittedSpace, settings: Mapping[str, Any], *, existing: pd.DataFrame | None
+    study: FittedSpace, settings: Optimal, *, existing: pd.DataFrame | None
 ) -> dict[str, ContinuousDesign]:
     """All designs by name, the local one first: local, bayesian, maximin, exact-N, augmented.
 
@@ -95,8 +95,12 @@ def optimal_designs(
     }
     derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
     coordinates = study.space.coordinates(study.grid)
-    apart = {"coordinates": coordinates, **{key: settings[key] for key in ("separation", "seed")}}
-    for count in settings["points"]:
+    apart: dict[str, Any] = {
+        "coordinates": coordinates,
+        "separation": settings.separation,
+        "seed": settings.seed,
+    }
+    for count in settings.points:
         if count >= parameters:
             chosen = exchange(derivatives, count, **apart)
             designs[f"exact-{count}"] = _equal(study.grid[chosen])
@@ -247,7 +251,7 @@ def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame
 
 def designs_of_fit(
     fit: FittedModel,
-    config: Config,
+    config: Study,
     *,
     forces: pd.DataFrame,
     existing: pd.DataFrame | None = None,
@@ -274,14 +278,14 @@ def designs_of_fit(
             for pattern in found:
                 table = pd.DataFrame(pattern["points"])[list(study.space.box.names)]
                 others[f"pattern {pattern['pattern']} ({search})"] = table.to_numpy()
-    designs = optimal_designs(study, config["optimal"], existing=existing)
+    designs = optimal_designs(study, config.optimal, existing=existing)
     table = efficiencies(study, designs, others)
     bounds = {name: design.efficiency_bound for name, design in designs.items()}
     summary = {
         "model": study.model.name,
         "theta": study.thetas[0].tolist(),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
-        "notes": _notes(study, config["optimal"]["points"], existing),
+        "notes": _notes(study, config.optimal.points, existing),
     }
     points = [_table(study, *each, existing) for each in designs.items()]
     return {

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Design, FourFactorDesign, Study
 from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.designs.paper_design import (
     Criterion,
@@ -36,8 +36,8 @@ PaperDesigns = dict[str, pd.DataFrame | dict[str, Any]]
 """Designs as tables, of two factors every point of every search, and the patterns, for JSON."""
 
 
-def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
-    settings, box = config["design"], box_of(config, centred=True)
+def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
+    settings, box = config.design, box_of(config, centred=True)
     determinant = _criterion(fit, box)
     searches, summary = [], {}
     for scaling in TWO_FACTOR_SCALINGS:
@@ -46,27 +46,27 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
             scaling, criterion, len(fit.theta), settings, processes=processes
         )
         searches.append(table)
-        if scaling == settings["scaling"]:
-            regions = augment(criterion, find_regions(patterns, box), settings["points"])
+        if scaling == settings.scaling:
+            regions = augment(criterion, find_regions(patterns, box), settings.points)
     points = np.array([region.point for region in regions])
     design = plan(_factors(points, box), position=fit.position)
     design["origin"] = [" and ".join(region.origins) for region in regions]
-    about = {"scaling": settings["scaling"], "searches": settings["searches"], "scalings": summary}
+    about = {"scaling": settings.scaling, "searches": settings.searches, "scalings": summary}
     found = pd.concat(searches, ignore_index=True)
     return {"design": design, "searches": found, "summary": about}
 
 
-def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
-    settings, box = config["four_factor_design"], box_of(config)
+def four_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
+    settings, box = config.four_factor_design, box_of(config)
     criterion, scene = _criterion(fit, box), coordinates("scene", box)
-    distinct = replace(criterion, apart=scene, separation=settings["separation"])
+    distinct = replace(criterion, apart=scene, separation=settings.separation)
     designs, summary = {}, {}
     for form, each in {"paper": criterion, "distinct": distinct}.items():
         patterns, _, summary[form] = _patterns(
             form, each, len(fit.theta), settings, ratio=("h0_m", "hv_m"), processes=processes
         )
         designs[form] = plan(_factors(patterns[0].design.points, box)).assign(origin=form)
-    return designs | {"summary": {"searches": settings["searches"], "forms": summary}}
+    return designs | {"summary": {"searches": settings.searches, "forms": summary}}
 
 
 def _criterion(fit: FittedModel, box: Box) -> Criterion:
@@ -87,14 +87,14 @@ def _patterns(
     name: str,
     criterion: Criterion,
     points: int,
-    settings: dict[str, Any],
+    settings: Design | FourFactorDesign,
     *,
     ratio: tuple[str, str] | None = None,
     processes: int,
 ) -> tuple[list[Pattern], pd.DataFrame, list[dict[str, Any]]]:
     """The patterns that searches ended in, a row for each point of each, and what patterns are."""
     box = criterion.box
-    seeds = range(settings["first_seed"], settings["first_seed"] + settings["searches"])
+    seeds = range(settings.first_seed, settings.first_seed + settings.searches)
     designs = parallel_map(
         lambda seed: search_design(criterion, points, seed=seed),
         seeds,

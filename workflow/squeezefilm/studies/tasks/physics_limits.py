@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.polynomial import chebyshev
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
 from squeezefilm.models.data import COLUMNS, factors_of
@@ -80,7 +80,7 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     return table.assign(**columns, status=status)
 
 
-def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Config) -> pd.DataFrame:
+def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Study) -> pd.DataFrame:
     """Points with the asymptotic forces that a model uses, computed unless the table has them."""
     if not set(model.column_names) - set(points):
         return points
@@ -88,7 +88,7 @@ def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Config) -
     return points.assign(**limits[[*COLUMNS.values()]])
 
 
-def limit_table_of(config: Config) -> LimitTable:
+def limit_table_of(config: Study) -> LimitTable:
     """The table of a study's limits, checked at random points.
 
     A limit over ε² is smooth; how many Chebyshev points each factor needs is measured on a few
@@ -127,7 +127,7 @@ def limit_table_of(config: Config) -> LimitTable:
 
 
 def _counts(
-    config: Config, ranges: dict[str, tuple[float, float]], random: np.random.Generator
+    config: Study, ranges: dict[str, tuple[float, float]], random: np.random.Generator
 ) -> dict[str, int]:
     """Points that each axis of the table needs, measured on lines along it at random places.
 
@@ -147,7 +147,7 @@ def _counts(
         sizes = np.abs(_transformed(lines, axis=1)) / np.abs(lines).mean(axis=1, keepdims=True)
         tail = np.flip(np.cumsum(np.flip(sizes, axis=1), axis=1), axis=1).max(axis=0)
         tails[along] = np.append(tail, 0.0)
-    inertia = config["gas"]["inertia"] != "none"
+    inertia = config.gas.inertia != "none"
     tolerance = TABLE_TOLERANCE_WITH_INERTIA if inertia else TABLE_TOLERANCE
     counts = {axis: LEAST_POINTS if axis in tails else 1 for axis in ranges}
 
@@ -175,7 +175,7 @@ def _transformed(values: np.ndarray, *, axis: int) -> np.ndarray:
     return np.moveaxis(moved, 0, axis)
 
 
-def _limits(config: Config, at: dict[str, np.ndarray]) -> tuple[pd.DataFrame, np.ndarray]:
+def _limits(config: Study, at: dict[str, np.ndarray]) -> tuple[pd.DataFrame, np.ndarray]:
     """The limits at points, and both EXPANSIONS over ε², which is smooth, shape (2, n)."""
     factors = pd.DataFrame(at).assign(hv_m=at["h0_m"] * np.sqrt(at["epsilon_square"]))
     table = plan(factors.drop(columns="epsilon_square"))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.data import factors_of
@@ -41,13 +41,13 @@ TABLES = ("rounds", "forces", "limits", "where")
 class SimulatedSpace:
     """The points of a study that the loop knows of, and the means to simulate them."""
 
-    def __init__(self, config: Config, *, centred: bool) -> None:
-        settings = config["refine"]
+    def __init__(self, config: Study, *, centred: bool) -> None:
+        settings = config.refine
         space = Space.of(config, centred=centred)
         kinds = [
-            space.grid(settings["candidates"], distinct=True),
-            space.sample(settings["verification"], seed=settings["seed"]),
-            space.sample(TYPICAL, seed=settings["seed"] + 1),
+            space.grid(settings.candidates, distinct=True),
+            space.sample(settings.verification, seed=settings.seed),
+            space.sample(TYPICAL, seed=settings.seed + 1),
         ]
         self.config = config
         self.table = space.table(np.concatenate(kinds))
@@ -78,7 +78,7 @@ class SimulatedSpace:
 
 def refine(
     model: ExpressionModel,
-    config: Config,
+    config: Study,
     *,
     space: str,
     sample: pd.DataFrame,
@@ -99,7 +99,7 @@ def refine(
     Raises InputError where the section allows too few simulations to begin with, and RunError for a
     scene that has no force.
     """
-    simulated, settings = SimulatedSpace(config, centred=space == "two_factor"), config["refine"]
+    simulated, settings = SimulatedSpace(config, centred=space == "two_factor"), config.refine
     pool, about = simulated.pool, {"model": model.name, "space": space}
     try:
         check_columns(model, pool.factors)
@@ -107,17 +107,17 @@ def refine(
         print(error)
         reason = about | {"not_supported": str(error)}
         return dict.fromkeys(TABLES, pd.DataFrame(columns=["status"])), reason, reason
-    bound = config["fit"]["bounds"][-1]
+    bound = config.fit.bounds[-1]
     outcome = Sequential(model, pool, settings, simulated.simulate, bound=bound).run(_print_round)
     print(f"{outcome.verdict}: {outcome.reason}")
     values = _fit_values(model, simulated, outcome, uncertainty=uncertainty)
-    fit = fit_of(values, place=f"{config['study']}: {model.name}")
+    fit = fit_of(values, place=f"{config.study}: {model.name}")
     fit = validated(fit, config, sample=sample)
     print(fit.statement)
     last, points = outcome.rounds[-1], outcome.simulated
     where, source = _map(model, simulated, outcome)
     by_region = error_by_region(pool.factors.take(pool.typical), where["error_n"][-TYPICAL:])
-    labels = _labels(outcome, settings["verification"])
+    labels = _labels(outcome, settings.verification)
     known, forces = (
         table.assign(point_id=pd.Series(labels, index=points))
         for table in (simulated.known, simulated.table.join(simulated.solved))
@@ -134,9 +134,9 @@ def refine(
         "mean_force_n": outcome.scale_n,
         "theta_of_all_points": outcome.hindsight.tolist(),
         "simulations": last.simulations,
-        "verification_points": settings["verification"],
+        "verification_points": settings.verification,
         "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
-        "required": {key: settings[key] for key in ("global_error", "worst_error")},
+        "required": settings.model_dump(include={"global_error", "worst_error"}),
         "estimated": {key: _finite(getattr(last, key)) for key in ROUND_COLUMNS[1:]},
         "errors_mapped_by": source,
         "error_by_region_text": by_region,
@@ -207,7 +207,7 @@ def _fit_values(
     # A model without parameters is fitted to nothing, and described on what verifies it.
     points = last.design if len(last.design) else outcome.simulated
     factors, forces = space.pool.factors.take(points), space.solved.loc[points]
-    force_n, seed = forces["force_n"].to_numpy(), space.config["refine"]["seed"]
+    force_n, seed = forces["force_n"].to_numpy(), space.config.refine.seed
     fit = Fit.of(model, factors, force_n, last.theta, method="closed loop", bound=0.0, seed=seed)
     absent_terms = space.solved["absent_terms"]
     return {

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config.loading import Config
+from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
@@ -114,13 +114,13 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     return second / first / (1 - scene.epsilon) if first else math.inf
 
 
-def errors_in_study(config: Config, smoothed: SmoothedScan) -> pd.DataFrame:
+def errors_in_study(config: Study, smoothed: SmoothedScan) -> pd.DataFrame:
     """Forces of some of a study's scenes, and their errors by the scan."""
     points, device = _points(config), device_of(config)
     return points.join(scan_errors(scenes_in(points, config), smoothed, device=device))
 
 
-def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
+def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
     """Smooth the scan of a study and simulate some of its scenes with other noise.
 
     Returns: forces of some scenes, the profile as a table, the largest errors of forces, and lines
@@ -130,7 +130,7 @@ def scan_report(config: Config) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, A
     """
     smoothed = smoothed_scan_of(config)
     if smoothed is None:
-        kind = config["actuator"]["profile"]["kind"]
+        kind = config.actuator.profile.kind
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
     forces = errors_in_study(config, smoothed)
     noise, error = (float(forces[f"{each}_fraction"].max()) for each in ("noise", "scan_error"))
@@ -189,14 +189,14 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
     return table.astype({"line": "Int64"}).assign(noise_um=round(smoothed.noise_m * 1e6, 9))
 
 
-def _points(config: Config) -> pd.DataFrame:
+def _points(config: Study) -> pd.DataFrame:
     """The largest amplitude over the smallest and the largest gap, and farthest from the centre."""
-    gaps, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
-    found, positions = symmetry_of(config), config["positions"]
+    gaps, amplitude = config.screen.h0_m, config.screen.hv_m.stop
+    found, positions = symmetry_of(config), config.positions
     places = found.places(positions)[1:]
     if isinstance(found, Directions):
-        farthest = max(positions["phi_r_m"])
+        farthest = max(positions.phi_r_m)
         places = [place for place in places if place[0] == farthest]
-    rows = [(gaps["start"], 0.0, 0.0), (gaps["stop"], 0.0, 0.0)]
-    rows += [(gaps["start"], *place) for place in places]
+    rows = [(gaps.start, 0.0, 0.0), (gaps.stop, 0.0, 0.0)]
+    rows += [(gaps.start, *place) for place in places]
     return plan(pd.DataFrame(rows, columns=["h0_m", *found.position]).assign(hv_m=amplitude))
