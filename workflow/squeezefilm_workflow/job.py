@@ -4,6 +4,7 @@ import io
 import os
 import resource
 import sys
+import tempfile
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,7 @@ import pandas as pd
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
+from squeezefilm.reynolds.device import NODE_CACHE_VARIABLE
 from squeezefilm.studies.study import SMOOTHED_VARIABLE
 from squeezefilm.tables import write_json, write_table
 
@@ -32,6 +34,10 @@ def run(main: Callable[[Job, Config], None], snakemake: Job) -> None:
     """
     # PoCL ignores the processors to which a process is confined; it reads this when it starts.
     os.environ["POCL_MAX_PTHREAD_COUNT"] = str(snakemake.threads)
+    # On a cluster home directories are shared by nodes that may differ, over a network that may not
+    # lock; profiles/ state this resource. Snakemake's tmpdir is that of the process.
+    if snakemake.resources.get("node_cache"):
+        os.environ[NODE_CACHE_VARIABLE] = tempfile.gettempdir()
     terminal = os.fdopen(os.dup(2), "w", encoding="utf-8", errors="replace")
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
         os.dup2(log.fileno(), 1)
