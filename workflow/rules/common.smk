@@ -48,34 +48,34 @@ def source_file(path):
     return local(in_folder(path))
 
 
-def study_file():
+def given_study():
     """The study: one file of --configfile, or the paper's; the config of another workflow.
 
     Several files would be merged key by key, and a missing key would silently be the paper's. The
     config that a module is given is written into a file.
     """
     if "STUDY_FILES" not in globals():
-        return written_study(config, results=Path("results"))
+        return load_config(written_study(config, results=Path("results")))
     files = [in_folder(path) for path in STUDY_FILES]
     if len(files) > 1:
         raise InputError(
             f"--configfile names {' and '.join(files)}: give one, for a mixture would be a study "
             "that nobody wrote down"
         )
-    if config != (yaml.safe_load(Path(files[0]).read_text("utf-8")) if files else {}):
+    study = load_config(files[0] if files else in_folder(RULES.parents[1] / "config/paper.yaml"))
+    if config != (yaml.safe_load(study.path.read_text("utf-8")) if files else {}):
         raise InputError(
             "--config sets single keys past the file's checks; write a file and give --configfile"
         )
-    return files[0] if files else in_folder(RULES.parents[1] / "config" / "paper.yaml")
+    return study
 
 
 try:
-    CONFIG_FILE = str(study_file())
-    CONFIG = load_config(CONFIG_FILE)
+    CONFIG = given_study()
 except InputError as error:
     refuse(error)
 # All that scripts read of Snakemake's configuration.
-config = {"study_file": CONFIG_FILE}
+config = {"study_file": str(CONFIG.path)}
 STUDY = CONFIG["study"]
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
 PAPER = CONFIG["paper"]
@@ -129,7 +129,7 @@ def checked_study():
     from squeezefilm.studies.study import check_study
 
     check_study(CONFIG)
-    check_models(CONFIG["models"], CONFIG, place=Path(CONFIG_FILE))
+    check_models(CONFIG["models"], CONFIG, place=CONFIG.path)
     if STYLE:
         from reporting.figures.style import read_style
 
