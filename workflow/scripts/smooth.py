@@ -2,12 +2,17 @@
 
 from pathlib import Path
 
-from scripts.job import begin_with_study
 from squeezefilm.film.measured.smooth import write_smoothed
 from squeezefilm.studies.study import smoothed_scan_of, smoothing_settings
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, config = begin_with_study()
-smoothed = smoothed_scan_of(config, again=True)
-assert smoothed is not None
-write_smoothed(smoothed, Path(snakemake.output[0]), **smoothing_settings(config))
-print(*smoothed.warnings, sep="\n")
+
+def main(snakemake: Job, config: Study) -> None:
+    smoothed = smoothed_scan_of(config, again=True)
+    assert smoothed is not None
+    write_smoothed(smoothed, Path(snakemake.output[0]), **smoothing_settings(config))
+    print(*smoothed.warnings, sep="\n")
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])
