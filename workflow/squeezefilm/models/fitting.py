@@ -73,8 +73,7 @@ WIDER, MUCH_WORSE = 1e4, 1.01
 """Factor of the widest bound in a check of it; ratio of sums of squares that a check finds."""
 DRAWN, DRAWN_WITHIN, STARTS = 64, 4.0, 8
 """Random parameters of a check, within this or the bound; best of them that least squares start at.
-
-The search alone ends in a false minimum of NIST's Thurber; with four starts one seed of six does.
+The search alone ends in a false minimum of NIST's Thurber; with four starts one of six seeds does.
 """
 
 
