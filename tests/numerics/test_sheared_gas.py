@@ -118,9 +118,9 @@ def test_what_the_first_order_misses_is_within_what_is_stated(seed):
 
 
 def test_a_long_sliding_wedge_has_the_effects_of_a_strip():
-    """Inertia and heat of all of the gas +1.8 % of the force, not +0.75 by pressure alone."""
-    pad = {"length_x": "5 mm", "length_y": "50 mm", "speed_x": 100, "gap": {"tilt_x": "-8 um"}}
-    actuator = {"surface_radius": "200 mm", "frequency": "20 kHz", "profile": {"kind": "piston"}}
+    """Of all of the gas, which the flow by pressure alone has not."""
+    pad = {"length_x": "5 mm", "length_y": "50 mm", "speed_x": 50, "gap": {"tilt_x": "-8 um"}}
+    actuator = {"surface_radius": "200 mm", "frequency": "5 kHz", "profile": {"kind": "piston"}}
     gas = {"rarefaction": "none", "inertia": "none", "thermal": "none"}
     scene = FilmOfUser.of(actuator=actuator, pad=pad, gas=gas).scene("10 um", "0.1 um")
     (budget,) = error_budgets([scene])
@@ -133,7 +133,7 @@ def test_a_long_sliding_wedge_has_the_effects_of_a_strip():
     of_strip = 100 * (both / plain - 1)
     total = sum(row.percent for row in rows)
     assert total == pytest.approx(of_strip, abs=rows[-1].error_percent)
-    assert rows[-1].error_percent < abs(rows[-1].percent) / 2
+    assert abs(total - rows[-1].percent - of_strip) > rows[-1].error_percent
     assert np.isfinite(budget.modelling_error_percent).all()
 
 

@@ -26,7 +26,8 @@ def derivatives_with_edge(axis: Axis | Around) -> tuple[np.ndarray, np.ndarray]:
     """
     if isinstance(axis, Around):
         return axis.slope(odd=False), axis.slope(odd=True)
-    return even_and_odd(axis.derivative) if axis.folded else (axis.derivative, axis.derivative)
+    even, odd = even_and_odd(axis.derivative) if axis.folded else (axis.derivative,) * 2
+    return even, odd
 
 
 class Fields:
