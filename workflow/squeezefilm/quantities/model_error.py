@@ -2,8 +2,9 @@
 
 An effect is the difference of two solved forces, with and without it: slip, inertia and thermal
 effects are terms of the solver, the edge loss is a pressure on the edge that is solved for
-(edge_loss.py). Effects interact, so all that are neglected together are one solve more, and not the
-sum of the rows. What cannot be solved for is unknown, and so is the total then.
+(edge_loss.py), and inertia and heat of gas that a sliding wall drags are a source of mass
+(sheared_gas.py). Effects interact, so all that are neglected together are one solve more, and not
+the sum of the rows. What cannot be solved for is unknown, and so is the total then.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
-from squeezefilm.quantities.edge_loss import mean_changes
+from squeezefilm.quantities import edge_loss, sheared_gas
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
@@ -38,7 +39,7 @@ MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
 OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
-NAMES = (*OPEN, "depth_averaged", "slip", "flow_factor", "edge_loss", "bearing")
+NAMES = (*OPEN, "depth_averaged", "sheared_gas", "slip", "flow_factor", "edge_loss", "bearing")
 # Name of all neglected effects at once, where each alone was solved for.
 TOGETHER = "all effects together"
 
@@ -67,8 +68,9 @@ class ErrorBudget:
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as averages over the
-            gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as the
-            scene has it; ``flow_factor``, the difference of the flow factor from that;
+            gap; ``sheared_gas``, what the motion of a sliding pad adds to both; ``slip`` of first
+            order, with the flow factor's flow in a gap at rest, or as the scene has it;
+            ``flow_factor``, the difference of the flow factor from that;
             ``edge_loss`` for the coefficient C = 1; ``bearing`` of a sliding pad.
         edge_loss_upper_percent: the edge loss for the largest C.
         modelling_error_percent: lower and upper end of all neglected effects together, with C from
@@ -223,11 +225,16 @@ def _budgets(
             for scene, solution in zip(asked, solved, strict=True):
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
-    edge = mean_changes(
-        list(with_states), [solutions[scene] for scene in with_states], device=device
+    changes = [
+        by_state.mean_changes(
+            list(with_states), [solutions[scene] for scene in with_states], device=device
+        )
+        for by_state in (edge_loss, sheared_gas)
+    ]
+    edge_losses, sheared = (
+        dict(zip(with_states, np.moveaxis(change, -1, 0), strict=True)) for change in changes
     )
-    edge_losses = dict(zip(with_states, np.moveaxis(edge, -1, 0), strict=True))
-    return [_budget(film, solutions, edge_losses) for film in films]
+    return [_budget(film, solutions, edge_losses, sheared) for film in films]
 
 
 def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> bool:
@@ -247,11 +254,13 @@ def _budget(
     film: FilmWithEffects,
     solutions: Mapping[Scene, Solution],
     edge_losses: Mapping[Scene, np.ndarray],
+    sheared: Mapping[Scene, np.ndarray],
 ) -> ErrorBudget:
     """A scene's budget from the forces of its films.
 
     Args:
         edge_losses: relative changes of forces, and their errors, (2, coefficients).
+        sheared: the same by gas that a sliding wall drags, (2, 1).
     """
     scene = film.scene
     if not scene.epsilon:
@@ -286,11 +295,18 @@ def _budget(
     else:  # first-order slip stood for the flow factor
         apart, apart_error = change(scene, film.reference)
         error += abs(together) * (abs(apart) + apart_error) / 100
-    # The edge loss of the film with all other effects, over that film's force.
+    # Those of the film with all other effects, over that film's force.
     with_all = solutions[film.together].force_n / own.force_n
+    percent, sheared_error = 100 * abs(with_all) * sheared[film.together][:, 0]
+    by_gas = [effects[name].percent for name in OPEN] + [percent]
+    sheared_error += sheared_gas.remainder_of(scene) * sum(map(abs, by_gas))
+    sheared_error += 6 * scene.knudsen * abs(percent)  # of the wall's velocity no slip is known
+    effects["sheared_gas"] = Effect(float(percent), float(sheared_error))
+    if scene.bearing_number and film.unsolvable:
+        effects["sheared_gas"] = UNKNOWN
     ends, errors = 100 * with_all * edge_losses[film.together]
     error += max(map(abs, errors))
-    for name in ("flow_factor", "depth_averaged"):
+    for name in ("flow_factor", "depth_averaged", "sheared_gas"):
         together += effects[name].percent
         error += effects[name].error_percent
     if film.unsolvable:

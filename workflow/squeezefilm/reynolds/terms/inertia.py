@@ -77,8 +77,7 @@ class VelocityTerm(Term):
         if scene.gas.rarefaction == "fukui-kaneko":
             which = "fukui-kaneko, only with viscous flow or first-order slip"
             return f"not supported: {self.label} with {which}"
-        moves = scene.bearing_number != 0
-        return f"not supported: {self.label} with a sliding pad" if moves else ""
+        return ""
 
 
 @dataclass(frozen=True)
