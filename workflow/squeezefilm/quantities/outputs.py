@@ -117,7 +117,10 @@ def _without_formula(scene: Scene) -> dict[str, str]:
     if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
         found["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
     elif scene.bearing_number != 0 and scene.gas.inertia == "included":
-        found["thrust"] = "the momentum of gas that a sliding wall drags is not derived"
+        found["thrust"] = (
+            "the momentum of gas that a sliding wall drags is not derived; gas.inertia: none has "
+            "the thrust without it"
+        )
     return found
 
 
