@@ -4,10 +4,9 @@ from pathlib import Path
 
 from scripts.job import begin_with_study
 from squeezefilm.film.measured.smooth import write_smoothed
-from squeezefilm.studies.study import smoothed_scan_of, smoothing_settings
 
 snakemake, config = begin_with_study()
-smoothed = smoothed_scan_of(config, again=True)
+smoothed = config.smoothed_scan(again=True)
 assert smoothed is not None
-write_smoothed(smoothed, Path(snakemake.output[0]), **smoothing_settings(config))
+write_smoothed(smoothed, Path(snakemake.output[0]), **config.smoothing)
 print(*smoothed.warnings, sep="\n")
