@@ -12,7 +12,7 @@ sys.path.insert(0, str(WORKFLOW))
 
 from squeezefilm import __version__
 from squeezefilm.cli.main import commands_of
-from squeezefilm.config.film import GASES
+from squeezefilm.film.gas import GASES
 from squeezefilm.config.keys import key_table, schema
 from squeezefilm.film.validity import LIMITS
 from squeezefilm.tables import COLUMNS

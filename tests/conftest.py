@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from squeezefilm.cli.main import main
-from squeezefilm.config.film import key_of
 from squeezefilm.config.loading import load_config
 from squeezefilm.provenance import WORKFLOW
+from squeezefilm.sections import key_of
 from squeezefilm.studies.study import scene_of
 from squeezefilm_workflow.mock import mock_snakemake
 
@@ -100,10 +100,11 @@ def edited(repository, tmp_path):
     """A function that writes a study of config/ with other values in its sections."""
 
     def edited(name: str = "quick", /, **sections: dict[str, Any]) -> Path:
-        study = load_config(repository / "config" / f"{name}.yaml").sections()
-        study |= {key: {**study[key], **values} for key, values in sections.items()}
+        study = load_config(repository / "config" / f"{name}.yaml")
+        written = study.model_dump(exclude_none=True, by_alias=True)
+        written |= {key: written[key] | as_written(values) for key, values in sections.items()}
         path = tmp_path / "study.yaml"
-        path.write_text(json.dumps(as_written(study)), encoding="utf-8")  # YAML, without aliases
+        path.write_text(json.dumps(written), encoding="utf-8")  # YAML, without aliases
         return path
 
     return edited

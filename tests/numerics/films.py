@@ -10,7 +10,6 @@ import numpy as np
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Piston, Profile, Sinc
 from squeezefilm.film.scene import Actuator, Gas, Scene
-from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds.asymptotics.composite import AsymptoticForces, expanded
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm.reynolds.device import choose_device
@@ -54,7 +53,7 @@ def film(
             mean_free_path_m=knudsen * H0_M,
             **{"inertia": "none", "thermal": "none"} | gas,
         ),
-        actuator=Actuator(angular_frequency / (2 * pi), Disc(1.0), profile),
+        actuator=Actuator(angular_frequency / (2 * pi), 1.0, profile=profile),
         pad=Pad(LENGTH_M, aspect * LENGTH_M, speed),
     )
 

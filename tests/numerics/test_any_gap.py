@@ -9,7 +9,7 @@ from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, perio
 from physics_facts import fast_piston
 
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.profiles import Profile, Quadrature, StandingWave, make_profile
+from squeezefilm.film.profiles import Profile, Quadrature, StandingWave, TravellingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import error_budgets
@@ -25,9 +25,7 @@ SHAPE = GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, crown_m=0.5e-6)
 
 
 def travelling(direction_deg: float = 0.0) -> Profile:
-    return make_profile(
-        kind="travelling-wave", surface=DISC, wavelength_m=0.02, direction_deg=direction_deg
-    )
+    return TravellingWave(0.02, direction_deg)
 
 
 def begun_later(angle: float) -> Quadrature:

@@ -188,7 +188,7 @@ def test_a_curve_lies_as_its_file_says(tmp_path):
         y=0.1,
     )
     scene = pad(plain, shape="ellipse", rotation_deg=30.0)
-    rim = np.array(scene.pad.outline())
+    rim = np.array(scene.pad.edge_m())
     half = 0.5 * np.hypot(
         scene.pad.length_x_m * np.array([np.sqrt(0.75), 0.5]),
         scene.pad.length_y_m * np.array([0.5, np.sqrt(0.75)]),

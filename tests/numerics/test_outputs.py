@@ -18,7 +18,7 @@ from random_scenes import random_films, shares
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.profiles import StandingWave, make_profile
+from squeezefilm.film.profiles import Formula, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.fields import dot
@@ -191,12 +191,7 @@ def test_thrust_of_a_gas_with_inertia_lacks_half_of_what_leaves_over_the_rim() -
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_gas_that_flows_out_carries_its_velocity_along_the_rim(shape: str) -> None:
     """What leaves over the rim is what the balance of momentum inside says."""
-    rotating = make_profile(
-        kind="formula",
-        surface=Disc(0.7 * LENGTH_M),
-        expression="1 + 100*x",
-        quadrature="120*y",
-    )
+    rotating = Formula("1 + 100*x", Disc(0.7 * LENGTH_M), "120*y")
     scene = film(epsilon=0.4, sigma=60.0, profile=rotating, inertia="included")
     density = scene.gas.density_kg_per_m3 * 4 / scene.modified_reynolds
     scene = scene.with_gas(density_kg_per_m3=density)
@@ -336,7 +331,7 @@ def test_errors_hold() -> None:
     [("1 - 60*abs(x - 0.001)", 0.385, 72.0), ("1 - 40*abs(0.8*x + 0.6*y - 0.001)", 0.633, 3410.0)],
 )
 def test_errors_hold_over_kinks_of_the_profile(shape: str, epsilon: float, sigma: float) -> None:
-    kinked = make_profile(kind="formula", surface=Disc(0.01), expression=shape)
+    kinked = Formula(shape, Disc(0.01))
     scene = film(epsilon=epsilon, sigma=sigma, profile=kinked)
     for name, share in largest_shares([scene], tolerance=1e-2).items():
         assert share < 1, name

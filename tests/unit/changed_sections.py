@@ -1,9 +1,12 @@
-"""Studies with other values of some keys."""
+"""Studies with other values of some keys, profiles from keys."""
 
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
-from squeezefilm.config.film import FilmSections, key_of
+from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import with_changes
+from squeezefilm.film.profiles import KINDS, Profile
+from squeezefilm.film.surfaces import Surface
+from squeezefilm.sections import key_of
 
 Sections = TypeVar("Sections", bound=FilmSections)
 
@@ -25,3 +28,9 @@ def in_file(value: Any) -> Any:
     if not isinstance(value, dict):
         return value
     return {key_of(name): in_file(inner) for name, inner in value.items()}
+
+
+def made_profile(surface: Surface, *, kind: str, **settings: Any) -> Profile:
+    """A profile on a surface from the values of a study's keys."""
+    (made,) = (each for each in get_args(KINDS) if each.kind == kind)
+    return made(**settings).on(surface)

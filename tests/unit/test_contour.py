@@ -8,7 +8,7 @@ import squeezefilm as sf
 from squeezefilm.config.loading import effective_text, parse_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.outline import read_contour
-from squeezefilm.studies.study import check_study, pad_of
+from squeezefilm.studies.study import check_study
 
 SIDES_M = 0.01, 0.008
 
@@ -55,7 +55,7 @@ def test_what_is_no_outline_is_refused(z_mm, scatter_m, words, tmp_path):
 def test_a_study_s_outline_counts_from_its_own_folder(tmp_path):
     write_outline(tmp_path, OVAL)
     config = check_study(parse_config(STUDY, path=tmp_path / "study.yaml"))
-    assert pad_of(config).area_m2 == pytest.approx(np.pi * 20e-6, rel=2e-5)
+    assert config.read_pad().area_m2 == pytest.approx(np.pi * 20e-6, rel=2e-5)
     elsewhere = tmp_path / "results" / "mine"
     again = parse_config(effective_text(config, folder=elsewhere), path=elsewhere / "study.yaml")
     assert again.pad.outline.file == "../../patch.csv"

@@ -9,7 +9,6 @@ import pytest
 import yaml
 
 from squeezefilm.cli.main import main
-from squeezefilm.config.film import Gas
 from squeezefilm.config.loading import (
     effective_text,
     load_config,
@@ -20,9 +19,10 @@ from squeezefilm.config.loading import (
 )
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
+from squeezefilm.film.gas import Gas
 from squeezefilm.studies.plans import plan_sizes
 from squeezefilm.studies.space import pad_positions
-from squeezefilm.studies.study import check_study, scan_path
+from squeezefilm.studies.study import check_study
 from squeezefilm.units import in_unit
 
 SHORT = """
@@ -127,7 +127,7 @@ def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
         written = load_config(write_effective(config, tmp_path / "results" / name))
         check_study(written)
         if name == "vibrometer":
-            assert scan_path(written).samefile(path.with_suffix(".csv"))
+            assert written.scan_path.samefile(path.with_suffix(".csv"))
             assert "  inertia: auto # default\n" in shown
             assert "    levels: 16 # derived: twice the screen's\n" in shown
             assert "  frequency: 43270.0 # Hz\n" in shown

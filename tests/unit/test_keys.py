@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from squeezefilm.config.film import GapShape
 from squeezefilm.config.keys import key_table, schema
+from squeezefilm.film.pad import GapShape
 
 
 def test_every_key_has_a_row():

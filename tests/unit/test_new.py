@@ -8,7 +8,7 @@ import yaml
 
 from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
-from squeezefilm.studies.study import check_study, scan_path, smoothed_scan_of
+from squeezefilm.studies.study import check_study
 
 
 def test_a_new_study_is_valid_and_has_its_scan(tmp_path):
@@ -18,8 +18,8 @@ def test_a_new_study_is_valid_and_has_its_scan(tmp_path):
     assert "vibrometer" not in str(dict(config))
     assert "results/vibrometer" not in path.read_text(encoding="utf-8")
     assert config.study == "my-actuator"
-    assert scan_path(config) == tmp_path / "config" / "my-actuator.csv"
-    smoothed = smoothed_scan_of(config)
+    assert config.scan_path == tmp_path / "config" / "my-actuator.csv"
+    smoothed = config.smoothed_scan()
     assert smoothed is not None
     assert smoothed.noise_m / smoothed.peak_m == pytest.approx(0.02, rel=0.1)
 

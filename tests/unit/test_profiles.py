@@ -4,12 +4,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from changed_sections import made_profile
 from example_scan import scan_text
 from scipy.special import jv
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan
-from squeezefilm.film.profiles import Profile, make_profile
+from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Disc
 
 RADIUS_M = 0.01
@@ -21,7 +22,7 @@ def polar_grid() -> tuple[np.ndarray, np.ndarray]:
 
 
 def profile(**settings: Any) -> Profile:
-    return make_profile(surface=Disc(RADIUS_M), **settings)
+    return made_profile(Disc(RADIUS_M), **settings)
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.space import box_of, pad_positions
-from squeezefilm.studies.study import scene_of, symmetry_of
+from squeezefilm.studies.study import scene_of
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
 PAD = {"shape": "rectangle", "length_x_m": 0.010, "length_y_m": 0.008}
@@ -69,16 +69,16 @@ def test_the_pad_must_lie_on_the_plate(plate, x_m, y_m):
 
 def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):
     config = with_changes(study(plate), {"positions": {"x": [0.005, 0.0095], "y": [0, 0.005]}})
-    assert symmetry_of(config) == Mirrors(x=True, y=True)
+    assert config.symmetry() == Mirrors(x=True, y=True)
     mirrored = pad_positions(config)
     assert mirrored[:4] == [(0.0, 0.0), (0.0, 0.005), (0.005, 0.0), (0.005, 0.005)]
     assert len(mirrored) == 3 * 2  # those on the mirrors are among them
     assert box_of(config).ranges["x_m"] == (0.0, 0.0095)
     sliding = study(config, pad={"speed_x_m_per_s": 0.1})
-    assert symmetry_of(sliding) == Mirrors(x=False, y=True)
+    assert sliding.symmetry() == Mirrors(x=False, y=True)
     assert box_of(sliding).ranges["x_m"] == (-0.0095, 0.0095)
     assert len(pad_positions(sliding)) == 1 + 4 * 2
-    assert symmetry_of(plate) == Mirrors(x=False, y=False)  # a scan, with its noise
+    assert plate.symmetry() == Mirrors(x=False, y=False)  # a scan, with its noise
 
 
 def test_mirrored_positions_have_the_same_force(plate):

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from changed_sections import made_profile
 from scipy.stats import binom
 
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
-from squeezefilm.film.profiles import Profile, make_profile
+from squeezefilm.film.profiles import Profile, TravellingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.reynolds import solve
@@ -36,7 +37,7 @@ DOME = {"kind": "formula", "expression": "1 - 0.3*(r/0.01)**2"}
 
 
 def profile(settings: dict[str, Any]) -> Profile:
-    return make_profile(surface=Disc(RADIUS_M), **settings)
+    return made_profile(Disc(RADIUS_M), **settings)
 
 
 def raster(step_mm: float) -> tuple[np.ndarray, np.ndarray]:
@@ -191,9 +192,7 @@ def with_two_phases(share: float) -> Scan:
 def test_a_scan_of_a_travelling_wave_is_one(scene, begin):
     """Both parts, which way it travels, and the force of the wave that was measured."""
     x_m, y_m = raster(0.75)
-    wave = make_profile(
-        kind="travelling-wave", surface=Disc(RADIUS_M), wavelength_m=0.014, direction_deg=30.0
-    )
+    wave = TravellingWave(0.014, direction_deg=30.0)
     noise = 0.003 * np.random.default_rng(1).standard_normal((2, len(x_m)))
     u = wave.amplitude(x_m=x_m, y_m=y_m) + noise[0] + 1j * noise[1]
     lines = np.arange(len(u))

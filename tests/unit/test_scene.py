@@ -8,9 +8,8 @@ import pytest
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.profiles import Piston, Sinc, make_profile
+from squeezefilm.film.profiles import Piston, Sinc
 from squeezefilm.film.scene import Scenes
-from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import check_scene
 from squeezefilm.solution import cartesian
 from squeezefilm.studies.study import scene_of, scenes_in
@@ -30,7 +29,7 @@ def test_dimensionless_numbers_of_the_paper(scene):
 
 
 def test_sinc_is_one_in_the_middle_and_zero_at_its_node():
-    profile = make_profile(kind="sinc", surface=Disc(0.01), wave_number_per_m=109.8)
+    profile = Sinc(109.8)
     assert profile == Sinc(109.8)
     x_m = np.array([0.0, 1 / 109.8, 0.5 / 109.8])
     values = profile.amplitude(x_m=x_m, y_m=np.zeros(3))

@@ -12,7 +12,7 @@ from squeezefilm.film.symmetry import Directions
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import plan_sizes
 from squeezefilm.studies.space import Space, box_of, pad_positions
-from squeezefilm.studies.study import scenes_in, symmetry_of
+from squeezefilm.studies.study import scenes_in
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
 SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}
@@ -54,7 +54,7 @@ def study(quick: Study, pad: dict[str, Any], profile: dict[str, Any] | None = No
 @pytest.mark.parametrize("case", CASES)
 def test_the_sector_of_positions_is_that_of_pad_and_vibration(case, quick):
     pad, profile, (start, stop) = CASES[case]
-    directions = symmetry_of(study(quick, pad, profile))
+    directions = study(quick, pad, profile).symmetry()
     assert (directions.start_deg, directions.stop_deg) == pytest.approx((start, stop))
 
 
@@ -62,7 +62,7 @@ def test_the_sector_of_positions_is_that_of_pad_and_vibration(case, quick):
 def test_a_direction_and_its_fold_have_one_force(case, quick):
     """At its images by both edges of the sector, or by a turn of its width: they make all."""
     config = study(quick, *CASES[case][:2])
-    directions = symmetry_of(config)
+    directions = config.symmetry()
     width = directions.width_deg
     images = (11, -11, 2 * width - 11) if directions.mirror else (11, 11 + width)
     angles = [directions.start_deg + image for image in images]

@@ -15,7 +15,6 @@ from squeezefilm.formatting import label_of
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.solution import POLAR, form_of
-from squeezefilm.studies.study import film_in
 from squeezefilm.units import error_text, to_its_error
 
 EFFECTS = (
@@ -80,7 +79,7 @@ def headline_values(results: Results) -> dict[str, Any]:
     Raises InputError for a result that is missing or lacks what it must have.
     """
     config, noise, recommended = results.config, 0.0, None
-    film, mapped = film_in(config), results.forces("error_map").sort_values("force_n")
+    film, mapped = config.read_film(), results.forces("error_map").sort_values("force_n")
     file = "simulations/extrapolation/forces.csv"
     forces = results.forces("extrapolation").set_index("point_id")
     point = results.row(forces, "operating_point", file)

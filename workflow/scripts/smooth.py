@@ -3,14 +3,13 @@
 from pathlib import Path
 
 from squeezefilm.film.measured.smooth import write_smoothed
-from squeezefilm.studies.study import smoothed_scan_of, smoothing_settings
 from squeezefilm_workflow.job import Job, Study, run
 
 
 def main(snakemake: Job, config: Study) -> None:
-    smoothed = smoothed_scan_of(config, again=True)
+    smoothed = config.smoothed_scan(again=True)
     assert smoothed is not None
-    write_smoothed(smoothed, Path(snakemake.output[0]), **smoothing_settings(config))
+    write_smoothed(smoothed, Path(snakemake.output[0]), **config.smoothing)
     print(*smoothed.warnings, sep="\n")
 
 

@@ -12,12 +12,12 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.config.film import SMOOTHED_VARIABLE
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.reynolds.device import NODE_CACHE_VARIABLE
-from squeezefilm.studies.study import SMOOTHED_VARIABLE
 from squeezefilm.tables import write_json, write_table
 
 Job = Any

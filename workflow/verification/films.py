@@ -8,7 +8,7 @@ from itertools import product
 from math import pi
 from typing import Any
 
-from squeezefilm.film.pad import EVEN, GapShape, Pad
+from squeezefilm.film.pad import EVEN, GapShape, Pad, Shape
 from squeezefilm.film.profiles import Formula, Piston, Profile, Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
@@ -34,7 +34,7 @@ def film(
     knudsen: float = 0.0,
     reynolds: float = 0.0,
     gap: GapShape = EVEN,
-    shape: str = "rectangle",
+    shape: Shape = "rectangle",
 ) -> Scene:
     """A scene with given numbers: gap, frequency and pressure of the paper, a gas to match.
 
@@ -61,7 +61,7 @@ def film(
         mean_free_path_m=knudsen * H0_M or 67e-9,
         rarefaction="slip" if knudsen else "none",
     )
-    actuator = Actuator(frequency_hz=FREQUENCY_HZ, surface=Disc(1.0), profile=profile)
+    actuator = Actuator(FREQUENCY_HZ, 1.0, profile=profile)
     pad = Pad(LENGTH_M, aspect * LENGTH_M, speed, gap=gap, shape=shape)
     amplitude_and_place_m = epsilon * H0_M, x * LENGTH_M, y * LENGTH_M
     return Film(gas, actuator, pad).scene(H0_M, *amplitude_and_place_m, point_id=name)

@@ -12,7 +12,7 @@ import pandas as pd
 
 from squeezefilm.cli.options import command, flag, option
 from squeezefilm.errors import RunError
-from squeezefilm.film.pad import Pad
+from squeezefilm.film.pad import Pad, Shape
 from squeezefilm.film.profiles import BesselMode, Piston, Profile, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
@@ -225,10 +225,14 @@ def _drawn(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
     node = str(random.choice(list(NODE)))
     node_m = length_m / 2 * random.uniform(*NODE[node])
     off_m = random.uniform(0, OFF_CENTRE) * length_m * (random.uniform() < OFF)
-    outline = "rectangle" if shape == "rectangle" else "ellipse"
+    outline: Shape = "rectangle" if shape == "rectangle" else "ellipse"
     film = Film(
         gas,
-        Actuator(omega / (2 * pi), Disc(2 * length_m), _profile(kind, node_m, 2 * length_m)),
+        Actuator(
+            frequency_hz=omega / (2 * pi),
+            surface_radius_m=2 * length_m,
+            profile=_profile(kind, node_m, 2 * length_m),
+        ),
         Pad(length_m, aspect * length_m, speed_m_per_s, shape=outline),
     )
     words = (shape, kind, *((f"node {node}",) if kind != "piston" else ()))

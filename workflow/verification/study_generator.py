@@ -10,7 +10,6 @@ import pandas as pd
 
 from squeezefilm.api.models import Study
 from squeezefilm.config.loading import parse_config
-from squeezefilm.studies.study import profile_of, surface_of
 
 # Of the vibration.
 WAVELENGTH_M = (3e-3, 30e-3)
@@ -150,12 +149,12 @@ def _actuator(
 def _scan(study: Study, seed: int) -> str:
     """A vibrometer's table of a study's vibration: a raster over its surface, with noise."""
     random = np.random.default_rng(seed)
-    surface = surface_of(study.config)
+    surface = study.config.actuator.surface
     sides = (np.linspace(-half_m, half_m, SCAN_POINTS) for half_m in surface.half_m)
     x, y = (values.ravel() for values in np.meshgrid(*sides))
     on_it = surface.reach(x, y) <= 1
     x, y = x[on_it], y[on_it]
-    shape = profile_of(study.config).amplitude(x_m=x, y_m=y)
+    shape = study.config.read_profile().amplitude(x_m=x, y_m=y)
     measured = shape + SCAN_NOISE * random.standard_normal(len(x))
     columns = {"x_mm": 1e3 * x, "y_mm": 1e3 * y, "amplitude_um": np.abs(measured)}
     table = pd.DataFrame(columns).round({"x_mm": 4, "y_mm": 4, "amplitude_um": 5})

@@ -10,7 +10,6 @@ from matplotlib.ticker import MaxNLocator
 from reporting.figures import parts, style
 from reporting.results import Results
 from squeezefilm.config.study import Study
-from squeezefilm.studies.study import pad_of, profile_of
 
 DIGITS = {"radius_mm": 9, "x_mm": 9, "y_mm": 9, "amplitude_ratio": 12}
 """Of a table: the last ones differ from machine to machine."""
@@ -19,8 +18,8 @@ DIGITS = {"radius_mm": 9, "x_mm": 9, "y_mm": 9, "amplitude_ratio": 12}
 def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The profile seen from above; layers surface, centre_limit (dashed) and pad."""
     config = results.config
-    pad, limit_mm = pad_of(config), centre_limit_mm(config)
-    rim = 1e3 * pad.outline()
+    pad, limit_mm = config.read_pad(), centre_limit_mm(config)
+    rim = 1e3 * pad.edge_m()
     outline = pd.DataFrame(np.vstack([rim, rim[:1]]), columns=["x_mm", "y_mm"])
     circle = _polar_table(np.array([limit_mm]), np.linspace(0, 360, 121))
     surface = profile_table(config, radii=41, angles=61)
@@ -78,7 +77,7 @@ def profile_table(config: Study, *, radii: int, angles: int) -> pd.DataFrame:
     radius_m = np.linspace(0, config.actuator.surface_radius_m, radii)
     table = _polar_table(1e3 * radius_m, np.linspace(0, 360, angles))
     places = {f"{name}_m": table[f"{name}_mm"].to_numpy() / 1e3 for name in "xy"}
-    s = profile_of(config).amplitude(**places)
+    s = config.read_profile().amplitude(**places)
     return table.assign(amplitude_ratio=np.abs(s) if np.iscomplexobj(s) else s)
 
 
@@ -90,5 +89,5 @@ def _polar_table(radius_mm: np.ndarray, angle_deg: np.ndarray) -> pd.DataFrame:
 
 def centre_limit_mm(config: Study) -> float:
     """Largest distance of the pad's centre at which the pad is on the disc at every angle."""
-    free_m = config.actuator.surface_radius_m - pad_of(config).reach_m
+    free_m = config.actuator.surface_radius_m - config.read_pad().reach_m
     return round(1e3 * float(free_m), 9)

@@ -14,7 +14,6 @@ from reporting.figures import parts, style
 from reporting.notes import percent, simulations_note
 from reporting.results import Results
 from squeezefilm.models.data import factors_of
-from squeezefilm.studies.study import pad_of, profile_of, surface_of
 
 DECADE = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
@@ -115,15 +114,15 @@ def amplitudes(results: Results) -> Figure:
 
 def vibration(results: Results) -> Figure:
     """Amplitude of the vibration over the surface, as a fraction of its maximum, and the pad."""
-    surface, pad = surface_of(results.config), pad_of(results.config)
+    surface, pad = results.config.actuator.surface, results.config.read_pad()
     x_m, y_m = np.meshgrid(*(np.linspace(-half, half, LINES) for half in surface.half_m))
-    s = np.minimum(np.abs(profile_of(results.config).amplitude(x_m=x_m, y_m=y_m)), 1.0)
+    s = np.minimum(np.abs(results.config.read_profile().amplitude(x_m=x_m, y_m=y_m)), 1.0)
     figure, axes = style.subplots(height_in=3.2)
     look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL}
     filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, **look)
     outside = surface.reach(x_m, y_m)
     axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")
-    rim_mm = 1e3 * pad.outline()
+    rim_mm = 1e3 * pad.edge_m()
     axes.fill(*rim_mm.T, fill=False, edgecolor="black", label="pad, centred")
     axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
     label = "amplitude over its maximum (–)"

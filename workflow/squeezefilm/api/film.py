@@ -22,7 +22,7 @@ from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import CARTESIAN, POLAR
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
-from squeezefilm.studies.study import scenes_in, smoothed_scan_of
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import number_in
 from squeezefilm.units import quantities
 
@@ -166,7 +166,7 @@ class Film:
     @property
     def scan(self) -> SmoothedScan | None:
         """The measured vibration shape with all that is known of it; None if it is not measured."""
-        return smoothed_scan_of(self.config)
+        return self.config.smoothed_scan()
 
     def scene(self, h0: str | float, hv: str | float, **position: Unpack[Position]) -> Scene:
         """One operating point, with the dimensionless numbers that govern it.

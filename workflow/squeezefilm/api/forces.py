@@ -33,7 +33,6 @@ from squeezefilm.reynolds.solver import previews
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
-from squeezefilm.studies.study import film_in
 from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
 
 if TYPE_CHECKING:
@@ -321,7 +320,7 @@ def compile_kernels(config: Study) -> dict[str, Any]:
     device = device_of(config)
     with one_build_at_a_time():
         # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
-        warm(device, film_in(config).scene(h0_m=5e-6, hv_m=0.0))
+        warm(device, config.read_film().scene(h0_m=5e-6, hv_m=0.0))
     facts = describe(device)
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     return facts

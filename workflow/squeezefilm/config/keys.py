@@ -9,8 +9,8 @@ from typing import Any
 
 import yaml
 
-from squeezefilm.config.film import Place
 from squeezefilm.config.study import Study
+from squeezefilm.sections import Place
 
 Part = Mapping[str, Any]
 """Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""

@@ -18,11 +18,12 @@ from typing import Any, TypeVar
 import yaml
 from pydantic import ValidationError
 
-from squeezefilm.config.film import FilmSections, Place, key_of
+from squeezefilm.config.film import FilmSections
 from squeezefilm.config.keys import Part, allowed, part_at, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
+from squeezefilm.sections import Place, key_of
 from squeezefilm.units import DECIMAL, examples
 
 Sections = TypeVar("Sections", bound=FilmSections)

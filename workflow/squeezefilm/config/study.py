@@ -10,17 +10,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, StrictBool, model_validator
 
-from squeezefilm.config.film import (
-    DERIVED,
-    Different,
-    FilmSections,
-    Number,
-    Pad,
-    Section,
-    Text,
-    key_of,
-    mistake,
-)
+from squeezefilm.config.film import FilmSections
+from squeezefilm.film.pad import Pad
+from squeezefilm.film.positions import Positions
+from squeezefilm.film.profiles import TravellingWave
+from squeezefilm.sections import DERIVED, Different, Number, Section, Text, key_of, mistake
 from squeezefilm.solution import CARTESIAN, POLAR
 
 FINER, MOST_LEVELS = 2, 1000
@@ -145,39 +139,6 @@ class Design(Section):
     first_seed: Seed = 1
     scaling: Literal["unit", "micrometre", "metre"] = "unit"
     points: Annotated[int, Field(strict=True, ge=3, le=100)] = 5
-
-
-Distances = Annotated[list[Annotated[float, Number("m", 0, 10)]], UpTo100, Different]
-
-
-class Positions(Section):
-    """Pad positions of the four-factor plan, besides the centre: those written, on a disc in
-    polar form, on a rectangle every x with every y; or so many `points` that fill the space up to
-    the farthest of those written. The paper's Table II is not legible, so ours are assumed.
-
-    Attributes:
-        points: how many positions, the centre among them, that fill the reachable space (a
-            scrambled Sobol' sequence, edges too), so that no wave of the profile can alias with
-            them; default: 25 where no position is written and the study is not the paper's; else
-            none
-        phi_r_m: on a disc: distances of the pad's centre from the disc's; default: half of the
-            way that the pad may go and stay on the disc, and all of it
-        phi_deg: on a disc: directions. Those of 0 … 45 are enough: their mirror images are added as
-            far as the scene lacks a square's symmetry (see below); default: 0, 22.5 and 45 on a
-            disc
-        x_m: on a rectangle: distances of the pad's centre from the y axis. Both sides of it are
-            meant: images at −x are added unless pad and vibration make them the same; default: on a
-            rectangle, 0, half of the way that the pad may go along x, and all of it
-        y_m: the same along y; default: the same along y
-    """
-
-    points: Annotated[int, Field(strict=True, ge=4, le=1000)] = DERIVED
-    phi_r_m: Annotated[
-        list[Annotated[float, Number("m", 0, 10, open=True)]], UpTo100, Different
-    ] = DERIVED
-    phi_deg: Annotated[list[Annotated[float, Number("°", 0, 360)]], UpTo100, Different] = DERIVED
-    x_m: Distances = DERIVED
-    y_m: Distances = DERIVED
 
 
 class FourFactorDesign(Section):
@@ -465,7 +426,8 @@ class Study(FilmSections, Header):
     def _derive_models(self) -> None:
         """The models that are compared and refined: physics' where its limit was derived."""
         pad, gas, profile = self.pad, self.gas, self.actuator.profile
-        one_phase = profile.kind != "travelling-wave" and getattr(profile, "quadrature", "0") == "0"
+        one_phase = not isinstance(profile, TravellingWave)
+        one_phase &= getattr(profile, "quadrature", "0") == "0"
         known = (
             pad.shape == "rectangle"
             and pad.speed_x_m_per_s == 0
@@ -485,7 +447,7 @@ class Study(FilmSections, Header):
 
     def _derive_positions(self) -> None:
         """Positions in the form of the surface: half of the way that the pad may go, and all."""
-        positions, surface = self.positions, self.actuator.surface
+        positions, surface = self.positions, self.actuator.rectangle
         if not (self.paper or positions.model_fields_set):
             positions.points = POSITIONS
         if surface is None:
@@ -542,7 +504,7 @@ class Study(FilmSections, Header):
 
     def _check_positions(self) -> None:
         """Reject positions in a form that is not the surface's."""
-        disc, positions = self.actuator.surface is None, self.positions
+        disc, positions = self.actuator.rectangle is None, self.positions
         factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
         written = [name for name in (*POLAR, *CARTESIAN) if getattr(positions, name) is not None]
         if written != [*factors]:

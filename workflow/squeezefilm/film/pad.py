@@ -1,37 +1,120 @@
 """The pad over the surface: its pad's outline and how its gap at rest is shaped."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import cos, pi, radians, sin
-from typing import TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
+from pydantic import ConfigDict
 
-from squeezefilm.config.film import GapShape as GapShape
 from squeezefilm.film.outline import DENSE, Outline, ellipse
+from squeezefilm.sections import (
+    KEYS,
+    NOT_GIVEN,
+    Direction,
+    Internal,
+    Length,
+    Number,
+    Rise,
+    Text,
+    described,
+    key_of,
+    mistake,
+)
 
 OUTLINE_POINTS = 256
-EVEN = GapShape()
 
-Number = TypeVar("Number", float, np.ndarray)
+Coordinate = TypeVar("Coordinate", float, np.ndarray)
+
+
+@dataclass(frozen=True)
+class OutlineFile:
+    """File of a pad's outline.
+
+    Attributes:
+        file: a table of points around the rim (see below), from the folder of this file
+        scatter_m: how far the points may lie off the smooth curve through them; 0 stands for 1e-4
+            of the longer side
+    """
+
+    __pydantic_config__ = KEYS
+
+    file: Text
+    scatter_m: Annotated[float, Number("m", 0, 1)] = 0.0
+
+
+@dataclass(frozen=True)
+class GapShape:
+    """Deviation of the gap at rest from h0, the gap at the pad's centre; all zero if pad and
+    surface are parallel.
+
+    Attributes:
+        tilt_x_m: gap at the middle of the side at +x less that at −x
+        tilt_y_m: gap at the middle of the side at +y less that at −y
+        crown_m: gap at the middle of every side less that at the centre; elsewhere the gap grows by
+            crown ((2x/length_x)² + (2y/length_y)²); positive for a pad whose crown is towards the
+            surface
+    """
+
+    __pydantic_config__ = KEYS
+
+    tilt_x_m: Rise = 0.0
+    tilt_y_m: Rise = 0.0
+    crown_m: Rise = 0.0
+
+    @property
+    def flat(self) -> bool:
+        return not (self.tilt_x_m or self.tilt_y_m or self.crown_m)
+
+    def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Gap at rest less h0 at positions in [0, 1] across the pad."""
+        x, y = x - 0.5, y - 0.5
+        tilt: np.ndarray = self.tilt_x_m * x + self.tilt_y_m * y
+        return tilt + 4 * self.crown_m * (x**2 + y**2)
+
+
+SIDES = ("length_x_m", "length_y_m")
+
+
+def _described_with_circle(schema: dict[str, Any], section: type) -> None:
+    circle = {"properties": {"shape": {"const": "circle"}}, "required": ["shape"]}
+    sides = {"required": list(map(key_of, SIDES))}
+    schema |= {"if": circle, "then": {"required": ["diameter"]}, "else": sides}
+    described(schema, section)
+
+
+Shape = Literal["rectangle", "ellipse", "circle", "curve"]
 
 
 @dataclass(frozen=True)
 class Pad:
-    """A pad, sliding along its own x axis at constant speed.
+    """The pad.
 
-    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, the axes of the ellipse, or
-    the extents of a ``curve``, the closed ``contour``, whose middle is the pad's centre; the
-    pad's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
+    It slides along its own x axis at constant speed. The middle of a ``curve`` is the pad's centre;
+    its ``contour`` is read from a file.
+
+    Attributes:
+        shape: its outline
+        length_x_m: the rectangle's side, the ellipse's axis or the curve's extent, along x;
+            default: of a circle the diameter; else it must be written
+        length_y_m: the same along y; default: the same along y
+        diameter_m: of a circle, instead of its lengths
+        rotation_deg: by how much its x axis is turned from the actuator's, against the clock
+        speed_x_m_per_s: speed at which the surface passes it, along the pad's +x axis; 0 at rest
     """
 
-    length_x_m: float
-    length_y_m: float
-    speed_x_m_per_s: float
-    shape: str = "rectangle"
-    rotation_deg: float = 0.0
-    gap: GapShape = EVEN
-    contour: Outline | None = None
+    __pydantic_config__ = KEYS | ConfigDict(json_schema_extra=_described_with_circle)
+
+    shape: Shape = field(default="rectangle", kw_only=True)
+    diameter_m: Length = field(default=NOT_GIVEN, kw_only=True)
+    outline: OutlineFile = field(default=NOT_GIVEN, kw_only=True)
+    length_x_m: Length = NOT_GIVEN
+    length_y_m: Length = NOT_GIVEN
+    rotation_deg: Direction = field(default=0.0, kw_only=True)
+    speed_x_m_per_s: Annotated[float, Number("m/s", -10000, 10000)] = 0.0
+    gap: GapShape = field(default_factory=GapShape, kw_only=True)
+    contour: Internal[Outline | None] = field(default=None, kw_only=True)
 
     @property
     def area_m2(self) -> float:
@@ -42,7 +125,7 @@ class Pad:
     @property
     def reach_m(self) -> float:
         """Distance of the outline's farthest point from the pad's centre."""
-        return float(np.hypot(*self.outline().T).max())
+        return float(np.hypot(*self.edge_m().T).max())
 
     @property
     def smooth_outline(self) -> Outline | None:
@@ -51,7 +134,7 @@ class Pad:
             return ellipse(self.length_y_m / self.length_x_m)
         return self.contour
 
-    def outline(self) -> np.ndarray:
+    def edge_m(self) -> np.ndarray:
         """Points on the rim from the pad's centre, along the actuator's axes: (points, 2) in m.
 
         A rectangle's four corners, or points all around another pad.
@@ -73,12 +156,34 @@ class Pad:
             return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1 + 1e-12)
         return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
 
-    def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
+    def turned(self, x: Coordinate, y: Coordinate) -> tuple[Coordinate, Coordinate]:
         """Pad's coordinates in those of the actuator's axes."""
         if self.rotation_deg == 0:
             return x, y
         c, s = cos(radians(self.rotation_deg)), sin(radians(self.rotation_deg))
         return c * x - s * y, s * x + c * y
+
+
+EVEN = GapShape()
+
+
+def outlined(pad: Pad) -> Pad:
+    """A pad with the keys of its shape alone; a circle is an ellipse of equal axes."""
+    own = {"circle": ("diameter_m",), "curve": (*SIDES, "outline")}.get(pad.shape, SIDES)
+    for name in (*SIDES, "diameter_m", "outline"):
+        if (getattr(pad, name) is None) == (name in own):
+            key, keys = key_of(name), ", ".join(map(key_of, own))
+            text = f"with shape: {pad.shape} give {keys}, not {key}"
+            raise mistake(text, key, kind="missing" if name in own else "relation")
+    if pad.shape != "circle":
+        return pad
+    return replace(
+        pad,
+        shape="ellipse",
+        diameter_m=NOT_GIVEN,
+        length_x_m=pad.diameter_m,
+        length_y_m=pad.diameter_m,
+    )
 
 
 @lru_cache(maxsize=256)

@@ -1,23 +1,23 @@
-"""Profile profiles of an actuator's surface: s(x, y), by formula or as measured.
+"""Vibration profiles of an actuator's surface: s(x, y), by formula or as measured.
 
 A point of the surface moves by hv · Im(s e^(iωt)), and the largest |s| on the surface is 1. Where
 all of it moves in one phase s is real; of two quadrature components, such as those of a travelling
 wave, it is complex.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from math import cos, inf, isfinite, pi, radians, remainder, sin
-from typing import Any
+from typing import Annotated, Literal, Self
 
 import numpy as np
+from pydantic import Field, StrictBool
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Disc, Orders, Surface
 from squeezefilm.formulas import Expression, parse
+from squeezefilm.sections import KEYS, Direction, Internal, Length, Number, Text
 
 UNBOUNDED = Disc(inf)
 # Values of modes, points times modes, that are kept to be used again: 8 MB.
@@ -25,11 +25,25 @@ MOST_KEPT = 1_000_000
 
 
 class Profile:
-    """A vibration over the actuator's surface."""
+    """A vibration over the actuator's surface; ``kind`` is its name in a study."""
+
+    kind: str
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """s at points of any common shape."""
         raise NotImplementedError
+
+    def on(self, surface: Surface) -> Self:
+        """The vibration of a surface, over which it has its maximum.
+
+        Raises InputError for a formula or a mode that has none, naming the place.
+        """
+        if not hasattr(self, "surface"):
+            return self
+        profile = replace(self, surface=surface)  # type: ignore[type-var]
+        if isinstance(profile, BesselMode | Formula):
+            largest_unscaled(profile)
+        return profile
 
     @cached_property
     def is_complex(self) -> bool:
@@ -39,9 +53,16 @@ class Profile:
 
 @dataclass(frozen=True)
 class Sinc(Profile):
-    """s = sin(πkr)/(πkr), the paper's eq. (2) with k = 109.8 per metre (MATLAB's sinc)."""
+    """s = sin(πkr)/(πkr), the paper's eq. (2) with k = 109.8 per metre (MATLAB's sinc).
 
-    wave_number_per_m: float
+    Attributes:
+        wave_number_per_m: k, with r from the centre
+    """
+
+    __pydantic_config__ = KEYS
+
+    kind: Literal["sinc"] = field(default="sinc", kw_only=True)
+    wave_number_per_m: Annotated[float, Number("1/m", 0, 1e6, open=True)]
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.sinc(self.wave_number_per_m * np.hypot(x_m, y_m))
@@ -50,6 +71,10 @@ class Sinc(Profile):
 @dataclass(frozen=True)
 class Piston(Profile):
     """s = 1: a flat surface that moves as a whole, the case of the paper's eq. (6)."""
+
+    __pydantic_config__ = KEYS
+
+    kind: Literal["piston"] = field(default="piston", kw_only=True)
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.ones(np.broadcast(x_m, y_m).shape)
@@ -61,12 +86,21 @@ class StandingWave(Profile):
 
     Over its largest magnitude on the surface, which is below the crest's where no crest or trough
     lies on it; on one without bounds, if it is not given.
+
+    Attributes:
+        wavelength_m: λ
+        direction_deg: direction of the wave, from the x axis
+        crest_m: how far a crest lies from the centre; it may lie off the surface, the largest
+            amplitude on which is 1
     """
 
-    wavelength_m: float
-    direction_deg: float
-    crest_m: float
-    surface: Surface = UNBOUNDED
+    __pydantic_config__ = KEYS
+
+    kind: Literal["standing-wave"] = field(default="standing-wave", kw_only=True)
+    wavelength_m: Length
+    direction_deg: Direction = 0.0
+    crest_m: Annotated[float, Number("m", -10, 10)] = 0.0
+    surface: Internal[Surface] = UNBOUNDED
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
@@ -78,18 +112,49 @@ class StandingWave(Profile):
 
 
 @dataclass(frozen=True)
+class TravellingWave(Profile):
+    """s = e^(−2πi u/λ), u the distance along ``direction_deg``: it travels towards larger u.
+
+    Attributes:
+        wavelength_m: λ
+        direction_deg: direction in which it travels, from the x axis
+    """
+
+    __pydantic_config__ = KEYS
+
+    kind: Literal["travelling-wave"] = field(default="travelling-wave", kw_only=True)
+    wavelength_m: Length
+    direction_deg: Direction = 0.0
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        # sin T cos ku − cos T sin ku = sin(T − ku)
+        first = StandingWave(self.wavelength_m, self.direction_deg)
+        second = replace(first, crest_m=-self.wavelength_m / 4)
+        return first.amplitude(x_m=x_m, y_m=y_m) + 1j * second.amplitude(x_m=x_m, y_m=y_m)
+
+
+@dataclass(frozen=True)
 class BesselMode(Profile):
     """A disc's bending mode, s ~ [J_n(kr) + c I_n(kr)] cos n(φ − φ0), over its largest magnitude.
 
     n is the number of nodal diameters, k the bending wave number and c, zero for a membrane, the
-    share of the edge's near field (Leissa, Profile of Plates, 1969, eq. 2.1).
+    share of the edge's near field (Leissa, Vibration of Plates, 1969, eq. 2.1).
+
+    Attributes:
+        nodal_diameters: n
+        wave_number_rad_per_m: k
+        edge_share: c, amplitude of the near field of the disc's edge; 0 for none
+        direction_deg: φ0, direction of an antinode, from the x axis
     """
 
-    nodal_diameters: int
-    wave_number_rad_per_m: float
-    edge_share: float
-    direction_deg: float
-    surface: Surface
+    __pydantic_config__ = KEYS
+
+    kind: Literal["bessel"] = field(default="bessel", kw_only=True)
+    nodal_diameters: Annotated[int, Field(strict=True, ge=0, le=20)]
+    wave_number_rad_per_m: Annotated[float, Number("rad/m", 0, 1e6, open=True)]
+    edge_share: Annotated[float, Number("1", -1e6, 1e6)] = 0.0
+    direction_deg: Direction = 0.0
+    surface: Internal[Surface] = UNBOUNDED
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         angle = np.arctan2(y_m, x_m) - radians(self.direction_deg)
@@ -109,12 +174,21 @@ class BesselMode(Profile):
 class Formula(Profile):
     """An expression in x, y, r (metres) and phi (radians), over its largest magnitude.
 
-    ``quadrature`` is another for what moves a quarter of a period ahead.
+    Attributes:
+        expression: arithmetic on `x`, `y`, `r` (m), `phi` (rad) and `pi`: + - * / **, sqrt, exp,
+            log, sin, cos, tan, sinh, cosh, tanh, atan, abs, sinc. Divided by its largest magnitude
+            on the surface
+        quadrature: the same for what moves a quarter of a period ahead: the surface goes down by
+            expression · sin ωt + quadrature · cos ωt, over the largest root of both squares on the
+            surface; 0 where all moves in one phase
     """
 
-    expression: str
-    surface: Surface
-    quadrature: str = "0"
+    __pydantic_config__ = KEYS
+
+    kind: Literal["formula"] = field(default="formula", kw_only=True)
+    expression: Text
+    surface: Internal[Surface] = UNBOUNDED
+    quadrature: Text = "0"
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return self.unscaled(x_m, y_m) / largest_unscaled(self)
@@ -175,31 +249,35 @@ class Quadrature(Profile):
         return self.shares[0] * first + 1j * (self.shares[1] * second)
 
 
-def make_profile(*, kind: str, surface: Surface, **settings: Any) -> Profile:
-    """The profile of a config's ``actuator.profile`` section, whose keys the schema has checked.
+@dataclass(frozen=True)
+class ScanFile:
+    """A measured shape, which is smoothed into ``Modes`` (measured/smooth.py).
 
-    Args:
-        kind: any but a measured one (measured/smooth.py).
-        surface: the actuator's, over which a profile has its maximum.
-
-    Raises:
-        InputError: for a formula that is no profile, naming the place.
+    Attributes:
+        file: a vibrometer's table (see below), from the folder of this file
+        axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
+            leaves it free, and is what a rectangle needs
+        sign: with `measured` a scan without phase and sign is invalid, for it is rectified at
+            a node line; `unknown` takes it as it is, and every force says so
+        rows: `COLUMN = VALUE`, the rows of one measurement where the table has several (a drive
+            voltage); several conditions have semicolons between. Of a frequency column the rows at
+            `actuator.frequency` are taken without
+        scale: with `surface` an amplitude is that at the maximum of the surface; with `measured` at
+            that of the measured points, beyond which it may be larger
     """
-    match kind:
-        case "sinc":
-            return Sinc(**settings)
-        case "piston":
-            return Piston()
-        case "standing-wave":
-            return StandingWave(**settings, surface=surface)
-        case "travelling-wave":
-            # sin T cos ku − cos T sin ku = sin(T − ku): it travels towards larger u.
-            wave = StandingWave(**settings, crest_m=0.0)
-            return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
-    kinds = {"bessel": BesselMode, "formula": Formula}
-    profile: BesselMode | Formula = kinds[kind](**settings, surface=surface)
-    largest_unscaled(profile)
-    return profile
+
+    __pydantic_config__ = KEYS
+
+    kind: Literal["measured"] = field(default="measured", kw_only=True)
+    file: Text
+    axisymmetric: StrictBool = False
+    sign: Literal["measured", "unknown"] = "measured"
+    rows: str = ""
+    scale: Literal["surface", "measured"] = "surface"
+
+
+KINDS = Sinc | Piston | StandingWave | TravellingWave | BesselMode | Formula | ScanFile
+"""The profiles that a study can have."""
 
 
 def largest_magnitude(

@@ -3,31 +3,65 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from math import pi, sqrt
 from operator import attrgetter
-from typing import Any, overload
+from typing import Annotated, Any, overload
 
 import numpy as np
+from pydantic import Field, GetPydanticSchema
 
-from squeezefilm.config.film import Gas as Gas
+from squeezefilm.film.gas import Gas as Gas
 from squeezefilm.film.pad import Pad, net
-from squeezefilm.film.profiles import Profile
-from squeezefilm.film.surfaces import Surface
+from squeezefilm.film.profiles import KINDS, Profile, ScanFile
+from squeezefilm.film.surfaces import Disc, Rectangle, Surface
+from squeezefilm.sections import KEYS, NOT_GIVEN, Length, Number, mistake
+
+KEYED = GetPydanticSchema(lambda _, schema: schema(Annotated[KINDS, Field(discriminator="kind")]))
+"""Profiles that a study can have are told apart by their ``kind``."""
 
 
 @dataclass(frozen=True)
 class Actuator:
-    """A surface that vibrates normal to itself at one frequency, by hv · Im(s(x, y) e^(iωt))."""
+    """The vibrating surface, a disc or a rectangle.
 
-    frequency_hz: float
-    surface: Surface
-    profile: Profile
+    It moves normal to itself, by hv · Im(s(x, y) e^(iωt)).
+
+    Attributes:
+        frequency_hz: frequency of the vibration
+        surface_radius_m: of a disc: its radius; the pad must lie on it with all its corners
+        profile: shape of the vibration, with maximum 1 on the surface. Its `kind` decides the other
+            keys: `sinc`, sin(πkr)/(πkr) (paper eq. 2); `piston`, it moves as a whole;
+            `standing-wave`, ~ cos(2πu/λ); `travelling-wave`, cos(ωt − 2πu/λ); `bessel`, a bending
+            mode [J_n(kr) + c I_n(kr)] cos n(φ − φ0); `formula`; `measured`
+    """
+
+    __pydantic_config__ = KEYS
+
+    frequency_hz: Annotated[float, Number("Hz", 1e-3, 1e9)]
+    surface_radius_m: Length = NOT_GIVEN
+    rectangle: Annotated[Rectangle, Field(alias="surface")] = field(default=NOT_GIVEN, kw_only=True)
+    profile: Annotated[Profile, KEYED] = field(kw_only=True)
+
+    @property
+    def surface(self) -> Surface:
+        """The surface, from whose centre positions count."""
+        return self.rectangle or Disc(self.surface_radius_m)
 
     @property
     def angular_frequency_rad_per_s(self) -> float:
         return 2 * pi * self.frequency_hz
+
+
+def with_one_surface(actuator: Actuator) -> Actuator:
+    """An actuator that has one surface, and a profile that this can have."""
+    if (actuator.rectangle is None) == (actuator.surface_radius_m is None):
+        raise mistake("give surface_radius, of a disc, or surface, of a rectangle, and not both")
+    profile = actuator.profile
+    if actuator.rectangle and isinstance(profile, ScanFile) and profile.axisymmetric:
+        raise mistake("a rectangle has no axis; it must be false", "profile", "axisymmetric")
+    return actuator
 
 
 class OperatingPoints:

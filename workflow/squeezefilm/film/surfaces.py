@@ -4,14 +4,14 @@ All that differs between the two is here. Coordinates are from the surface's cen
 are 1 at its edge: on a disc over its radius, on a rectangle each over half its side.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import cos, pi, radians, sin
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
+from squeezefilm.sections import KEYS, Length
 from squeezefilm.solution import CARTESIAN, POLAR
 
 # Points of the nets on which a profile is looked at all over: along a radius, around; a side.
@@ -91,12 +91,23 @@ class Disc:
 
 @dataclass(frozen=True)
 class Rectangle:
-    """A rectangle along x and y; pads lie on it by x and y, modes are Legendre's products."""
+    """A rectangular surface, instead of `surface_radius`; the pad must lie on it.
 
-    length_x_m: float
-    length_y_m: float
-    position = CARTESIAN
-    key = "actuator.surface"
+    Pads lie on it by x and y, modes are Legendre's products.
+
+    Attributes:
+        shape: its outline
+        length_x_m: its side along x
+        length_y_m: its side along y
+    """
+
+    __pydantic_config__ = KEYS
+
+    shape: Literal["rectangle"] = field(default="rectangle", kw_only=True)
+    length_x_m: Length
+    length_y_m: Length
+    position: ClassVar = CARTESIAN
+    key: ClassVar = "actuator.surface"
 
     @property
     def half_m(self) -> tuple[float, float]:

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.config.study import Positions
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import Pad
+from squeezefilm.film.positions import Positions
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Rectangle, Surface
 from squeezefilm.solution import CARTESIAN, POLAR

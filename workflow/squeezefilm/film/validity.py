@@ -163,7 +163,7 @@ def exist(scenes: Scenes) -> np.ndarray:
     h0_m, hv_m = scenes.h0_m, scenes.hv_m
     sound = (GAPS_M[0] <= h0_m) & (h0_m <= GAPS_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
     for film, rows, some in scenes.of_each_film():
-        outline = film.pad.outline()
+        outline = film.pad.edge_m()
         x_m, y_m = (np.add.outer(at, outline[:, k]) for k, at in enumerate((some.x_m, some.y_m)))
         sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + SLACK).all(axis=1)
     sound[sound] = (scenes if sound.all() else scenes[sound]).closure < 1
@@ -186,7 +186,7 @@ def check_scene(scene: Scene) -> None:
             "must stay below the mean gap": hv_m >= h0_m,
         },
     )
-    surface, rim_m = scene.actuator.surface, np.add(scene.pad.outline(), (scene.x_m, scene.y_m))
+    surface, rim_m = scene.actuator.surface, np.add(scene.pad.edge_m(), (scene.x_m, scene.y_m))
     reach = surface.reach(*rim_m.T)
     part = "a corner" if scene.pad.shape == "rectangle" else "the rim"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"

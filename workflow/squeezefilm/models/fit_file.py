@@ -29,7 +29,6 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Film, Gas
-from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validities
 from squeezefilm.models.data import COLUMNS, Array, Factors
@@ -188,7 +187,7 @@ class FittedModel(BaseModel):
             return [FILM_UNKNOWN] * len(factors)
         film = Film(
             self.film.gas,
-            Actuator(self.film.frequency_hz, Disc(1.0), Piston()),
+            Actuator(self.film.frequency_hz, 1.0, profile=Piston()),
             Pad(**dict(self.film.pad), speed_x_m_per_s=0.0),
         )
         centre = np.zeros(len(factors))

@@ -14,7 +14,6 @@ from squeezefilm.files import write_text
 from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
-from squeezefilm.film.surfaces import Disc
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
@@ -85,7 +84,7 @@ def _film(
     pad: Pad = SQUARE,
     **gas: str | float,
 ) -> Scene:
-    film = Film(replace(GAS, **gas), Actuator(4e4, Disc(1e-2), SINC), pad)  # type: ignore[arg-type]
+    film = Film(replace(GAS, **gas), Actuator(4e4, 1e-2, profile=SINC), pad)  # type: ignore[arg-type]
     return film.scene(6e-6, hv_m, x_m, y_m, point_id="self-test")
 
 

@@ -22,7 +22,7 @@ from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_f
 from squeezefilm.reynolds.solver import previews
 from squeezefilm.solution import as_in, form_of
 from squeezefilm.studies.space import CENTRED, Space, box_of, pad_positions, plan, sobol, twelve
-from squeezefilm.studies.study import planned_profile_of, scenes_in, surface_of
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
 
 VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
@@ -111,7 +111,7 @@ def write_scenes(
 
 def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -> pd.DataFrame:
     """The scenes of a plan that the study or a design gives."""
-    position = surface_of(config).position
+    position = config.actuator.surface.position
     if name in GRIDS:
         return plan(level_grid(name, config), position=position)
     if name == "four_factor_control":
@@ -180,7 +180,7 @@ def expected_seconds(config: Study, *, centred: bool) -> float:
     sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
     if centred:
         sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
-    scenes = scenes_in(sample, config, profile=planned_profile_of(config))
+    scenes = scenes_in(sample, config, profile=config.planned_profile())
     planned = previews(scenes, tolerance=config.solver.tolerance, method=config.solver.method)
     mflop = sum(each.expected_mflop for each in planned) / SAMPLE
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND

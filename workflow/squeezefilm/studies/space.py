@@ -21,7 +21,6 @@ from squeezefilm.film.symmetry import Symmetry
 from squeezefilm.film.validity import exist
 from squeezefilm.lazy import pd
 from squeezefilm.solution import POLAR, cartesian, form_of
-from squeezefilm.studies.study import film_in, surface_of, symmetry_of
 from squeezefilm.tables import FACTOR_COLUMNS
 
 if TYPE_CHECKING:
@@ -58,8 +57,8 @@ def pad_positions(config: Study) -> list[tuple[float, float]]:
     """
     positions = config.positions
     if positions.points:
-        return space_filling(symmetry_of(config), positions)
-    return symmetry_of(config).places(positions)
+        return space_filling(config.symmetry(), positions)
+    return config.symmetry().places(positions)
 
 
 def space_filling(symmetry: Symmetry, positions: Positions) -> list[tuple[float, float]]:
@@ -95,13 +94,13 @@ def box_of(config: Study, *, centred: bool = False) -> Box:
     gaps, amplitudes = config.screen.h0_m, config.screen.hv_m
     limits = {"h0_m": (gaps.start, gaps.stop), "hv_m": (amplitudes.start, amplitudes.stop)}
     if not centred:
-        limits |= symmetry_of(config).limits(config.positions)
+        limits |= config.symmetry().limits(config.positions)
     return Box(tuple(limits), *zip(*limits.values(), strict=True))
 
 
 def declared_ranges(config: Study, *, centred: bool) -> dict[str, tuple[float, float]]:
     """The limits of the declared space by factor; those of a centred pad's position are zero."""
-    centre = dict.fromkeys(surface_of(config).position if centred else (), (0.0, 0.0))
+    centre = dict.fromkeys(config.actuator.surface.position if centred else (), (0.0, 0.0))
     return box_of(config, centred=centred).ranges | centre
 
 
@@ -120,7 +119,7 @@ class Space:
     def of(cls, config: Study, *, centred: bool) -> Space:
         """The space of a study: the screen's ranges and the pad positions'."""
         box = box_of(config, centred=centred)
-        return cls(box, film_in(config), surface_of(config).position)
+        return cls(box, config.read_film(), config.actuator.surface.position)
 
     def allowed(self, points: Array) -> NDArray[np.bool_]:
         """Mask of the points, shape (n, k), that can be simulated, shape (n,)."""

@@ -2,124 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from math import atan2, degrees, hypot
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from squeezefilm.config.film import FilmSections, Scan
+from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, naming
-from squeezefilm.film.outline import read_contour
-from squeezefilm.film.pad import Pad
-from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
-from squeezefilm.film.scene import Actuator, Film, Scene, Scenes
-from squeezefilm.film.surfaces import Disc, Rectangle, Surface
-from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
+from squeezefilm.film.profiles import Profile
+from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.symmetry import Directions
 from squeezefilm.film.validity import check_scene, check_scenes
 from squeezefilm.lazy import pd
 from squeezefilm.solution import POLAR, as_in, cartesian
 from squeezefilm.tables import FACTOR_COLUMNS, read_measurements
-
-if TYPE_CHECKING:
-    from squeezefilm.film.measured.smooth import SmoothedScan
-
-SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
-"""Of the environment: where a run keeps the smooth profile of its study's scan."""
-
-
-def surface_of(config: FilmSections) -> Surface:
-    """The surface that vibrates."""
-    actuator = config.actuator
-    if actuator.surface is None:
-        return Disc(actuator.surface_radius_m)
-    return Rectangle(actuator.surface.length_x_m, actuator.surface.length_y_m)
-
-
-def profile_of(config: FilmSections) -> Profile:
-    """The actuator's vibration shape.
-
-    Raises InputError naming what is wrong with a formula or a measured profile.
-    """
-    smoothed = smoothed_scan_of(config)
-    if smoothed is not None:
-        return smoothed.profile
-    return make_profile(surface=surface_of(config), **config.actuator.profile.model_dump())
-
-
-def scan_path(config: FilmSections) -> Path | None:
-    """The file that the vibration shape was measured in; None if it is not a measured one."""
-    profile = config.actuator.profile
-    return config.path.parent / profile.file if isinstance(profile, Scan) else None
-
-
-def smoothing_settings(config: FilmSections) -> dict[str, Any]:
-    """Arguments of ``smoothed_scan`` besides the scan's file."""
-    actuator = config.actuator
-    return {
-        "surface": surface_of(config),
-        "frequency_hz": actuator.frequency_hz,
-        **actuator.profile.model_dump(exclude={"kind", "file"}),
-    }
-
-
-def smoothed_scan_of(config: FilmSections, *, again: bool = False) -> SmoothedScan | None:
-    """The measured vibration shape with all that is known of it; None if it is not measured.
-
-    In a run of the workflow as its rule `smooth` wrote it, under the name in SMOOTHED_VARIABLE,
-    unless it is to be smoothed ``again``.
-    """
-    path = scan_path(config)
-    if path is None:
-        return None
-    from squeezefilm.film.measured.smooth import read_smoothed, smoothed_scan
-
-    settings, kept = smoothing_settings(config), Path(os.environ.get(SMOOTHED_VARIABLE, ""))
-    if again or not kept.is_file():
-        return smoothed_scan(path, **settings)
-    return read_smoothed(kept, path, **settings)
-
-
-def planned_profile_of(config: FilmSections) -> Profile:
-    """The vibration shape as far as plans need it: of a scan a usual one, for it is not smoothed.
-
-    By it the work is divided into jobs, whose number may not depend on whether the scan has been
-    smoothed: a mode with a node line on the surface, of no symmetry where the scan need have none.
-    """
-    profile = config.actuator.profile
-    if not isinstance(profile, Scan):
-        return profile_of(config)
-    surface = surface_of(config)
-    radius_m = min(surface.half_m)
-    if profile.axisymmetric:
-        return Sinc(wave_number_per_m=1 / radius_m)
-    return StandingWave(
-        wavelength_m=2 * radius_m, direction_deg=20.0, crest_m=0.1 * radius_m, surface=surface
-    )
-
-
-def pad_of(config: FilmSections) -> Pad:
-    """The pad."""
-    pad, contour = config.pad, None
-    if outline := pad.outline:
-        contour = read_contour(
-            config.path.parent / outline.file,
-            sides_m=(pad.length_x_m, pad.length_y_m),
-            scatter_m=outline.scatter_m,
-        )
-    return Pad(
-        length_x_m=pad.length_x_m,
-        length_y_m=pad.length_y_m,
-        speed_x_m_per_s=pad.speed_x_m_per_s,
-        shape=pad.shape,
-        rotation_deg=pad.rotation_deg,
-        gap=pad.gap,
-        contour=contour,
-    )
 
 
 def film_of(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, Any]:
@@ -133,32 +32,16 @@ def film_of(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, A
     for term in ("inertia", "thermal"):
         if gas[term] == "auto":
             gas[term] = "none" if all(term in each for each in solved) else "included"
+    pad = config.pad
     return {
         "gas": gas,
         "frequency_hz": config.actuator.frequency_hz,
-        "pad": config.pad.model_dump(include={"length_x_m", "length_y_m", "gap"}),
+        "pad": {
+            "length_x_m": pad.length_x_m,
+            "length_y_m": pad.length_y_m,
+            "gap": asdict(pad.gap),
+        },
     }
-
-
-def symmetry_of(config: FilmSections) -> Symmetry:
-    """The pad positions that represent all; from ``actuator`` and ``pad``.
-
-    Of a scan the settings say it: noise leaves a shape that is free no symmetry.
-    """
-    settings, surface = config.actuator.profile, surface_of(config)
-    if isinstance(settings, Scan) and not settings.axisymmetric:
-        return no_symmetry(surface)
-    return symmetry(pad_of(config), planned_profile_of(config), surface=surface)
-
-
-def film_in(config: FilmSections, *, profile: Profile | None = None) -> Film:
-    """The study's gas, actuator and pad; ``profile`` stands in for its own."""
-    actuator = Actuator(
-        frequency_hz=config.actuator.frequency_hz,
-        surface=surface_of(config),
-        profile=profile_of(config) if profile is None else profile,
-    )
-    return Film(config.gas, actuator, pad_of(config))
 
 
 def scenes_in(
@@ -186,7 +69,7 @@ def scenes_in(
         for row in np.flatnonzero(x_m < 0)[:1]:
             raise InputError(f"point {point_id[row]}: phi_r_m = {x_m[row]:g} must not be negative")
         x_m, y_m = cartesian(x_m, y_m).values()
-    scenes = film_in(config, profile=profile).scenes(h0_m, hv_m, x_m, y_m)
+    scenes = config.read_film(profile=profile).scenes(h0_m, hv_m, x_m, y_m)
     scenes = replace(scenes, point_id=point_id)
     check_scenes(scenes)
     return scenes
@@ -199,7 +82,7 @@ def scene_of(
 
     Raises InputError as ``scenes_in`` does.
     """
-    scene = film_in(config).scene(h0_m, hv_m, x_m=x_m, y_m=y_m)
+    scene = config.read_film().scene(h0_m, hv_m, x_m=x_m, y_m=y_m)
     check_scene(scene)
     return scene
 
@@ -212,16 +95,16 @@ def check_study(config: Study) -> Study:
     Raises InputError naming the section and the point that has no physical meaning.
     """
     with naming(config.path):
-        pad_of(config)
-        if path := scan_path(config):
+        config.read_pad()
+        if path := config.scan_path:
             from squeezefilm.film.measured.read import read_scan
             from squeezefilm.film.measured.smooth import check_places
 
-            settings = smoothing_settings(config)
+            settings = config.smoothing
             how = {key: settings.pop(key) for key in ("frequency_hz", "rows")}
             scan = read_scan(path, **how)
             check_places(scan, **settings)
-        profile = planned_profile_of(config)
+        profile = config.planned_profile()
     if config.measurements:
         measured_points(config, profile=profile)
     for section, points in _extreme_points(config):
@@ -259,12 +142,12 @@ def _extreme_points(config: Study) -> Iterator[tuple[str, pd.DataFrame]]:
     yield "screen", pd.DataFrame([{"point_id": "smallest gap, largest amplitude", **closest}])
     beyond = extrapolation.model_dump(include={"h0_m", "hv_m"})
     yield "extrapolation", pd.DataFrame([{"point_id": "wanted", **beyond}])
-    found, positions = symmetry_of(config), config.positions
+    found, positions = config.symmetry(), config.positions
     places = found.places(positions)
     if isinstance(found, Directions):
         # Designs and control points may lie between the directions given: also where the pad's
         # farthest point is farthest out.
-        x_m, y_m = max(pad_of(config).outline().tolist(), key=lambda place: hypot(*place))
+        x_m, y_m = max(config.read_pad().edge_m().tolist(), key=lambda place: hypot(*place))
         farthest = float(found.fold(degrees(atan2(y_m, x_m))))
         places += [(radius, farthest) for radius in positions.phi_r_m]
     first, second = found.position

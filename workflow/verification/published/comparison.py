@@ -18,7 +18,6 @@ import pandas as pd
 from squeezefilm.errors import RunError
 from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
-from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
@@ -102,7 +101,7 @@ def plate(device: Device | None = None) -> Iterator[Row]:
     """Linear damping and stiffness of a plate of 2 mm by 1 mm over a gap of 5 µm at 100 kHz."""
     gas = Gas(viscosity_pa_s=18.3e-6, ambient_pressure_pa=1e5, inertia="none", thermal="none")
     pad, h0_m = Pad(2e-3, 1e-3, 0.0), 5e-6
-    scene = Film(gas, Actuator(1e5, Disc(1.0), PISTON), pad).scene(h0_m, SMALL * h0_m)
+    scene = Film(gas, Actuator(1e5, 1.0, profile=PISTON), pad).scene(h0_m, SMALL * h0_m)
     response = scene.force_scale_n / h0_m * piston_response(scene.sigma, scene.aspect)
     rate = scene.actuator.angular_frequency_rad_per_s
     (found,) = _quantities([scene], "harmonics", tolerance=1e-6, device=device)
@@ -116,7 +115,7 @@ def inclined_slider(device: Device | None = None) -> Iterator[Row]:
     (wide_m, narrow_m), length_m = SLIDER_GAPS_M, SLIDER_LENGTH_M
     gas = Gas(viscosity_pa_s=1.846e-5, inertia="none", thermal="none")
     pads = [Pad(length_m, w, 50.0, gap=GapShape(narrow_m - wide_m)) for w in SLIDER_WIDTHS_M]
-    films = [Film(gas, Actuator(1e3, Disc(1.0), PISTON), pad) for pad in pads]
+    films = [Film(gas, Actuator(1e3, 1.0, profile=PISTON), pad) for pad in pads]
     scenes = [each.scene((wide_m + narrow_m) / 2, 0.0) for each in films]
     one, other = _quantities(scenes, "moments", "extremes", tolerance=1e-7, device=device)
     p0_pa, force_n = gas.ambient_pressure_pa, other["force"] - one["force"]

@@ -39,7 +39,7 @@ from squeezefilm.models.prediction_interval import (
 )
 from squeezefilm.solution import POLAR, as_in
 from squeezefilm.studies.space import declared_ranges
-from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
+from squeezefilm.studies.study import film_of, scenes_in
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits, with_physics
 from squeezefilm.studies.tasks.scan_errors import errors_in_study
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
@@ -58,7 +58,7 @@ def profile_uncertainty(config: Study, *, summary: Path | str | None = None) -> 
     """
     if summary:
         return float(read_json(summary)["largest_force_error_fraction"])
-    scan = smoothed_scan_of(config)
+    scan = config.smoothed_scan()
     if scan is None:
         return 0.0
     return float(errors_in_study(config, scan)["scan_error_fraction"].max())
@@ -169,7 +169,7 @@ def fit_values(
         "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
         "error_scale": list(error_scale(missed_n, force_n)),
         "profile_uncertainty": uncertainty,
-        "directions": symmetry_of(config).to_dict(),
+        "directions": config.symmetry().to_dict(),
         "film": film_of(config, absent_terms=absent_terms),
     }
 

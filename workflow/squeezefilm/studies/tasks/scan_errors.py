@@ -23,7 +23,7 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import Solution
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import plan
-from squeezefilm.studies.study import scenes_in, smoothed_scan_of, symmetry_of
+from squeezefilm.studies.study import scenes_in
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 TOLERANCE = 1e-3
@@ -128,7 +128,7 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
 
     Raises InputError for a study whose profile is not measured.
     """
-    smoothed = smoothed_scan_of(config)
+    smoothed = config.smoothed_scan()
     if smoothed is None:
         kind = config.actuator.profile.kind
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
@@ -192,7 +192,7 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
 def _points(config: Study) -> pd.DataFrame:
     """The largest amplitude over the smallest and the largest gap, and farthest from the centre."""
     gaps, amplitude = config.screen.h0_m, config.screen.hv_m.stop
-    found, positions = symmetry_of(config), config.positions
+    found, positions = config.symmetry(), config.positions
     places = found.places(positions)[1:]
     if isinstance(found, Directions):
         farthest = max(positions.phi_r_m)
