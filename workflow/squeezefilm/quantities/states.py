@@ -88,7 +88,7 @@ def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[fl
         UNKNOWN_FALL,
         profile_fall(needs, coarse, fine, tolerance=tolerance).item(),
         least_fall_of(needs.terms),
-        least_fall(needs.scenes, coarse[0]).item(),
+        least_fall(needs.scenes).item(),
     )
     # A mass error w moves the pressure by about n w/H.
     left = scene.gas.polytropic_exponent * solution.residual / scene.narrowest
