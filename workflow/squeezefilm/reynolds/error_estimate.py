@@ -12,7 +12,7 @@ from squeezefilm.reynolds.terms import Terms, size_share_of
 
 # The moments of a change may be small by chance where its size is not. So this share of the size
 # counts too, at tolerances of LOOSE_FROM and more, whose grids are coarse. Without it two films
-# (grids_of_films.csv in tests/numerics/data) are off by up to four times their estimate, with 2 %
+# (judged_films.csv in tests/numerics/data) are off by up to four times their estimate, with 2 %
 # a third one by 1.1 times.
 SIZE_SHARE, LOOSE_FROM = 3e-2, 2e-5
 # Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
@@ -89,7 +89,7 @@ def estimate(
     # where the nodes lie beside the kink, and moments agree by chance: of 110 forces with kinks
     # along an axis 4 were off by up to 1.35 times their estimate.
     telling = np.where(of_profile > 0, change[1], change[0])
-    fall = np.maximum(np.maximum(fall, of_profile), np.maximum(least, least_fall_of(terms)))
+    fall = np.maximum(np.maximum(fall, of_profile), least)
     floor = ROUND_OFF * said["largest"]
     error = margin * (left_after(fall) * telling + per_residual * residual) + floor
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
@@ -106,12 +106,6 @@ def left_after(fall: np.ndarray | float) -> np.ndarray:
 def margin_of(terms: Terms) -> float:
     """Return the factor on the error estimates of films with some terms."""
     return max(term.ESTIMATE_MARGIN for term in terms) if terms else 1.0
-
-
-@lru_cache(maxsize=64)
-def least_fall_of(terms: Terms) -> float:
-    """Lower bound on the convergence ratio of films with some terms."""
-    return max((term.LEAST_FALL for term in terms), default=0.0)
 
 
 def error_text(error: float, *, allowed: float, force: float) -> str:
