@@ -9,7 +9,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, least_fall_of, left_after, margin_of
+from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after, margin_of
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
@@ -132,8 +132,7 @@ def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[fl
     fall = max(
         UNKNOWN_FALL,
         profile_fall(needs, coarse, fine, tolerance=tolerance).item(),
-        least_fall_of(needs.terms),
-        least_fall(needs.scenes, coarse[0]).item(),
+        least_fall(needs.scenes).item(),
     )
     # A mass error w moves the pressure by about n w/H.
     left = scene.gas.polytropic_exponent * solution.residual / scene.narrowest

@@ -135,16 +135,14 @@ class Refinement:
         rows, terms, grids, solutions = group.rows, group.terms, group.grids, self.solutions
         at: Rows = slice(None) if batch.scenes is self.needs.scenes else rows
         said, grid, finer = stages[-1].said, grids[-1], finer_grid(grids[-1], room=self.room)
-        coarse, fine = (grids[0], *grids)[-2:]
-        nodes = coarse.across, fine.across
+        nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate(
             said,
             self.change[:, at],
             scenes=batch.scenes,
             terms=terms,
-            grids=(coarse, fine),
             of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=at),
-            least=least_fall(batch.scenes, coarse.across[0]),
+            least=least_fall(batch.scenes),
             tolerance=self.tolerance,
         )
         if len(grids) == 1:  # a single grid tells no error
