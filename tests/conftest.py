@@ -3,6 +3,9 @@
 import json
 import runpy
 import shutil
+import subprocess
+import sys
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -29,16 +32,33 @@ def repository():
 
 @pytest.fixture(scope="session")
 def library_source(repository, tmp_path_factory):
-    """A copy of what the library's wheel is made from: building one leaves files beside it."""
+    """A copy of what the wheel is made from: building one leaves files beside it."""
     folder = tmp_path_factory.mktemp("library")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(repository / name, folder / name)
     shutil.copytree(
-        repository / "workflow" / "squeezefilm",
-        folder / "workflow" / "squeezefilm",
-        ignore=shutil.ignore_patterns("__pycache__"),
+        repository / "workflow",
+        folder / "workflow",
+        ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"),
     )
     return folder
+
+
+@pytest.fixture(scope="session")
+def installed(library_source, tmp_path_factory):
+    """The wheel's content in a folder, as an installer lays it out."""
+    build = "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])"
+    folder = tmp_path_factory.mktemp("wheel")
+    subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", build, str(folder)],
+        cwd=library_source,
+        check=True,
+        capture_output=True,
+    )
+    (wheel,) = folder.glob("squeezefilm-*.whl")
+    site = tmp_path_factory.mktemp("site")
+    zipfile.ZipFile(wheel).extractall(site)
+    return site
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
-PACKAGES = ("squeezefilm", "verification", "reporting", "paper", "scripts")
+PACKAGES = ("squeezefilm", "verification", "reporting", "paper", "squeezefilm_workflow")
 DISTRIBUTION = {
     "markdown_it": "markdown-it-py",
     "mpl_toolkits": "matplotlib",
@@ -17,8 +17,8 @@ DISTRIBUTION = {
     "skfem": "scikit-fem",
     "yaml": "pyyaml",
 }
-NOT_OF_A_JOB = {"pyuff", "xarray"}
-"""What only universal files of a vibrometer and fields of pressure need."""
+NOT_OF_A_JOB = {"pyuff", "snakemake", "xarray"}
+"""What universal files of a vibrometer, a script in a debugger and fields of pressure need."""
 
 
 REPOSITORY = Path(__file__).resolve().parents[2]

@@ -1,15 +1,15 @@
-"""The library as it is installed: the wheel, outside the checkout, without the workflow."""
+"""The packages as they are installed: the wheel, outside the checkout, without extras."""
 
 import os
 import subprocess
 import sys
-import zipfile
 from pathlib import Path
 
 import pytest
 
 # What the extras bring: the library must do without.
 EXTRAS = ("matplotlib", "markdown_it", "plotly", "pyarrow", "pygments", "pymoo", "skfem", "xarray")
+PACKAGES = ("paper", "reporting", "squeezefilm", "squeezefilm_workflow", "verification")
 SUFFIXES = {".py", ".pyi", ".typed", ".cl", ".csv", ".in", ".yaml"}
 ALONE = f"""
 import sys
@@ -24,23 +24,6 @@ assert sf.__file__.startswith(sys.argv[1]), sf.__file__
 """
 
 
-@pytest.fixture(scope="module")
-def installed(library_source, tmp_path_factory):
-    """The wheel's content in a folder, as an installer lays it out."""
-    build = "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])"
-    folder = tmp_path_factory.mktemp("wheel")
-    subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", build, str(folder)],
-        cwd=library_source,
-        check=True,
-        capture_output=True,
-    )
-    (wheel,) = folder.glob("squeezefilm-*.whl")
-    site = tmp_path_factory.mktemp("site")
-    zipfile.ZipFile(wheel).extractall(site)
-    return site
-
-
 def alone(site: Path, code: str, *words: str) -> subprocess.CompletedProcess[str]:
     """Run code after importing the library from the wheel, isolated, outside the checkout."""
     return subprocess.run(
@@ -53,21 +36,22 @@ def alone(site: Path, code: str, *words: str) -> subprocess.CompletedProcess[str
     )
 
 
-def test_the_wheel_is_the_library_with_all_its_data_and_nothing_else(installed, repository):
-    library = repository / "workflow" / "squeezefilm"
-    wanted = {
-        path.relative_to(library)
-        for path in library.rglob("*")
-        if path.is_file() and "__pycache__" not in path.parts
-    }
-    found = {
-        path.relative_to(installed / "squeezefilm")
-        for path in installed.rglob("squeezefilm/**/*")
-        if path.is_file()
-    }
+def test_the_wheel_is_what_the_rules_import_with_all_its_data_and_nothing_else(
+    installed, repository
+):
+    found, wanted = (
+        {
+            path.relative_to(folder)
+            for package in PACKAGES
+            for path in (folder / package).rglob("*")
+            if path.is_file() and "__pycache__" not in path.parts
+        }
+        for folder in (installed, repository / "workflow")
+    )
     assert found == wanted
-    assert {path.suffix for path in found} == SUFFIXES
-    assert {path.name.partition("-")[0] for path in installed.iterdir()} == {"squeezefilm"}
+    assert {path.suffix for path in found if path.parts[0] == "squeezefilm"} == SUFFIXES
+    folders = {path.name for path in installed.iterdir() if path.suffix != ".dist-info"}
+    assert folders == set(PACKAGES)
 
 
 def test_a_force_needs_no_checkout_and_no_workflow(installed):

@@ -10,7 +10,6 @@ from example_outline import STUDY as WITH_OUTLINE
 from example_outline import write_outline
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.provenance import WORKFLOW
 from squeezefilm.tables import read_scenes
 
 from .conftest import PARTS, copy_checkout, snakemake
@@ -83,8 +82,8 @@ def mine(repository):
     return {**study, "study": "mine"}
 
 
-def test_rules_come_from_a_git_repository(repository, mine, tmp_path):
-    """As `snakedeploy deploy-workflow` writes it; the packages are those installed."""
+def test_rules_come_from_a_git_repository(repository, installed, mine, tmp_path):
+    """As `snakedeploy deploy-workflow` writes it; the packages are those of the wheel."""
     source, folder = tmp_path / "repository", tmp_path / "deployed"
     source.mkdir()
     git = ("git", "-C", str(source), "-c", "user.name=A", "-c", "user.email=a@b.c")
@@ -104,8 +103,7 @@ def test_rules_come_from_a_git_repository(repository, mine, tmp_path):
     (folder / "config/config.yaml").write_text(yaml.safe_dump(mine), encoding="utf-8")
     text = DEPLOYED.format(repository=source, commit=commit)
     (folder / "Snakefile").write_text(text, encoding="utf-8")
-    installed = {"PYTHONPATH": str(WORKFLOW)}
-    done = snakemake(folder, DEVICE, "--cores", "1", environment=installed)
+    done = snakemake(folder, DEVICE, "--cores", "1", environment={"PYTHONPATH": str(installed)})
     assert done.returncode == 0, done.stdout
     assert (folder / DEVICE).exists()
     (tmp_path / "none").mkdir()

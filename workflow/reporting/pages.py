@@ -1,4 +1,4 @@
-"""Pages for people: Markdown from templates in ``report/``, written as HTML.
+"""Pages for people: Markdown from ``templates/``, written as HTML.
 
 A page of HTML is one file: no script, nothing from a network.
 """
@@ -16,7 +16,6 @@ from markupsafe import Markup
 from reporting.notes import five_digits, percent, rounded_up
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
-from squeezefilm.provenance import WORKFLOW
 
 VERDICTS = {
     "good": ("agrees", "passed", "solved"),
@@ -56,8 +55,9 @@ def markdown_table(table: pd.DataFrame) -> str:
     )
 
 
+HERE = Path(__file__).parent
 TEMPLATES = Environment(
-    loader=FileSystemLoader([WORKFLOW / "report", WORKFLOW / "reporting" / "explorer"]),
+    loader=FileSystemLoader([HERE / "templates", HERE / "explorer"]),
     # Markdown is escaped where it becomes HTML.
     autoescape=select_autoescape(["html", "rst"]),
     undefined=StrictUndefined,
@@ -69,7 +69,7 @@ TEMPLATES.filters |= {"percent": percent, "rounded_up": rounded_up, "table": mar
 
 
 def render(template: str, **values: Any) -> str:
-    """A template of ``report/`` or of the explorer with its values filled in."""
+    """A template of a page or of the explorer with its values filled in."""
     return TEMPLATES.get_template(template).render(**values)
 
 

@@ -1,4 +1,4 @@
-"""Results of a study, as values: for its page (report/summary.md) and its report's first page."""
+"""Results of a study, as values: for its page (summary.md) and its report's first page."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

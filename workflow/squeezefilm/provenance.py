@@ -34,7 +34,7 @@ SOURCES = {
     "solver": SOLVER,
     "models": MODELS,
     "verification": [*MODELS, "verification"],
-    "figures": [*MODELS, "squeezefilm/columns.csv", "paper", "report", "reporting"],
+    "figures": [*MODELS, "squeezefilm/columns.csv", "paper", "reporting"],
 }
 """The folders and files, below workflow/, that decide the numbers of a stage, but its scripts."""
 
@@ -87,6 +87,8 @@ def provenance(configuration: Mapping[str, Any], *, device: Mapping[str, Any]) -
 
 
 def _git(*arguments: str) -> str | None:
+    if not (WORKFLOW / "Snakefile").is_file():
+        return None  # installed: a repository around it is another one
     try:
         words = ["git", "-C", str(WORKFLOW.parent), *arguments]
         return subprocess.run(words, capture_output=True, text=True, check=True).stdout.rstrip()

@@ -1,1 +1,1 @@
-"""What the rules of the workflow share: the start of their scripts."""
+"""Code that the scripts of the workflow's rules share."""

@@ -1,4 +1,4 @@
-"""What a study found, for scripts that show it."""
+"""Results of a study, for scripts that show them."""
 
 from reporting.results import Results
 from squeezefilm_workflow.job import Job, Study, folder_of_results

@@ -17,9 +17,10 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
-from squeezefilm.reynolds.device import NODE_CACHE_VARIABLE
 from squeezefilm.tables import write_json, write_table
 
+# Variables of reynolds/device.py and studies/study.py, which take long to import.
+NODE_CACHE, SMOOTHED = "SQUEEZEFILM_NODE_CACHE", "SQUEEZEFILM_SMOOTHED"
 Job = Any
 """The object ``snakemake`` that Snakemake puts before a script's first line."""
 
@@ -38,7 +39,7 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     # On a cluster home directories are shared by nodes that may differ, over a network that may not
     # lock; profiles/ state this resource. Snakemake's tmpdir is that of the process.
     if snakemake.resources.get("node_cache"):
-        os.environ[NODE_CACHE_VARIABLE] = tempfile.gettempdir()
+        os.environ[NODE_CACHE] = tempfile.gettempdir()
     terminal = os.fdopen(os.dup(2), "w", encoding="utf-8", errors="replace")
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
         os.dup2(log.fileno(), 1)
@@ -51,7 +52,7 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     try:
         config = load_config(snakemake.config["study_file"])
         smoothed = folder_of_results(snakemake, config) / "profile/smoothed.pickle"
-        os.environ[SMOOTHED_VARIABLE] = str(smoothed)
+        os.environ[SMOOTHED] = str(smoothed)
         main(snakemake, config)
     except (InputError, RunError) as error:
         last = f"squeezefilm: error: {error}"
