@@ -12,7 +12,6 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.config.film import SMOOTHED_VARIABLE
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
