@@ -38,7 +38,7 @@ NUMBERS = [field.name for field in fields(RandomFilm)]
 GUARDS: dict[str, tuple[Any, str, float]] = {
     "SIZE_SHARE": (error_estimate, "SIZE_SHARE", 0.0),
     "FALL_FACTOR": (error_estimate, "FALL_FACTOR", 1.0),
-    "UNKNOWN_FALL": (error_estimate, "UNKNOWN_FALL", 0.25),
+    "UNKNOWN_FALL": (error_estimate, "UNKNOWN_FALL", 0.0),
     "THIN_LAYER_FALL": (resolution, "THIN_LAYER_FALL", 0.0),
     "SIZE_SHARE of inertia": (inertia, "SIZE_SHARE", 0.0),
     "ESTIMATE_MARGIN of inertia": (inertia.Inertia, "ESTIMATE_MARGIN", 1.0 + 1e-9),
