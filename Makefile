@@ -9,6 +9,8 @@ CONFIG :=
 OPTIONS :=
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH"
 SNAKEMAKE = $(RUN) snakemake $(OPTIONS)
+# Snakemake itself meets a file that it cannot read with a traceback.
+CHECKED = $(if $(CONFIG),$(RUN) squeezefilm config $(CONFIG) >/dev/null)
 STUDIES ?= paper paper-inertia quick
 REPORT ?= results/report.html
 DOCS ?= docs/_build/html
@@ -20,6 +22,13 @@ debian = [ "$$(id -u)" != 0 ] || flock $(VENV)/debian.lock sh -c "apt-get -q upd
 quietly = $(1) >>$(PIP_LOG) 2>&1 || { tail -n 20 $(PIP_LOG); exit 1; }
 COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 \
 	--generate-hashes --no-header --no-annotate
+
+# Snakemake calls .venv's Python without quotes around its path.
+AWKWARD := $(if $(word 2,x$(CURDIR)x),blanks )$(foreach mark,' " ( ) & ; * ? $$ `,$(findstring $(mark),$(CURDIR)))
+ifneq ($(strip $(AWKWARD)),)
+$(error The path of this folder, $(CURDIR), has $(strip $(AWKWARD)): \
+Snakemake runs no script there. Move the folder to a path without)
+endif
 
 .DEFAULT_GOAL := help
 .PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability docs lint format lock resume clean test-cluster
@@ -71,6 +80,7 @@ reference: $(VENV)/.run
 			--output tests/reference/$$study; done
 
 report: $(VENV)/.run
+	@$(CHECKED)
 	$(SNAKEMAKE) everything $(if $(CONFIG),--configfile $(CONFIG))
 	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG)) --report $(REPORT)
 
@@ -131,6 +141,7 @@ format: $(VENV)/.dev
 	$(RUN) snakefmt Snakefile workflow
 
 resume: $(VENV)/.run
+	@$(CHECKED)
 	$(SNAKEMAKE) --unlock $(if $(CONFIG),--configfile $(CONFIG))
 	$(SNAKEMAKE) --rerun-incomplete $(if $(CONFIG),--configfile $(CONFIG))
 

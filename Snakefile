@@ -5,6 +5,10 @@ from snakemake.utils import min_version
 min_version("9.20")
 
 
+# The study is one of these files, which messages then name with their lines.
+STUDY_FILES = workflow.configfiles
+
+
 include: "workflow/Snakefile"
 
 

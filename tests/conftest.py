@@ -5,18 +5,16 @@ import runpy
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from snakemake.iocontainers import InputFiles, OutputFiles, Wildcards
 
-from scripts import job
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.provenance import WORKFLOW
 from squeezefilm.sections import key_of
 from squeezefilm.studies.study import scene_of
+from squeezefilm_workflow.mock import mock_snakemake
 
 SHARING_ONE_RUN = tuple(
     f"tests/workflow/test_{name}.py" for name in ("run", "reruns", "pages", "results")
@@ -76,17 +74,9 @@ def script() -> Callable[..., None]:
         **wildcards: str,
     ) -> None:
         files = output if isinstance(output, dict) else {"file": str(output)}
-        snakemake = SimpleNamespace(
-            config={"study_file": str(config)},
-            input=InputFiles(fromdict=input),
-            output=OutputFiles(fromdict=files),
-            params=SimpleNamespace(**params or {}),
-            threads=threads,
-            wildcards=Wildcards(fromdict=wildcards),
-        )
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(job, "begin", lambda: snakemake)
-            runpy.run_path(str(WORKFLOW / "scripts" / f"{name}.py"))
+        job = mock_snakemake(input=input, output=files, params=params, threads=threads, **wildcards)
+        module = runpy.run_path(str(WORKFLOW / "scripts" / f"{name}.py"))
+        module["main"](job, load_config(str(config)))
 
     return run
 

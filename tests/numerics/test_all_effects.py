@@ -11,11 +11,13 @@ from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import BesselMode
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.quantities.edge_loss import mean_changes
 from squeezefilm.quantities.model_error import (
     MODEL_TOLERANCE,
     error_budgets,
     resolve_auto_terms,
 )
+from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.solver import solve
 from verification.all_effects import Effects, force_on_grid, forces_on_grid
 from verification.modelling_errors import included_effects, interval_percent, random_film
@@ -64,6 +66,17 @@ def test_a_small_edge_loss_is_that_of_first_order(shape):
     (budget,) = error_budgets([scene])
     percent = 100 * (having_n / without_n - 1)
     assert budget.effects["edge_loss"].percent == pytest.approx(percent, rel=0.02)
+
+
+def test_the_edge_loss_of_a_film_that_newton_follows_in_shorter_steps_alone():
+    """A disc with a node at its rim: from no loss to the whole one Newton's method diverges."""
+    terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
+    scene = random_film(31).with_gas(**terms)
+    (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
+    ((change, _), (error, _)) = mean_changes([scene], [solution], device=choose_device())[..., 0]
+    both = [Effects(slip="first-order", edge_coefficient=each) for each in (0.0, 1.0)]
+    without_n, having_n = forces_on_grid(scene, both, points=64, instants=21)
+    assert change == pytest.approx(having_n / without_n - 1, abs=error)
 
 
 def test_auto_neglects_no_effect_whose_parts_cancel():

@@ -1,5 +1,7 @@
 """Methods without time steps against known values, the periodic solver and their own errors."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from films import PISTON, SINC, film, limit, mean_overpressure
@@ -7,15 +9,26 @@ from physics_facts import SINC_FAST, SINC_SECOND_ORDER, fast_piston
 
 from squeezefilm.film.profiles import Sinc
 from squeezefilm.reynolds.asymptotics import edge_layer
+from squeezefilm.reynolds.asymptotics import films as estimates
 from squeezefilm.reynolds.asymptotics.composite import (
     composite_expansion,
     edge_layer_expansion,
+    expanded,
     expansion_points,
     high_squeeze_limit,
     small_amplitude_expansion,
 )
 from squeezefilm.reynolds.asymptotics.films import expansion_axis
+from squeezefilm.reynolds.needs import needs_of
 from verification.edge_layers import excursions, layer
+from verification.estimates import film_of, read_films
+
+STORED = read_films(Path(__file__).parent / "data" / "expanded_films.csv")
+EXPANSIONS = {
+    "edge layer": edge_layer_expansion,
+    "second order": small_amplitude_expansion,
+    "composite": composite_expansion,
+}
 
 
 @pytest.mark.parametrize(
@@ -150,6 +163,21 @@ def test_error_estimates_hold_on_random_films(method, largest_median, random_fil
     assert min(ratios) > 1
     # Honest, but not by despair.
     assert np.median(ratios) < largest_median
+
+
+def error_over_estimate(row) -> float:
+    needs, layers = needs_of(film_of(row).scene), row["expansion"] != "edge layer"
+    found = expanded(EXPANSIONS[row["expansion"]], needs, [0], tolerance=1e-4, layers=layers)[0]
+    return abs(found.mean - row["force"]) / (found.error + row["force_error"])
+
+
+@pytest.mark.parametrize("number", STORED.index)
+def test_no_constant_of_an_expansion_s_estimate_is_there_for_nothing(number, monkeypatch):
+    """The error of a film is within the estimate, and outside without the constant."""
+    row = STORED.loc[number]
+    assert error_over_estimate(row) < 1
+    monkeypatch.setattr(estimates, row["guard"], 0.0)
+    assert error_over_estimate(row) > 1
 
 
 @pytest.fixture(scope="module")

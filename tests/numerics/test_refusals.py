@@ -23,12 +23,10 @@ COMPOSITE = "the composite expansion is "
     ("numbers", "pad", "method", "reason"),
     [
         (INERTIA | FACTOR, {}, "auto", "with fukui-kaneko"),
-        (INERTIA | SLIDING, {}, "auto", "not supported: inertia with a sliding pad"),
         (INERTIA, ELLIPSE, "composite", "derived for rectangular pads"),
         (INERTIA | TWO_PHASES, {}, "composite", COMPOSITE + "derived for one quadrature component"),
         (THERMAL | {"polytropic_exponent": 1.4}, {}, "auto", "another gas.polytropic_exponent"),
         (THERMAL | FACTOR, {}, "auto", "with fukui-kaneko"),
-        (THERMAL | SLIDING, {}, "auto", "not supported: thermal effects with a sliding pad"),
         (THERMAL, {}, "composite", COMPOSITE + "not derived with thermal effects"),
         (SLIDING, {}, "composite", COMPOSITE + "not derived with Couette term"),
         (SLIP, TILTED, "composite", COMPOSITE + "derived for a gap that is uniform at rest"),

@@ -116,6 +116,8 @@ def test_a_number_may_have_its_unit(text, unit, value):
 
 def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
     """It reads as the same, wherever it lies, and marks what was not written."""
+    (tmp_path / "disk/of/others").mkdir(parents=True)
+    (tmp_path / "results").symlink_to("disk/of/others")
     for name in ("vibrometer", "paper"):
         path = repository / "config" / f"{name}.yaml"
         config = load_config(path)

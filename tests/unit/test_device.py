@@ -79,6 +79,29 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
     assert "slip: " not in message
 
 
+AVX_512 = "flags : fma avx2 avx512f avx512dq avx512cd avx512bw avx512vl"
+
+
+@pytest.mark.parametrize(("flags", "numbers"), [(AVX_512, 8), (AVX_512[:-9], 4), ("", 4)])
+def test_vectors_are_those_of_the_processor_and_no_warning_is_printed(
+    flags, numbers, monkeypatch, tmp_path, capfd
+):
+    """PoCL's compiler takes many processors for older ones, without AVX-512."""
+    if "Portable Computing Language" not in choose_device().name:
+        pytest.skip("of PoCL alone")
+    told = tmp_path / "cpuinfo"
+    told.write_text(f"processor : 0\n{flags}\n")
+    monkeypatch.setattr(device, "CPU_INFO", told)
+    chosen = device._choose_device.__wrapped__("auto", None)
+    square = tmp_path / "square.cl"
+    square.write_text("kernel void square(vector a) { multiply(a, 4, 4, a, a, 4, 1, 0); }\n")
+    sources = ("linear_algebra.cl", "vectors.cl", str(square))
+    device.kernel(chosen, "square", sources=sources, header=f"// {tmp_path}: in no cache")
+    assert chosen.lanes(8) == numbers
+    assert device.describe(chosen)["vector_bytes"] == 8 * numbers
+    assert "warnings generated" not in capfd.readouterr().err
+
+
 def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
     chosen = choose_device()
     if "Portable Computing Language" not in chosen.name:

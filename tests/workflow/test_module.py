@@ -1,13 +1,19 @@
-"""A study given by another workflow, or twice on the command line, is used as given or refused."""
+"""The rules in other workflows and folders; a study given twice or wrong is refused."""
+
+import shutil
+import subprocess
 
 import pandas as pd
 import pytest
 import yaml
+from example_outline import STUDY as WITH_OUTLINE
+from example_outline import write_outline
 
 from squeezefilm.config.loading import load_config
+from squeezefilm.provenance import WORKFLOW
 from squeezefilm.tables import read_scenes
 
-from .conftest import copy_checkout, snakemake
+from .conftest import PARTS, copy_checkout, snakemake
 
 PREFIX = "große Läufe"
 SCENES = f"{PREFIX}/results/mine/simulations/screen/scenes.csv"
@@ -25,7 +31,7 @@ use rule * from film as film_*
 
 def test_a_module_makes_the_study_that_it_is_given(repository, tmp_path):
     """In a folder with spaces and umlauts, where the clone lies too, under a prefix with them."""
-    folder = tmp_path / "Ordner mit Umläuten äöü"
+    folder = tmp_path / "Ordner mit Umläuten äöü, it's one"
     clone = copy_checkout(repository, folder / "squeezefilm, Kopie")
     study = yaml.safe_load((repository / "config/quick.yaml").read_text(encoding="utf-8"))
     study["study"] = "mine"
@@ -44,6 +50,124 @@ def test_a_module_makes_the_study_that_it_is_given(repository, tmp_path):
         assert [path.name for path in (place / "results").iterdir()] == ["mine"]
     again = snakemake(folder, SCENES, "--cores", "1")
     assert "Nothing to be done" in again.stdout
+
+
+DEVICE = "results/mine/simulations/device.json"
+POSITIONS = "results/{study}/simulations/validation_four_factor/scenes.csv"
+DEPLOYED = """
+configfile: "config/config.yaml"
+
+module squeezefilm:
+    snakefile:
+        gitfile("{repository}", path="workflow/Snakefile", commit="{commit}")
+    config:
+        config
+
+use rule * from squeezefilm
+"""
+TWO = """
+module {study}:
+    snakefile: "{snakefile}"
+    config: yaml.safe_load(open("{study}.yaml"))
+
+use rule * from {study} as {study}_*
+"""
+FORCES = "h0_m,hv_m,force_n,force_uncertainty_n\n2e-5,5e-6,1e-3,1e-4\n"
+NOT_INSTALLED = "raise ModuleNotFoundError(name='squeezefilm')"
+
+
+@pytest.fixture
+def mine(repository):
+    """The quick study as another workflow gives it."""
+    study = yaml.safe_load((repository / "config/quick.yaml").read_text(encoding="utf-8"))
+    return {**study, "study": "mine"}
+
+
+def test_rules_come_from_a_git_repository(repository, mine, tmp_path):
+    """As `snakedeploy deploy-workflow` writes it; the packages are those installed."""
+    source, folder = tmp_path / "repository", tmp_path / "deployed"
+    source.mkdir()
+    git = ("git", "-C", str(source), "-c", "user.name=A", "-c", "user.email=a@b.c")
+    shutil.copytree(
+        repository,
+        source,
+        dirs_exist_ok=True,
+        ignore=lambda place, names: [
+            name for name in names if place == str(repository) and name not in PARTS
+        ],
+    )
+    for words in (("init", "-q"), ("add", "-A"), ("commit", "-qm", "rules")):
+        subprocess.run([*git, *words], check=True)
+    words = [*git, "rev-parse", "HEAD"]
+    commit = subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+    (folder / "config").mkdir(parents=True)
+    (folder / "config/config.yaml").write_text(yaml.safe_dump(mine), encoding="utf-8")
+    text = DEPLOYED.format(repository=source, commit=commit)
+    (folder / "Snakefile").write_text(text, encoding="utf-8")
+    installed = {"PYTHONPATH": str(WORKFLOW)}
+    done = snakemake(folder, DEVICE, "--cores", "1", environment=installed)
+    assert done.returncode == 0, done.stdout
+    assert (folder / DEVICE).exists()
+    (tmp_path / "none").mkdir()
+    (tmp_path / "none/squeezefilm.py").write_text(NOT_INSTALLED, encoding="utf-8")
+    without = {"PYTHONPATH": str(tmp_path / "none")}
+    refused = snakemake(folder, "--dry-run", environment=without)
+    assert refused.returncode != 0
+    assert "squeezefilm is not installed here; install" in refused.stdout
+    assert "Traceback" not in refused.stdout
+
+
+def test_two_studies_are_two_modules(repository, mine, tmp_path):
+    largest_gaps_m = {"thin": 7e-6, "thick": 2e-5}
+    for name, gap_m in largest_gaps_m.items():
+        h0 = {"start": 5e-6, "stop": gap_m, "levels": 3}
+        study = {**mine, "study": name, "screen": {**mine["screen"], "h0": h0}}
+        (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(study), encoding="utf-8")
+    place = {"snakefile": repository / "workflow/Snakefile"}
+    text = "import yaml\n" + "".join(TWO.format(study=name, **place) for name in largest_gaps_m)
+    (tmp_path / "Snakefile").write_text(text, encoding="utf-8")
+    targets = [POSITIONS.format(study=name) for name in largest_gaps_m]
+    done = snakemake(tmp_path, *targets, "--cores", "1")
+    assert done.returncode == 0, done.stdout
+    for name, gap_m in largest_gaps_m.items():
+        h0_m = read_scenes(tmp_path / POSITIONS.format(study=name))["h0_m"]
+        assert 0.8 * gap_m < h0_m.max() <= gap_m
+        assert any((tmp_path / "logs" / name).rglob("*.log"))
+    edited = tmp_path / "thick.yaml"
+    text = edited.read_text(encoding="utf-8").replace("stop: 2.0e-05", "stop: 2.5e-05")
+    edited.write_text(text, encoding="utf-8")
+    again = snakemake(tmp_path, *targets, "--dry-run").stdout
+    assert "thick_plan" in again
+    assert "thin_plan" not in again
+
+
+def test_a_clone_is_reached_through_a_link(repository, tmp_path):
+    copy_checkout(repository, tmp_path / "clone")
+    (tmp_path / "link").symlink_to("clone")
+    device = "results/quick/simulations/device.json"
+    done = snakemake(tmp_path / "link", device, "--configfile", "config/quick.yaml")
+    assert done.returncode == 0, done.stdout
+    assert (tmp_path / "clone/logs/quick/compile_kernels.log").exists()
+
+
+def test_results_are_a_link_and_a_finished_study_is_moved(repository, tmp_path):
+    """A study with an outline and measured forces, in another workflow, with a prefix."""
+    folder = tmp_path / "before"
+    (folder / "disk/of/results").mkdir(parents=True)
+    (folder / "results").symlink_to("disk/of/results")
+    write_outline(folder)
+    (folder / "forces.csv").write_text(FORCES, encoding="utf-8")
+    still = "gas: {inertia: none, thermal: none}\nmeasurements: {file: forces.csv}\n"
+    (folder / "mine.yaml").write_text(WITH_OUTLINE + still, encoding="utf-8")
+    text = OUTER.format(snakefile=repository / "workflow/Snakefile", prefix="under")
+    (folder / "Snakefile").write_text(text, encoding="utf-8")
+    target = "under/results/patch/measurements/summary.json"
+    done = snakemake(folder, target, "--cores", "1")
+    assert done.returncode == 0, done.stdout
+    moved = folder.rename(tmp_path / "after")
+    assert "Nothing to be done" in snakemake(moved, target, "--dry-run").stdout
+    copied = shutil.copytree(moved, tmp_path / "copy", symlinks=True)
+    assert "Nothing to be done" in snakemake(copied, target, "--dry-run").stdout
 
 
 @pytest.mark.parametrize(

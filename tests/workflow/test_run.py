@@ -4,6 +4,8 @@ import numpy
 
 from squeezefilm.tables import read_forces, read_json, read_scenes
 
+from .conftest import QUICK, snakemake
+
 
 def test_every_plan_has_a_force_for_every_point(finished):
     plans = sorted((finished.folder / "results/quick/simulations").glob("*/scenes.csv"))
@@ -21,3 +23,15 @@ def test_what_made_the_results_is_written_down(finished):
     assert facts["packages"]["numpy"] == numpy.__version__
     assert facts["configuration"]["screen"]["h0_m"]["start"] == 5e-6
     assert {"date", "commit", "changed_since_commit"} < facts.keys()
+
+
+def test_the_last_line_of_a_run_names_its_page(finished):
+    assert "Open results/quick/report/summary.html\n" in finished.log
+
+
+def test_the_report_is_made_without_warnings(finished, tmp_path):
+    page = tmp_path / "report.html"
+    done = snakemake(finished.folder, "paper", *QUICK, "--report", str(page))
+    assert done.returncode == 0, done.stdout
+    assert page.exists()
+    assert "Warning" not in done.stdout

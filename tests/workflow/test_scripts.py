@@ -11,6 +11,8 @@ from verification.run_times import paper_times
 from .conftest import snakemake
 
 RULE = """
+config["study_file"] = "{study}"
+
 rule job:
     output: "result.csv"
     log: "logs/job.log"
@@ -20,29 +22,38 @@ rule job:
 SCRIPT = """
 import os
 import subprocess
-from scripts.job import begin
 from squeezefilm.errors import InputError
+from squeezefilm_workflow.job import run
 
-snakemake = begin()
-print("printed", os.environ["POCL_MAX_PTHREAD_COUNT"])
-subprocess.run(["echo", "by another program"])
-with open(snakemake.output[0], "w") as file:
-    file.write("half")
-    file.flush()
-    {end}
+
+def main(snakemake, config):
+    print("printed", os.environ["POCL_MAX_PTHREAD_COUNT"])
+    subprocess.run(["echo", "by another program"])
+    with open(snakemake.output[0], "w") as file:
+        file.write("half")
+        file.flush()
+        {end}
+
+
+run(main, snakemake)
 """
+
+BUFFERED = {"PYTHONUNBUFFERED": ""}
+"""The environment of a user: standard output of a script that goes to a file is buffered."""
 
 
 @pytest.fixture
-def run(tmp_path):
+def run(tmp_path, repository):
     folder = tmp_path / "Ordner mit Umläuten"
     folder.mkdir()
 
     def run(end: str) -> tuple[int, str, str, Path]:
-        (folder / "Snakefile").write_text(RULE, encoding="utf-8")
+        (folder / "Snakefile").write_text(
+            RULE.format(study=repository / "config/quick.yaml"), encoding="utf-8"
+        )
         (folder / "job's script.py").write_text(SCRIPT.format(end=end), encoding="utf-8")
         path = os.pathsep.join([str(WORKFLOW), os.environ.get("PYTHONPATH", "")])
-        done = snakemake(folder, "--cores", "1", environment={"PYTHONPATH": path})
+        done = snakemake(folder, "--cores", "1", environment={"PYTHONPATH": path, **BUFFERED})
         log = (folder / "logs/job.log").read_text(encoding="utf-8")
         return done.returncode, done.stdout, log, folder / "result.csv"
 

@@ -1,9 +1,14 @@
 """Every target can be planned, from nothing, and makes its own part alone."""
 
 import re
+import shutil
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
+import yaml
 
 from .conftest import Planner, copy_checkout, snakemake
 
@@ -65,3 +70,52 @@ def test_a_study_that_is_not_the_papers_makes_nothing_of_the_paper(fresh, study)
     assert f"results/{study}/report/summary.html" in done.stdout
     assert (f"results/{study}/figures/profile.png" in done.stdout) == (study == "plate")
     assert not re.search(r"claims|fig\d\d|tables/table", done.stdout)
+
+
+@pytest.fixture
+def make(repository):
+    """A function that runs make in a folder with this Makefile, its .venv this environment."""
+
+    def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+        (folder / ".venv").mkdir(parents=True)
+        (folder / ".venv/bin").symlink_to(Path(sys.executable).parent)
+        for name in ("Makefile", "requirements.lock", "pyproject.toml"):
+            shutil.copy(repository / name, folder / name)
+        (folder / ".venv/.run").touch()
+        words = ("make", "--no-print-directory", *words)
+        return subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
+
+    return run
+
+
+@pytest.mark.skipif(not shutil.which("make"), reason="no make")
+@pytest.mark.parametrize("name", ["mit Leerzeichen", "it's one", "a & b", "x(1)"])
+def test_make_says_at_once_in_which_folders_it_cannot_work(name, make, tmp_path):
+    started_s = time.monotonic()
+    done = make(tmp_path / name, "quick", "--dry-run")
+    assert time.monotonic() - started_s < 1
+    assert done.returncode != 0
+    assert f"{name}, has " in done.stderr
+    assert make(tmp_path / "Umläute", "quick", "--dry-run").returncode == 0
+
+
+@pytest.mark.skipif(not shutil.which("make"), reason="no make")
+@pytest.mark.parametrize("target", ["report", "resume"])
+def test_make_reads_the_study_before_snakemake_does(target, make, tmp_path):
+    """Snakemake ends in a traceback where a file is not UTF-8 or is not there."""
+    done = make(tmp_path / "folder", target, "CONFIG=none.yaml")
+    assert done.returncode != 0
+    assert "squeezefilm: error: none.yaml: there is no such configuration file" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_profiles_are_as_quiet_and_as_careful_as_the_default(repository):
+    read = {
+        name: yaml.safe_load((repository / f"profiles/{name}/config.yaml").read_text("utf-8"))
+        for name in ("default", "generic", "slurm")
+    }
+    kept = ("quiet", "show-failed-logs", "rerun-incomplete", "keep-going", "rerun-triggers")
+    for name in ("generic", "slurm"):
+        assert {key: read[name].get(key) for key in kept} == {
+            key: read["default"][key] for key in kept
+        }

@@ -1,6 +1,6 @@
 # A finished study beside its stored reference: `snakemake check`.
 
-REFERENCE = LIBRARY.parent / "tests" / "reference" / STUDY
+REFERENCE = RULES.parents[1] / "tests" / "reference" / STUDY
 
 
 rule checked:
@@ -16,7 +16,7 @@ rule checked:
 rule compare_with_reference:
     input:
         rules.checked.input,
-        reference=[relative(path) for path in sorted(REFERENCE.glob("*.*"))],
+        reference=[source_file(path) for path in sorted(REFERENCE.glob("*.*"))],
     output:
         csv="<results>/check/check.csv",
         text="<results>/check/check.txt",
@@ -26,10 +26,16 @@ rule compare_with_reference:
             page="Every number beside the stored reference",
             caption="check",
         ),
+    log:
+        "<logs>/compare_with_reference.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
+        code=code_of("figures", "page"),
         study=sections(),
         page="check",
-        about=lambda wildcards: {"reference": relative(REFERENCE)},
+        about=lambda wildcards: {"reference": in_folder(REFERENCE)},
     message:
         "Every number beside its reference"
     script:
@@ -42,6 +48,7 @@ rule check:
         text=rules.compare_with_reference.output.text,
     log:
         "<logs>/check/verdict.log",
+    localrule: True
     message:
         "Is everything as in the reference?"
     shell:

@@ -1,20 +1,20 @@
 # What all stages share: the study, what makes results anew, the call of a command.
 
-import atexit
 import hashlib
 import json
 import sys
+import time
+from functools import cache
 from pathlib import Path
 from shlex import quote
 
-LIBRARY = Path(workflow.current_basedir).parent.resolve()
-IS_MODULE = not workflow.modifier.is_main_snakefile()
-sys.path.insert(0, str(LIBRARY))
+import yaml
 
-from squeezefilm.files import digest as file_digest, remove_parts, write_text
-from squeezefilm.errors import InputError
-from squeezefilm.provenance import SOURCES, code_digest
-from squeezefilm.config.loading import configfiles_in, load_config, write_effective, written_study
+# In a clone the packages lie beside the rules; rules that come from elsewhere use those installed.
+RULES = Path(str(workflow.current_basedir))
+IN_CLONE = (RULES.parent / "squeezefilm").is_dir()
+if IN_CLONE:
+    sys.path.insert(0, str(RULES.parent))
 
 
 def refuse(message):
@@ -23,45 +23,59 @@ def refuse(message):
     sys.exit(2)
 
 
-def relative(path):
-    """The path from the working directory: the same in every copy of the checkout.
+try:
+    from squeezefilm.files import digest, remove_parts, write_text
+    from squeezefilm.errors import InputError
+    from squeezefilm.provenance import SOURCES, code_digest
+    from squeezefilm.config.loading import load_config, write_effective, written_study
+    import squeezefilm_workflow
+except ImportError as error:
+    refuse(
+        f"the rules call Python packages, of which {error.name} is not installed here; install "
+        "them from the repository and the version of the rules: "
+        "pip install 'squeezefilm[workflow] @ git+REPOSITORY@VERSION'"
+    )
 
-    In a module it stays absolute, or the module's prefix would be put before it.
+
+def in_folder(path):
+    """A path from the working directory, if it lies there: the same in every copy of the folder."""
+    path, folder = Path(path).resolve(), Path.cwd().resolve()
+    return str(path.relative_to(folder) if path.is_relative_to(folder) else path)
+
+
+def source_file(path):
+    """A file that no rule makes, as an input; a module's prefix is not put before it."""
+    return local(in_folder(path))
+
+
+def given_study():
+    """The study: one file of --configfile, or the paper's; the config of another workflow.
+
+    Several files would be merged key by key, and a missing key would silently be the paper's. The
+    config that a module is given is written into a file.
     """
-    path = Path(path).resolve()
-    if IS_MODULE:
-        return str(path)
-    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
-
-
-def config_path():
-    """The one configuration file: the paper's, unless --configfile names another.
-
-    Several files would be merged key by key, and a missing key would silently be the paper's. As a
-    module of another workflow: the file into which the module's config is written.
-    """
-    if IS_MODULE:
-        return relative(written_study(config, results=Path("results")))
-    if workflow.config_settings.config:
+    if "STUDY_FILES" not in globals():
+        return load_config(written_study(config, results=Path("results")))
+    files = [in_folder(path) for path in STUDY_FILES]
+    if len(files) > 1:
+        raise InputError(
+            f"--configfile names {' and '.join(files)}: give one, for a mixture would be a study "
+            "that nobody wrote down"
+        )
+    study = load_config(files[0] if files else in_folder(RULES.parents[1] / "config/paper.yaml"))
+    if config != (yaml.safe_load(study.path.read_text("utf-8")) if files else {}):
         raise InputError(
             "--config sets single keys past the file's checks; write a file and give --configfile"
         )
-    named = workflow.overwrite_configfiles
-    if len(several := max(named, configfiles_in(sys.argv[1:]), key=len)) > 1:
-        raise InputError(
-            f"--configfile names {' and '.join(map(str, several))}: give one, for a mixture would "
-            "be a study that nobody wrote down"
-        )
-    return relative(named[0] if named else LIBRARY.parent / "config" / "paper.yaml")
+    return study
 
 
 try:
-    CONFIG_FILE = config_path()
-    CONFIG = load_config(CONFIG_FILE)
+    CONFIG = given_study()
 except InputError as error:
     refuse(error)
 # All that scripts read of Snakemake's configuration.
-config = {"study_file": CONFIG_FILE}
+config = {"study_file": str(CONFIG.path)}
 STUDY = CONFIG.study
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
 PAPER = CONFIG.paper
@@ -74,6 +88,14 @@ MEASURED = CONFIG.measurements and CONFIG.measurements.file
 # What decides a job's numbers beside its input files are parameters of its rule, so that Snakemake
 # makes anew what an edit reaches: a digest of its stage's code, and sections of the study.
 CODE = {stage: code_digest(stage) for stage in SOURCES}
+
+
+@cache
+def code_of(stage, script):
+    """A digest of the code that decides what a rule makes: its stage's, and its script."""
+    return f"{CODE[stage]} {digest(Path(workflow.source_path(f'../scripts/{script}.py')))}"
+
+
 SHAPES = ["actuator", "pad"]
 FILM = ["gas", *SHAPES]
 
@@ -91,7 +113,7 @@ def sections(*names):
         )
         if file and section in found
     ]
-    found["files"] = [file_digest(file) for file in named if file.is_file()]
+    found["files"] = [digest(file) for file in named if file.is_file()]
     # The same text however a number is written: 43270, 43270.0 or 43.27 kHz.
     return json.dumps(json.loads(json.dumps(found), parse_int=float), sort_keys=True)
 
@@ -168,8 +190,8 @@ def sources_of_plan(wildcards):
     return expand("<results>/{file}", file=PLANS[wildcards.plan][1])
 
 
-def code_of_plan(wildcards):
-    return CODE["models" if wildcards.plan == "extrapolation" else "solver"]
+def stage_of_plan(plan):
+    return "models" if plan == "extrapolation" else "solver"
 
 
 def chunk_files(wildcards, kind):
@@ -184,11 +206,6 @@ def chunk_files(wildcards, kind):
 def validations(space):
     """Each fit of one of the paper's models, and each plan that it is judged on."""
     return expand("{fit}_on_{plan}", fit=FITS[space], plan=JUDGED_ON[space])
-
-
-def results_folder(wildcards, output):
-    """The folder of the study's results, of which any output is a part."""
-    return f"{str(output[0]).partition(f'results/{STUDY}/')[0]}results/{STUDY}"
 
 
 def limit_tables(space):
@@ -234,7 +251,7 @@ def drawing(place):
     folder, name = place.split("/")
     caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
     caption = caption.get(folder, name)
-    text = (LIBRARY / f"report/captions/{caption}.rst").read_text(encoding="utf-8")
+    text = Path(workflow.source_path(f"../report/captions/{caption}.rst")).read_text("utf-8")
     shows = text.split("**")[1].rpartition(": ")[2].rstrip(".")
     return listed(
         f"{place}.svg",
@@ -245,15 +262,16 @@ def drawing(place):
     )
 
 
-# Put before the command of every job. The library is found installed or not. Threads of BLAS that
-# wait for work count as processor time, and a job has its own processes. A job on a cluster's node
-# keeps its compiled kernels there, in Snakemake's tmpdir: home directories are shared by nodes that
-# may differ, over a network that may not lock.
+# Put before the command of every job. Threads of BLAS that wait for work count as processor time,
+# and a job has its own processes.
 shell.prefix(
     "set -euo pipefail; export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 "
-    + ("SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}} " if workflow.remote_exec else "")
-    + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.pickle')} " if SCAN else "")
-    + f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
+    + (
+        f"PYTHONPATH={quote(str(RULES.parent))}${{{{PYTHONPATH:+:$PYTHONPATH}}}}"
+        if IN_CLONE
+        else ""
+    )
+    + "; "
 )
 
 
@@ -273,23 +291,18 @@ onstart:
         refuse(error)
 
 
-succeeded = []
+# Pages that show what others show too, the last one to be made first.
+FRONT_PAGES = ["check", "equations", "summary"]
+STARTED_S = time.time()
 
 
+# Names the page to look at among those that were made.
 onsuccess:
-    succeeded.append(True)
-
-
-@atexit.register
-def name_page():
-    """Name the page of the target, if there is one, last of all; also where nothing was to do."""
-    ran = workflow.scheduler is not None and workflow.is_main_process and not workflow.dryrun
-    if IS_MODULE or not ran or (len(workflow.dag) and not succeeded):
-        return
-    for job in sorted(workflow.dag.targetjobs, key=str):
-        made = sorted(file for file in map(str, [*job.input, *job.output]) if Path(file).exists())
-        files = [file for file in made if not file.endswith(".plain.png")]
-        shown = [file for end in (".html", ".png") for file in files if file.endswith(end)]
-        own = [file for file in shown if Path(file).stem in ("summary", job.rule.name)]
-        for page in (own or shown)[:1]:
-            print(f"Open {page}", flush=True)
+    made = [
+        path for path in Path("results", STUDY).rglob("*.*") if path.stat().st_mtime > STARTED_S
+    ]
+    pages = [path for path in made if path.suffix == ".html"]
+    fronts = [path for name in FRONT_PAGES for path in pages if path.stem == name]
+    figures = [path for path in made if path.suffix == ".png" and ".plain" not in path.name]
+    for page in [*fronts, *sorted(pages), *sorted(figures)][:1]:
+        print(f"Open {page}", flush=True)

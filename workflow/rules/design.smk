@@ -8,10 +8,15 @@ rule design_two_factor:
         design="<results>/designs/two_factor.csv",
         searches="<results>/designs/two_factor_searches.csv",
         summary="<results>/designs/two_factor.json",
+    log:
+        "<logs>/design_two_factor.log",
     priority: 2
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     threads: cores_for(CONFIG.design.searches)
     params:
-        code=CODE["models"],
+        code=code_of("models", "design"),
         study=sections("design", "screen"),
     message:
         "D-optimal searches with the two-factor model"
@@ -26,9 +31,11 @@ use rule design_two_factor as design_four_factor with:
         paper="<results>/designs/four_factor.csv",
         distinct="<results>/designs/four_factor_distinct.csv",
         summary="<results>/designs/four_factor.json",
+    log:
+        "<logs>/design_four_factor.log",
     threads: cores_for(CONFIG.four_factor_design.searches)
     params:
-        code=CODE["models"],
+        code=code_of("models", "design"),
         study=sections("four_factor_design", "positions", "screen", *SHAPES),
     message:
         "D-optimal searches with the four-factor model"

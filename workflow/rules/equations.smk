@@ -20,7 +20,13 @@ if BOTH_MADE:
                 page="4 Inertia: does the paper's conclusion survive?",
                 caption="equations",
             ),
+        log:
+            "<logs>/equations.log",
+        localrule: True
+        conda:
+            "../../envs/workflow.yaml"
         params:
+            code=code_of("figures", "page"),
             page="equations",
             about={"sides": expand("results/{side}", side=SIDES)},
         message:

@@ -13,7 +13,13 @@ rule explorer:
         expand("<results>/simulations/screen/{table}.csv", table=["response", "gains"]),
     output:
         "<results>/explorer.html",
+    log:
+        "<logs>/explorer.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
+        code=code_of("figures", "explorer"),
         study=sections(),
         fits=EXPLORER_FITS,
         candidates=candidates("four_factor"),

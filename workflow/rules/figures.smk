@@ -105,7 +105,13 @@ for page, (places, files) in {
             [f"<results>/check/{place}.plain.png" for place in places if page in PAGES],
             # The paper's numbered figures keep the table that they draw.
             [f"<results>/{place}.csv" for place in places if place.startswith("figures/fig")],
+        log:
+            f"<logs>/draw_{page}.log",
+        localrule: True
+        conda:
+            "../../envs/workflow.yaml"
         params:
+            code=code_of("figures", "draw_figures"),
             study=sections(),
         message:
             f"Draw the figures of {page}"
@@ -149,6 +155,13 @@ if PAPER:
             ],
             "<results>/claims.csv",
             expand("<results>/tables/table{number}.csv", number=TABLES),
+        log:
+            "<logs>/paper_tables.log",
+        localrule: True
+        conda:
+            "../../envs/workflow.yaml"
+        params:
+            code=code_of("figures", "paper_tables"),
         message:
             "The paper's tables and claims beside ours"
         script:

@@ -11,11 +11,16 @@ rule fit:
     output:
         fits=["<results>/fits/{fit}.json"],
         runs="<results>/fits/{fit}_runs.csv",
+    log:
+        "<logs>/fit/{fit}.log",
     # All that is designed and judged waits for it.
     priority: 2
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     threads: cores_for(CONFIG.fit.seeds.two_factor + CONFIG.fit.seeds.four_factor)
     params:
-        code=CODE["models"],
+        code=code_of("models", "fit"),
         study=sections("fit", "models", "screen", "positions", *SHAPES),
         models=lambda wildcards: [MODEL_OF_FIT[wildcards.fit]],
         seeds=None,

@@ -3,13 +3,18 @@
 
 rule compare_measurements:
     input:
-        table=ancient(relative(CONFIG.path.parent / MEASURED)) if MEASURED else [],
+        table=ancient(source_file(CONFIG.path.parent / MEASURED)) if MEASURED else [],
         kernels=rules.compile_kernels.output,
     output:
         comparison="<results>/measurements/comparison.csv",
         summary="<results>/measurements/summary.json",
+    log:
+        "<logs>/compare_measurements.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
-        code=CODE["solver"],
+        code=code_of("solver", "measurements"),
         study=sections("solver", *FILM, *(["measurements"] if MEASURED else [])),
     message:
         "Measured forces beside computed ones"

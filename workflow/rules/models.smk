@@ -14,8 +14,13 @@ rule limit_table:
         profile=SMOOTHED,
     output:
         "<results>/models/limit_table.json",
+    log:
+        "<logs>/limit_table.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
-        code=CODE["models"],
+        code=code_of("models", "limit_table"),
         study=sections("screen", "positions", *FILM),
     message:
         "Asymptotic forces over the space, for models that use them"
@@ -37,8 +42,13 @@ for space, (plan, *_) in FITS.items():
         output:
             fits=candidate_files(space),
             limits=limit_tables(space),
+        log:
+            f"<logs>/fit_candidates_{space}.log",
+        localrule: True
+        conda:
+            "../../envs/workflow.yaml"
         params:
-            code=CODE["models"],
+            code=code_of("models", "fit"),
             study=sections("fit", "models", "screen", "positions", *FILM),
             models=candidates(space),
             seeds=1,
@@ -59,7 +69,13 @@ rule compare:
         table="<results>/models/{space}.csv",
         errors="<results>/models/{space}_errors.csv",
         page=listed("models/{space}.html", "6 Models", caption="models", shows="table, {space}"),
+    log:
+        "<logs>/compare/{space}.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
+        code=code_of("figures", "page"),
         study=sections("comparison", "screen", *FILM),
         page="models",
     message:
@@ -77,7 +93,13 @@ rule recommend:
         [f"<results>/fits/{plan}.json" for plan, *_ in FITS.values()],
     output:
         "<results>/models/recommended.csv",
+    log:
+        "<logs>/recommend.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
+        code=code_of("figures", "recommend"),
         study=sections("extrapolation"),
     message:
         "The best model, and the amplitude for the target force at each position"

@@ -5,14 +5,20 @@ if SCAN:
     # Everything else waits for this.
     rule smooth:
         input:
-            scan=ancient(relative(CONFIG.path.parent / SCAN)),
+            scan=ancient(source_file(CONFIG.path.parent / SCAN)),
         output:
             SMOOTHED,
+        log:
+            "<logs>/smooth.log",
+        benchmark:
+            "<benchmarks>/smooth.tsv"
+        conda:
+            "../../envs/workflow.yaml"
         resources:
             mem_mb=4000,
             runtime=30,
         params:
-            code=CODE["solver"],
+            code=code_of("solver", "smooth"),
             study=sections("actuator"),
         message:
             "Make a smooth profile of the scan"
@@ -26,11 +32,17 @@ if SCAN:
             summary="<results>/profile/summary.json",
             forces="<results>/profile/forces.csv",
             figure="<results>/figures/profile.csv",
+        log:
+            "<logs>/smooth_profile.log",
+        benchmark:
+            "<benchmarks>/smooth_profile.tsv"
+        conda:
+            "../../envs/workflow.yaml"
         resources:
             mem_mb=2000,
             runtime=30,
         params:
-            code=CODE["solver"],
+            code=code_of("solver", "profile"),
             study=sections("solver", "screen", "positions", *FILM),
         message:
             "Smooth the measured profile; simulate it with other noise"

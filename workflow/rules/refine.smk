@@ -17,8 +17,13 @@ rule optimal_design:
         efficiencies="<results>/designs/optimal_{space}_plans.csv",
         sensitivity="<results>/designs/optimal_{space}_sensitivity.csv",
         summary="<results>/designs/optimal_{space}.json",
+    log:
+        "<logs>/optimal_design/{space}.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
-        code=CODE["models"],
+        code=code_of("models", "optimal_designs"),
         study=sections("screen", "positions", "optimal", *FILM),
     message:
         "D-optimal designs of the {wildcards.space} model, with bounds of their efficiency"
@@ -41,11 +46,17 @@ rule refine_model:
         scan=SCAN_SUMMARY,
     output:
         **{Path(name).stem: f"<results>/refine/{{space}}/{{model}}/{name}" for name in REFINED},
+    log:
+        "<logs>/refine_model/{model}/{space}.log",
+    benchmark:
+        "<benchmarks>/refine_model/{model}/{space}.tsv"
+    conda:
+        "../../envs/workflow.yaml"
     resources:
         mem_mb=2000,
         runtime=60,
     params:
-        code=CODE["models"],
+        code=code_of("models", "refine"),
         study=sections("solver", "screen", "positions", "fit", "models", "refine", *FILM),
     message:
         "Refine {wildcards.model} over the {wildcards.space} space"
@@ -66,7 +77,13 @@ rule refine_report:
             caption="refine",
             shows="table, {space}",
         ),
+    log:
+        "<logs>/refine_report/{space}.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
+        code=code_of("figures", "page"),
         study=sections("refine", "screen", *FILM),
         page="refine",
     message:

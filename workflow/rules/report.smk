@@ -37,7 +37,13 @@ rule summary:
         ),
         front="<results>/report/front.rst",
         provenance="<results>/provenance.json",
+    log:
+        "<logs>/summary.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
+        code=code_of("figures", "page"),
         study=sections(),
         page="summary",
         about={
@@ -66,7 +72,13 @@ if PAPER:
                 page="3 Uncertainty: what would explain a difference from the paper",
                 caption="uncertainty",
             ),
+        log:
+            "<logs>/uncertainty_table.log",
+        localrule: True
+        conda:
+            "../../envs/workflow.yaml"
         params:
+            code=code_of("figures", "page"),
             study=sections("solver", "screen", "extrapolation", *FILM),
             page="uncertainty",
         message:

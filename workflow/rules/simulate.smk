@@ -17,8 +17,13 @@ rule compile_kernels:
         profile=SMOOTHED,
     output:
         "<results>/simulations/device.json",
+    log:
+        "<logs>/compile_kernels.log",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
-        code=CODE["solver"],
+        code=code_of("solver", "compile_kernels"),
         study=sections("solver", *FILM),
     message:
         "Compile the kernels"
@@ -34,14 +39,20 @@ rule simulate_plan:
         scenes=f"{PLAN}/scenes.{{suffix}}",
         forces=f"{PLAN}/forces.{{suffix}}",
         timings=f"{PLAN}/timings.{{suffix}}",
+    log:
+        "<logs>/simulate_plan/{plan}/{suffix}.log",
+    benchmark:
+        "<benchmarks>/simulate_plan/{plan}/{suffix}.tsv"
     wildcard_constraints:
         plan="|".join(plan for plan in PLANS if plan not in DIVIDED),
     priority: 1
+    conda:
+        "../../envs/workflow.yaml"
     resources:
         mem_mb=lambda wildcards, attempt: 2000 * attempt,
         runtime=lambda wildcards, attempt: 30 * attempt,
     params:
-        code=code_of_plan,
+        code=lambda wildcards: code_of(stage_of_plan(wildcards.plan), "simulate"),
         study=lambda wildcards: sections("solver", "outputs", *FILM, *PLANS[wildcards.plan][0]),
         # A scene of a validation sample that has no force counts as infinitely wrong.
         keep_failed=lambda wildcards: wildcards.plan.startswith("validation_"),
@@ -57,10 +68,15 @@ rule plan:
         sources=sources_of_plan,
     output:
         f"{PLAN}/scenes.{{suffix}}",
+    log:
+        "<logs>/plan/{plan}/{suffix}.log",
     wildcard_constraints:
         plan="|".join(DIVIDED) or "(?!)",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
-        code=code_of_plan,
+        code=lambda wildcards: code_of(stage_of_plan(wildcards.plan), "plan"),
         study=lambda wildcards: sections(*FILM, *PLANS[wildcards.plan][0]),
     message:
         "Points to simulate: {wildcards.plan}"
@@ -75,10 +91,14 @@ use rule simulate_plan as simulate with:
     output:
         forces=f"{PLAN}/chunks/{{chunk}}-of-{{chunks}}.{{suffix}}",
         timings=f"{PLAN}/chunks/{{chunk}}-of-{{chunks}}.timings.{{suffix}}",
+    log:
+        "<logs>/simulate/{chunk}/{chunks}/{plan}/{suffix}.log",
+    benchmark:
+        "<benchmarks>/simulate/{chunk}/{chunks}/{plan}/{suffix}.tsv"
     wildcard_constraints:
         plan="|".join(PLANS),
     params:
-        code=CODE["solver"],
+        code=code_of("solver", "simulate"),
         study=sections("solver", "outputs", *FILM),
     message:
         "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
@@ -92,10 +112,15 @@ rule merge:
     output:
         forces=f"{PLAN}/forces.{{suffix}}",
         timings=f"{PLAN}/timings.{{suffix}}",
+    log:
+        "<logs>/merge/{plan}/{suffix}.log",
     wildcard_constraints:
         plan="|".join(DIVIDED) or "(?!)",
+    localrule: True
+    conda:
+        "../../envs/workflow.yaml"
     params:
-        code=CODE["solver"],
+        code=code_of("solver", "merge"),
         keep_failed=lambda wildcards: wildcards.plan.startswith("validation_"),
     message:
         "Forces of {wildcards.plan}: every point solved?"
@@ -121,8 +146,13 @@ for plan, tables in FILM_TABLES.items():
             kernels=rules.compile_kernels.output,
         output:
             expand(f"<results>/simulations/{plan}/{{table}}.csv", table=tables),
+        log:
+            f"<logs>/films_{plan}.log",
+        localrule: True
+        conda:
+            "../../envs/workflow.yaml"
         params:
-            code=CODE["figures" if "film" in tables else "solver"],
+            code=code_of("figures" if "film" in tables else "solver", "film_tables"),
             study=sections("solver", *FILM),
         message:
             f"Tables of the films of {plan}: {', '.join(tables)}"

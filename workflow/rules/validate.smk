@@ -14,8 +14,13 @@ for space, plans in JUDGED_ON.items():
         output:
             errors=expand("<results>/validation/{pair}.csv", pair=validations(space)),
             summary=expand("<results>/validation/{pair}.json", pair=validations(space)),
+        log:
+            f"<logs>/validate_{space}.log",
+        localrule: True
+        conda:
+            "../../envs/workflow.yaml"
         params:
-            code=CODE["models"],
+            code=code_of("models", "validate"),
             study=sections("validation"),
         message:
             f"Validate the fits of the {space} model"

@@ -9,12 +9,18 @@ rule work_precision:
         fit="<results>/fits/screen.json",
     output:
         "<results>/numerics/work_precision.csv",
+    log:
+        "<logs>/work_precision.log",
+    benchmark:
+        "<benchmarks>/work_precision.tsv"
+    conda:
+        "../../envs/workflow.yaml"
     threads: ALONE
     resources:
         mem_mb=2000,
         runtime=30,
     params:
-        code=CODE["verification"],
+        code=code_of("verification", "work_precision"),
         study=sections("solver", "numerics"),
     message:
         "Error against run time of the solver and of other methods"
@@ -25,11 +31,17 @@ rule work_precision:
 rule stability:
     output:
         "<results>/numerics/stability.csv",
+    log:
+        "<logs>/stability.log",
+    benchmark:
+        "<benchmarks>/stability.tsv"
+    conda:
+        "../../envs/workflow.yaml"
     resources:
         mem_mb=2000,
         runtime=30,
     params:
-        code=CODE["verification"],
+        code=code_of("verification", "stability"),
         study=sections("solver", "numerics"),
     message:
         "Stiff and extreme films, each with a verdict"
@@ -42,11 +54,17 @@ rule ablation:
         scenes=expand(f"{PLAN}/scenes.csv", plan=["screen", "four_factor"]),
     output:
         "<results>/numerics/ablation.csv",
+    log:
+        "<logs>/ablation.log",
+    benchmark:
+        "<benchmarks>/ablation.tsv"
+    conda:
+        "../../envs/workflow.yaml"
     threads: ALONE
     resources:
         mem_mb=2000,
     params:
-        code=CODE["verification"],
+        code=code_of("verification", "ablation"),
         study=sections("solver", "numerics", *FILM),
     message:
         "What simplifications save, and that they cost no accuracy"
@@ -57,11 +75,17 @@ rule ablation:
 rule published:
     output:
         "<results>/numerics/published.csv",
+    log:
+        "<logs>/published.log",
+    benchmark:
+        "<benchmarks>/published.tsv"
+    conda:
+        "../../envs/workflow.yaml"
     resources:
         mem_mb=2000,
         runtime=30,
     params:
-        code=CODE["verification"],
+        code=code_of("verification", "published"),
         study=sections("solver", "numerics"),
     message:
         "Published numbers beside exact solutions and the solver"

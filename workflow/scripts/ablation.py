@@ -2,26 +2,31 @@
 
 import pandas as pd
 
-from scripts.job import begin_with_study
 from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import read_scenes, write_table
+from squeezefilm_workflow.job import Job, Study, run
 from verification.ablation import ablation
 
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 
-snakemake, config = begin_with_study()
-device, repeats = device_of(config), config.numerics.repeats
-points = pd.concat([read_scenes(path) for path in snakemake.input.scenes])
-settings = solver_settings(config, outputs=())
-scenes = settings.resolved(scenes_in(points, config))
-table = ablation(scenes, tolerances=TOLERANCES, repeats=repeats, device=device)
-write_table(table.assign(repeats=repeats, device=device.name), snakemake.output[0])
-print(table.to_string(index=False))
-# The promise to a user: no error above the tolerance, and estimates honest in 99 %.
-judged = table[table["coverage"].notna()]
-wrong = judged[(judged["worst_error"] > judged["tolerance"]) | (judged["coverage"] < 0.99)]
-if len(wrong):
-    names = ", ".join(f"{row.re_enabled} at {row.tolerance:g}" for row in wrong.itertuples())
-    raise RunError(f"error above the tolerance, or estimates that do not cover it: {names}")
+
+def main(snakemake: Job, config: Study) -> None:
+    device, repeats = device_of(config), config.numerics.repeats
+    points = pd.concat([read_scenes(path) for path in snakemake.input.scenes])
+    settings = solver_settings(config, outputs=())
+    scenes = settings.resolved(scenes_in(points, config))
+    table = ablation(scenes, tolerances=TOLERANCES, repeats=repeats, device=device)
+    write_table(table.assign(repeats=repeats, device=device.name), snakemake.output[0])
+    print(table.to_string(index=False))
+    # The promise to a user: no error above the tolerance, and estimates honest in 99 %.
+    judged = table[table["coverage"].notna()]
+    wrong = judged[(judged["worst_error"] > judged["tolerance"]) | (judged["coverage"] < 0.99)]
+    if len(wrong):
+        names = ", ".join(f"{row.re_enabled} at {row.tolerance:g}" for row in wrong.itertuples())
+        raise RunError(f"error above the tolerance, or estimates that do not cover it: {names}")
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -1,8 +1,13 @@
 """Compile the kernels of the study and write which device they are for."""
 
-from scripts.job import begin_with_study
 from squeezefilm.api.forces import compile_kernels
 from squeezefilm.tables import write_json
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, config = begin_with_study()
-write_json(compile_kernels(config), snakemake.output[0])
+
+def main(snakemake: Job, config: Study) -> None:
+    write_json(compile_kernels(config), snakemake.output[0])
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -1,12 +1,17 @@
 """Search the paper's D-optimal points of a fitted model, for two factors or for four."""
 
-from scripts.job import begin_with_study, write
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
+from squeezefilm_workflow.job import Job, Study, run, write
 
-snakemake, config = begin_with_study()
-fit = read_fit(snakemake.input.fit)
-designs_of = {"two_factor": two_factor_designs, "four_factor": four_factor_designs}[fit.model]
-with naming(snakemake.input.fit):
-    write(snakemake.output, **designs_of(fit, config, processes=snakemake.threads))
+
+def main(snakemake: Job, config: Study) -> None:
+    fit = read_fit(snakemake.input.fit)
+    designs_of = {"two_factor": two_factor_designs, "four_factor": four_factor_designs}[fit.model]
+    with naming(snakemake.input.fit):
+        write(snakemake.output, **designs_of(fit, config, processes=snakemake.threads))
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

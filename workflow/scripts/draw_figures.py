@@ -5,11 +5,18 @@ from pathlib import Path
 
 from paper.figures import FIGURES as OF_THE_PAPER
 from reporting.figures import FIGURES, save
-from scripts.finished import begin_with_results
+from squeezefilm_workflow.finished import results_of
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, results = begin_with_results()
-files = defaultdict(list)
-for file in map(Path, snakemake.output):
-    files[f"{file.parent.name}/{file.name.partition('.')[0]}"].append(file)
-for place, paths in files.items():
-    save((FIGURES | OF_THE_PAPER)[place], results, paths)
+
+def main(snakemake: Job, config: Study) -> None:
+    results = results_of(snakemake, config)
+    files = defaultdict(list)
+    for file in map(Path, snakemake.output):
+        files[f"{file.parent.name}/{file.name.partition('.')[0]}"].append(file)
+    for place, paths in files.items():
+        save((FIGURES | OF_THE_PAPER)[place], results, paths)
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

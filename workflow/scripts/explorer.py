@@ -3,16 +3,23 @@
 from plotly.offline import get_plotlyjs
 
 from reporting.explorer import explorer_page
-from scripts.finished import begin_with_results
 from squeezefilm.files import write_text
+from squeezefilm_workflow.finished import results_of
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, results = begin_with_results()
-params = snakemake.params
-page = explorer_page(
-    results,
-    fits=params.fits,
-    candidates=params.candidates,
-    forces={plan: results.forces(plan) for plan in params.plans},
-    drawing_library=get_plotlyjs(),
-)
-write_text(page, snakemake.output[0])
+
+def main(snakemake: Job, config: Study) -> None:
+    results = results_of(snakemake, config)
+    params = snakemake.params
+    page = explorer_page(
+        results,
+        fits=params.fits,
+        candidates=params.candidates,
+        forces={plan: results.forces(plan) for plan in params.plans},
+        drawing_library=get_plotlyjs(),
+    )
+    write_text(page, snakemake.output[0])
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

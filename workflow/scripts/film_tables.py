@@ -5,46 +5,53 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from scripts.job import begin_with_study
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import budget_table, scan_error_of
 from squeezefilm.dynamics.levitation import levitations, loads_like
 from squeezefilm.dynamics.response import all_gains, responses
+from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAPS_M
+from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.tables import read_scenes, write_table
+from squeezefilm_workflow.job import Job, Study, run
 
 FREQUENCY_HZ = np.array([3, 10, 30, 60, 100, 150, 200, 300, 500, 700, 1e3, 2e3, 4e3])
 
 
-def levitation() -> pd.DataFrame:
+def levitation_table(study: Film, forces_file: str) -> pd.DataFrame:
     """The gaps that carry loads like the plan's forces."""
-    loads_n, amplitudes_m = loads_like(snakemake.input.forces)
+    settings = study.solver()
+    loads_n, amplitudes_m = loads_like(forces_file)
     moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAPS_M[1]}))
     how = settings.how | {"model_tolerance": settings.model_tolerance}
-    scan_error_n = scan_error_of(study.scan, device=device)
+    scan_error_n = scan_error_of(study.scan, device=settings.device)
     return levitations(moved, loads_n, how=how, scan_error_n=scan_error_n)
 
 
-def film() -> pd.DataFrame:
+def film_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFrame:
     """Gap and pressure along the middle of the pad over a period."""
     from reporting.cross_section import cross_section
 
     resolved = settings.resolved(scenes)
-    films = [cross_section(scene, device=device) for scene in resolved]
+    films = [cross_section(scene, device=settings.device) for scene in resolved]
     return pd.concat(films, ignore_index=True)
 
 
-snakemake, config = begin_with_study()
-study = Film(config, {"outputs": ()})
-settings = study.solver()
-device, points = settings.device, read_scenes(snakemake.input.scenes)
-scenes = study.scenes(points)
-tables = {
-    "error_budget": lambda: budget_table(points, study),
-    "film": film,
-    "gains": lambda: all_gains(points, scenes, FREQUENCY_HZ),
-    "levitation": levitation,
-    "response": lambda: responses(points, scenes, tolerance=settings.tolerance, device=device),
-}
-for path in snakemake.output:
-    write_table(tables[Path(path).stem](), path)
+def main(snakemake: Job, config: Study) -> None:
+    study = Film(config, {"outputs": ()})
+    settings = study.solver()
+    device, points = settings.device, read_scenes(snakemake.input.scenes)
+    scenes = study.scenes(points)
+    tables = {
+        "error_budget": lambda: budget_table(points, study),
+        "film": lambda: film_table(settings, scenes),
+        "gains": lambda: all_gains(points, scenes, FREQUENCY_HZ),
+        "levitation": lambda: levitation_table(study, snakemake.input.forces),
+        "response": lambda: responses(points, scenes, tolerance=settings.tolerance, device=device),
+    }
+    for path in snakemake.output:
+        write_table(tables[Path(path).stem](), path)
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -3,49 +3,54 @@
 from pathlib import Path
 from typing import Any
 
-from scripts.job import begin_with_study
 from squeezefilm.errors import InputError
 from squeezefilm.files import digest
 from squeezefilm.models.data import COLUMNS
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import fit_to_forces, limits_of, profile_uncertainty
 from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json, write_table
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, config = begin_with_study()
-files, output, params = snakemake.input, snakemake.output, snakemake.params
-given: dict[str, Any] = {
-    "forces": read_ok_forces(files.forces),
-    "sample": read_forces(files.sample),
-}
-# Only candidates may use what physics says of the points.
-candidates = output.get("limits")
-if candidates:
-    for (name, points), path in zip([*given.items()], candidates, strict=True):
-        limits = limits_of(points, config)
-        write_table(limits, path)
-        given[name] = points.assign(**limits[[*COLUMNS.values()]])
-    given |= {"limit_table": read_json(files.limit_table)}
-uncertainty = profile_uncertainty(config, summary=files.scan)
-source = {"forces_sha256": digest(Path(files.forces))}
-for name, path in zip(params.models, output.fits, strict=True):
-    model = get_model(name, config.models, place=config.path)
-    try:
-        fit, runs = fit_to_forces(
-            model,
-            config,
-            **given,
-            uncertainty=uncertainty,
-            seeds=params.seeds,
-            processes=snakemake.threads,
-            source=source,
-        )
-    except InputError as error:
-        if not candidates:
-            raise InputError(f"{files.forces}: {error}") from None
-        write_json({"model": name, "not_supported": str(error)}, path)
-        print(f"{name}: {error}")
-    else:
-        write_json(fit.to_dict(), path)
-        print(f"{name}: {fit.statement}")
-        if not candidates:
-            write_table(runs, output.runs)
+
+def main(snakemake: Job, config: Study) -> None:
+    files, output, params = snakemake.input, snakemake.output, snakemake.params
+    given: dict[str, Any] = {
+        "forces": read_ok_forces(files.forces),
+        "sample": read_forces(files.sample),
+    }
+    # Only candidates may use what physics says of the points.
+    candidates = output.get("limits")
+    if candidates:
+        for (name, points), path in zip([*given.items()], candidates, strict=True):
+            limits = limits_of(points, config)
+            write_table(limits, path)
+            given[name] = points.assign(**limits[[*COLUMNS.values()]])
+        given |= {"limit_table": read_json(files.limit_table)}
+    uncertainty = profile_uncertainty(config, summary=files.scan)
+    source = {"forces_sha256": digest(Path(files.forces))}
+    for name, path in zip(params.models, output.fits, strict=True):
+        model = get_model(name, config.models, place=config.path)
+        try:
+            fit, runs = fit_to_forces(
+                model,
+                config,
+                **given,
+                uncertainty=uncertainty,
+                seeds=params.seeds,
+                processes=snakemake.threads,
+                source=source,
+            )
+        except InputError as error:
+            if not candidates:
+                raise InputError(f"{files.forces}: {error}") from None
+            write_json({"model": name, "not_supported": str(error)}, path)
+            print(f"{name}: {error}")
+        else:
+            write_json(fit.to_dict(), path)
+            print(f"{name}: {fit.statement}")
+            if not candidates:
+                write_table(runs, output.runs)
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -2,21 +2,26 @@
 
 from pathlib import Path
 
-from scripts.job import begin_with_study, write
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 from squeezefilm.tables import read_json, read_ok_forces, read_scenes
+from squeezefilm_workflow.job import Job, Study, run, write
 
-snakemake, config = begin_with_study()
-files = snakemake.input
-with naming(files.fit):
-    designs = designs_of_fit(
-        read_fit(files.fit),
-        config,
-        forces=read_ok_forces(files.forces),
-        existing=read_scenes(files.existing),
-        plans={Path(path).parent.name: read_scenes(path) for path in files.plans},
-        patterns=read_json(files.patterns),
-    )
-write(snakemake.output, **designs)
+
+def main(snakemake: Job, config: Study) -> None:
+    files = snakemake.input
+    with naming(files.fit):
+        designs = designs_of_fit(
+            read_fit(files.fit),
+            config,
+            forces=read_ok_forces(files.forces),
+            existing=read_scenes(files.existing),
+            plans={Path(path).parent.name: read_scenes(path) for path in files.plans},
+            patterns=read_json(files.patterns),
+        )
+    write(snakemake.output, **designs)
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

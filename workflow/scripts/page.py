@@ -3,8 +3,8 @@
 from importlib import import_module
 
 from reporting.pages import render, write_page
-from scripts.finished import begin_with_results
-from scripts.job import write
+from squeezefilm_workflow.finished import results_of
+from squeezefilm_workflow.job import Job, Study, run, write
 
 # Each has a function PAGE_page; what one needs takes others long to import.
 MODULES = {
@@ -16,10 +16,16 @@ MODULES = {
     "uncertainty": "paper.uncertainty",
 }
 
-snakemake, results = begin_with_results()
-params, output = snakemake.params, snakemake.output
-build = getattr(import_module(MODULES[params.page]), f"{params.page}_page")
-page = build(results, **params.get("about", {}), **snakemake.wildcards)
-write(output, **page.files)
-text = render(f"{params.page}.md", **page.values)
-write_page(text, output.page, folder=results.folder, beyond=results.beyond)
+
+def main(snakemake: Job, config: Study) -> None:
+    results = results_of(snakemake, config)
+    params, output = snakemake.params, snakemake.output
+    build = getattr(import_module(MODULES[params.page]), f"{params.page}_page")
+    page = build(results, **params.get("about", {}), **snakemake.wildcards)
+    write(output, **page.files)
+    text = render(f"{params.page}.md", **page.values)
+    write_page(text, output.page, folder=results.folder, beyond=results.beyond)
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -1,8 +1,13 @@
 """Write the scenes of a plan."""
 
-from scripts.job import begin_with_study
 from squeezefilm.studies.plans import write_scenes
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, config = begin_with_study()
-plan = snakemake.wildcards.plan
-write_scenes(plan, config, sources=snakemake.input.sources, output=snakemake.output[0])
+
+def main(snakemake: Job, config: Study) -> None:
+    plan = snakemake.wildcards.plan
+    write_scenes(plan, config, sources=snakemake.input.sources, output=snakemake.output[0])
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -1,8 +1,15 @@
 """Write the best model of each space, and the amplitude that it needs at each position."""
 
 from reporting.models import recommend
-from scripts.finished import begin_with_results
 from squeezefilm.tables import write_table
+from squeezefilm_workflow.finished import results_of
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, results = begin_with_results()
-write_table(recommend(results), snakemake.output[0])
+
+def main(snakemake: Job, config: Study) -> None:
+    results = results_of(snakemake, config)
+    write_table(recommend(results), snakemake.output[0])
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -1,18 +1,23 @@
 """Simulate, fit, validate, design, simulate …, until a model meets its targets or cannot."""
 
-from scripts.job import begin_with_study, write
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import profile_uncertainty
 from squeezefilm.studies.tasks.refined_model import refine
 from squeezefilm.tables import read_forces
+from squeezefilm_workflow.job import Job, Study, run, write
 
-snakemake, config = begin_with_study()
-files = snakemake.input
-tables, fit, verdict = refine(
-    get_model(snakemake.wildcards.model, config.models, place=config.path),
-    config,
-    space=snakemake.wildcards.space,
-    sample=read_forces(files.sample),
-    uncertainty=profile_uncertainty(config, summary=files.scan),
-)
-write(snakemake.output, **tables, fit=fit, verdict=verdict)
+
+def main(snakemake: Job, config: Study) -> None:
+    files = snakemake.input
+    tables, fit, verdict = refine(
+        get_model(snakemake.wildcards.model, config.models, place=config.path),
+        config,
+        space=snakemake.wildcards.space,
+        sample=read_forces(files.sample),
+        uncertainty=profile_uncertainty(config, summary=files.scan),
+    )
+    write(snakemake.output, **tables, fit=fit, verdict=verdict)
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -2,11 +2,16 @@
 
 from pathlib import Path
 
-from scripts.job import begin_with_study
 from squeezefilm.film.measured.smooth import write_smoothed
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, config = begin_with_study()
-smoothed = config.smoothed_scan(again=True)
-assert smoothed is not None
-write_smoothed(smoothed, Path(snakemake.output[0]), **config.smoothing)
-print(*smoothed.warnings, sep="\n")
+
+def main(snakemake: Job, config: Study) -> None:
+    smoothed = config.smoothed_scan(again=True)
+    assert smoothed is not None
+    write_smoothed(smoothed, Path(snakemake.output[0]), **config.smoothing)
+    print(*smoothed.warnings, sep="\n")
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -1,17 +1,22 @@
 """Write a verdict for each stiff or extreme film: solved, not supported or failed."""
 
-from scripts.job import begin_with_study
 from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
+from squeezefilm_workflow.job import Job, Study, run
 from verification.films import SAMPLE, cases
 from verification.stability import stability
 
-snakemake, config = begin_with_study()
-chosen = cases() if config.numerics.extent == "full" else cases()[SAMPLE]
-table = stability(chosen, device=device_of(config))
-write_table(table, snakemake.output[0])
-failed = table[table["verdict"] == "failed"]
-if len(failed):
-    named = "; ".join(f"{row.case}: {row.reason}" for row in failed.itertuples())
-    raise RunError(f"{len(failed)} of {len(table)} cases failed: {named}")
+
+def main(snakemake: Job, config: Study) -> None:
+    chosen = cases() if config.numerics.extent == "full" else cases()[SAMPLE]
+    table = stability(chosen, device=device_of(config))
+    write_table(table, snakemake.output[0])
+    failed = table[table["verdict"] == "failed"]
+    if len(failed):
+        named = "; ".join(f"{row.case}: {row.reason}" for row in failed.itertuples())
+        raise RunError(f"{len(failed)} of {len(table)} cases failed: {named}")
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

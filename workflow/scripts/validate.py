@@ -2,17 +2,22 @@
 
 from itertools import product
 
-from scripts.job import begin_with_study
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.fits import errors_on
 from squeezefilm.tables import read_ok_forces, write_json, write_table
+from squeezefilm_workflow.job import Job, Study, run
 
-snakemake, config = begin_with_study()
-files, output = snakemake.input, snakemake.output
-pairs = product(files.fits, files.forces)
-for (fit, forces), errors, summary in zip(pairs, output.errors, output.summary, strict=True):
-    with naming(f"{fit} on {forces}"):
-        table, about = errors_on(read_fit(fit), read_ok_forces(forces), config)
-    write_table(table, errors)
-    write_json(about, summary)
+
+def main(snakemake: Job, config: Study) -> None:
+    files, output = snakemake.input, snakemake.output
+    pairs = product(files.fits, files.forces)
+    for (fit, forces), errors, summary in zip(pairs, output.errors, output.summary, strict=True):
+        with naming(f"{fit} on {forces}"):
+            table, about = errors_on(read_fit(fit), read_ok_forces(forces), config)
+        write_table(table, errors)
+        write_json(about, summary)
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

@@ -1,24 +1,29 @@
 """Write error against run time of the solver and of three other methods."""
 
-from scripts.job import begin_with_study
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
+from squeezefilm_workflow.job import Job, Study, run
 from verification.work_precision import FILMS, work_precision
 
 BATCH = 100
 
-snakemake, config = begin_with_study()
-settings, device = config.numerics, device_of(config)
-full = settings.extent == "full"
-table = work_precision(
-    FILMS if full else (FILMS[1],),
-    repeats=settings.repeats,
-    batch=BATCH,
-    longest_seconds=settings.longest_seconds,
-    rungs=10 if full else 3,
-    device=device,
-)
-# Where a solver's error no longer matters.
-model_error = read_fit(snakemake.input.fit).global_error
-write_table(table.assign(model_error=model_error, device=device.name), snakemake.output[0])
+
+def main(snakemake: Job, config: Study) -> None:
+    settings, device = config.numerics, device_of(config)
+    full = settings.extent == "full"
+    table = work_precision(
+        FILMS if full else (FILMS[1],),
+        repeats=settings.repeats,
+        batch=BATCH,
+        longest_seconds=settings.longest_seconds,
+        rungs=10 if full else 3,
+        device=device,
+    )
+    # Where a solver's error no longer matters.
+    model_error = read_fit(snakemake.input.fit).global_error
+    write_table(table.assign(model_error=model_error, device=device.name), snakemake.output[0])
+
+
+if __name__ == "__main__":
+    run(main, globals()["snakemake"])

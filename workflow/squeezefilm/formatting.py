@@ -31,9 +31,12 @@ NOT_SHOWN = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "re
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
 NOT_AVAILABLE, EFFECT_ERROR = "not available", "_error_percent"
-EFFECTS = ("inertia", "thermal", "depth_averaged", "slip", "flow_factor", "edge_loss")
+EFFECTS = (
+    *("inertia", "thermal", "depth_averaged", "sheared_gas"),
+    *("slip", "flow_factor", "edge_loss"),
+)
 # Effects whose error is no numerical one.
-WITH_ERROR = ("depth_averaged", "flow_factor")
+WITH_ERROR = ("depth_averaged", "sheared_gas", "flow_factor")
 SYMMETRIES = {"whole": "none", "quarter": "x and y"}
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.05
 

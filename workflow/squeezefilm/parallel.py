@@ -4,7 +4,10 @@ import ctypes
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterable
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from squeezefilm.errors import RunError
@@ -15,6 +18,9 @@ Result = TypeVar("Result")
 # What forked processes inherit, so that a task need not survive being sent to them.
 _task: Callable[[Any], Any] | None = None
 _PR_SET_PDEATHSIG = 1
+# Time without a line of progress, in s.
+SILENCE_S = 10.0
+_under_way: list["Progress"] = []
 
 
 def parallel_map(
@@ -74,11 +80,58 @@ def _run(item: Any) -> Any:
     return _task(item)
 
 
-def progress_bar(total: int, *, unit: str, name: str) -> Any:
-    """A bar to be closed by ``with`` and moved on by its ``update(count)``; none in a log."""
-    from tqdm import tqdm  # slow to import, and only needed here
+@dataclass
+class Progress:
+    """Work that is under way: the finished part of a total, and what is done now."""
 
-    return tqdm(total=total, unit=unit, desc=name, disable=None)
+    name: str
+    unit: str
+    total: int
+    done: int = 0
+    doing: str = ""
+
+    def update(self, count: int) -> None:
+        self.done += count
+
+    def __str__(self) -> str:
+        text = f"{self.name}: {self.done} of {self.total} {self.unit}s"
+        return f"{text} ({self.doing})" if self.doing else text
+
+
+@contextmanager
+def progress_of(total: int, *, unit: str, name: str) -> Iterator[Progress]:
+    """Work that ``showing_progress`` shows, within that which is under way."""
+    progress = Progress(name, unit, total)
+    _under_way.append(progress)
+    try:
+        yield progress
+    finally:
+        _under_way.remove(progress)
+
+
+@contextmanager
+def showing_progress(command: str) -> Iterator[None]:
+    """Show on stderr how far a command is, each time that SILENCE_S have gone by.
+
+    A terminal has one line that changes; elsewhere each time has its own.
+    """
+    ended, start = threading.Event(), time.monotonic()
+    before, after = ("\r\033[K", "") if sys.stderr.isatty() else ("", "\n")
+
+    def show() -> None:
+        while not ended.wait(SILENCE_S):
+            parts = [f"{command}: {time.monotonic() - start:.0f} s", *map(str, _under_way)]
+            print(before + "; ".join(parts), end=after, file=sys.stderr, flush=True)
+        if before and time.monotonic() - start > SILENCE_S:
+            print(before, end="", file=sys.stderr, flush=True)
+
+    thread = threading.Thread(target=show, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 def say(text: str) -> None:

@@ -5,8 +5,8 @@ from squeezefilm.cli.main import main
 GROUPS = {
     "The solver examined": {
         "verification.random_studies": "random-studies",
-        "verification.modelling_errors": "modelling-errors",
-        "verification.estimates": "estimates stored-films",
+        "verification.modelling_errors": "modelling-errors auto-terms",
+        "verification.estimates": "estimates guards stored-films",
         "verification.run_times": "run-times",
     },
     "Tables of the solver computed": {

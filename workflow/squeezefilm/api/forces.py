@@ -19,7 +19,7 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
 from squeezefilm.formatting import NUMBERS, in_lines, scene_row
 from squeezefilm.lazy import pd
-from squeezefilm.parallel import progress_bar
+from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
     budget_row,
@@ -359,7 +359,7 @@ def simulate_table(
     seconds = 0.0
     times = table_writer(timings) if timings else nullcontext(lambda rows: None)
     with (
-        progress_bar(len(table), unit="scene", name=str(scenes)) as bar,
+        progress_of(len(table), unit="scene", name=str(scenes)) as bar,
         table_writer(output) as write,
         times as write_times,
     ):

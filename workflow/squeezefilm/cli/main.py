@@ -17,6 +17,7 @@ from typing import NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.parallel import showing_progress
 
 Groups = Mapping[str, Mapping[str, str]]
 
@@ -115,7 +116,8 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         hint = _nearest(unknown[0].partition("=")[0], known)
         what = f"takes no {unknown[0]!r}; {hint}`{parser.prog} --help` explains what it takes"
         parser.error(what)
-    return int(command.run(options) or 0)
+    with showing_progress(parser.prog):
+        return int(command.run(options) or 0)
 
 
 def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:

@@ -69,12 +69,13 @@ def fit(options: argparse.Namespace) -> None:
     A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows
     the pad's position with its `four_factor` seeds. Each of the study's bounds and seeds gives one
     run of the paper's method, a genetic algorithm followed by Nelder-Mead; one run per bound of
-    SciPy's differential evolution checks them.
+    SciPy's differential evolution checks them. A run with wider bounds checks `fit.bounds`: where
+    it is much better it is taken, and a note of the fit states so.
 
     A model that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the
     run with the least sum of squares and all that is needed to use the model: formula, parameters
-    and their units, ranges of the factors, errors on the points and on held-out points, and the
-    prediction interval that the sample gives (`squeezefilm predict`).
+    and their units and profile-likelihood ranges, ranges of the factors, errors on the points and
+    on held-out points, and the prediction interval that the sample gives (`squeezefilm predict`).
     """
     config = load_config(options.config)
     with naming(options.forces):

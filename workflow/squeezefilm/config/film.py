@@ -27,8 +27,8 @@ class Solver(Section):
     """Settings of the solver.
 
     Attributes:
-        method: `auto` takes, for each scene, the composite expansion where that meets the tolerance
-            at lower cost, else the periodic state; or one by name
+        method: `auto` takes, for each scene, the composite expansion where the squeeze number is
+            large and it meets the tolerance, else the periodic state; or one by name
         tolerance: required relative error of each force
         model_tolerance: relative change of a force from which on `auto` includes a term of the
             equation

@@ -3,14 +3,13 @@
 And writing it down as it is computed.
 """
 
-import argparse
 import difflib
 import json
 import math
 import os
 import re
 import reprlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import reduce
 from operator import getitem
 from pathlib import Path
@@ -237,7 +236,9 @@ def effective_text(config: Study, *, folder: Path | None = None) -> str:
     named = sections["actuator"]["profile"], outline, measured
     for section, key in (*((each, "file") for each in named), (sections["figures"], "style")):
         if folder is not None and key in section:
-            section[key] = os.path.relpath(config.path.parent / section[key], start=folder)
+            # ".." leads elsewhere from a folder that is a link.
+            file = config.path.parent.resolve() / section[key]
+            section[key] = os.path.relpath(file, start=folder.resolve())
     head = f"# {config.path}, all keys: values without a mark are written in that file.\n"
     return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
 
@@ -317,15 +318,3 @@ def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
         raise InputError(f"{place}: {error}") from None
     study = config_of(plain, path=place, model=Study)
     return write_effective(study, results / study.study)
-
-
-def configfiles_in(words: Sequence[str]) -> list[str]:
-    """All files that a command line names as configurations.
-
-    Snakemake keeps those of the last such option alone, without a word.
-    """
-    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
-    options = ("--configfile", "--configfiles")
-    parser.add_argument(*options, nargs="*", action="extend", default=[], dest="files")
-    files: list[str] = parser.parse_known_args(words)[0].files
-    return files

@@ -108,7 +108,9 @@ class Fit(Section):
     """A genetic algorithm, then Nelder–Mead, from many seeds.
 
     Attributes:
-        bounds: largest magnitudes of a parameter in the genetic search; every fit is made with each
+        bounds: largest magnitudes of a parameter in the search, of those in which the force is not
+            linear; every fit is made with each. A fit with wider bounds checks them: where its sum
+            of squares is much smaller it is taken, and a note states so
         first_seed: seed of the first run; the others count up from it
     """
 

@@ -21,7 +21,7 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
 from squeezefilm.formatting import scene_row
-from squeezefilm.parallel import progress_bar
+from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.model_error import (
     OPEN,
     ErrorBudget,
@@ -214,11 +214,16 @@ def trustworthy(
         if slopes[k] < 0 < forces_n[k] and not exceeded(there)
     ]
     some = some[:: -(-len(some) // BUDGETS) or 1]
-    how: dict[str, Any] = {"model_tolerance": model_tolerance, "method": method, "device": device}
-    scenes = resolve_auto_terms(_at(scene, *gaps_m[some]), **how)
+    scenes = resolve_auto_terms(
+        _at(scene, *gaps_m[some]),
+        model_tolerance=max(model_tolerance, LOOK_TOLERANCE),
+        method=method,
+        device=device,
+    )
+    budgets = error_budgets(scenes, device=device, tolerances=(ROUGH_TOLERANCE,))
     given = [
         k
-        for k, there, budget in zip(some, scenes, error_budgets(scenes, device=device), strict=True)
+        for k, there, budget in zip(some, scenes, budgets, strict=True)
         if not Levitation(there, forces_n[k], nan, -slopes[k], nan, budget).untrustworthy
     ]
     if not given:
@@ -417,7 +422,7 @@ def levitations(
         whole: with the columns of scenes and error budgets too.
     """
     rows = []
-    with progress_bar(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
+    with progress_of(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
         for scene, load_n in product(scenes, loads_n):
             row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
             try:

@@ -23,7 +23,7 @@ from squeezefilm.dynamics.averaged_film import (
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import exceeded, validity
-from squeezefilm.parallel import progress_bar
+from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.outputs import falls
 from squeezefilm.reynolds.device import Device
 
@@ -290,7 +290,7 @@ def _beside(
     What is unknown stands there with the reason as its ``status`` where nothing is found.
     """
     rows = []
-    with progress_bar(len(scenes), unit="scene", name="response") as bar:
+    with progress_of(len(scenes), unit="scene", name="response") as bar:
         for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
             row["validity"] = validity(scene.viscous())
             try:

@@ -11,11 +11,12 @@ turn, each with the other's last one, until the force settles.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.states import alike, remainder, weights_with_edge
+from squeezefilm.quantities.states import changes_with_errors, weights_with_edge
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -39,8 +40,6 @@ SETTLED, MOST_STEPS = 3e-3, 30
 SHORTEST = 1 / 100
 # Newton steps of a state whose edge has moved.
 MOST_NEWTON = 8
-# Numbers of the finer states of films that are solved together.
-MOST_TOGETHER = 2**19
 
 
 def mean_changes(
@@ -55,30 +54,11 @@ def mean_changes(
         Changes and errors for each of COEFFICIENTS, shape (2, coefficients, scenes); NaN where a
         solution has no states, or the iteration does not settle.
     """
-    changes = np.full((2, len(COEFFICIENTS), len(scenes)), np.nan)
-    solved = {
-        row: (scene, solution)
-        for row, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
-        if solution.states
-    }
-    for group in alike(solved, numbers=MOST_TOGETHER):
-        rows = list(group)
-        own_scenes, own_solutions = zip(*group.values(), strict=True)
-        coarse, fine = (
-            _changes_on_grid(
-                own_scenes,
-                [solution.states[grid].unknowns for solution in own_solutions],
-                own_solutions[0].states[grid].grid,
-                device=device,
-            )
-            for grid in (0, 1)
-        )
-        factor = np.array(
-            [remainder(*each, tolerance=STATE_TOLERANCE)[0] for each in group.values()]
-        )
-        changes[0][:, rows] = fine
-        left = SETTLED * np.abs(fine) + 2 * STATE_TOLERANCE
-        changes[1][:, rows] = factor * np.abs(fine - coarse) + left
+    on_grid = partial(_changes_on_grid, device=device)
+    changes = changes_with_errors(
+        scenes, solutions, on_grid, changes=len(COEFFICIENTS), tolerance=STATE_TOLERANCE
+    )
+    changes[1] += SETTLED * np.abs(changes[0])
     return changes
 
 

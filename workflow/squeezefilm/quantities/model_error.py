@@ -2,8 +2,9 @@
 
 An effect is the difference of two solved forces, with and without it: slip, inertia and thermal
 effects are terms of the solver, the edge loss is a pressure on the edge that is solved for
-(edge_loss.py). Effects interact, so all that are neglected together are one solve more, and not the
-sum of the rows. What cannot be solved for is unknown, and so is the total then.
+(edge_loss.py), and inertia and heat of gas that a sliding wall drags are a source of mass
+(sheared_gas.py). Effects interact, so all that are neglected together are one solve more, and not
+the sum of the rows. What cannot be solved for is unknown, and so is the total then.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
-from squeezefilm.quantities.edge_loss import mean_changes
+from squeezefilm.quantities import edge_loss, sheared_gas
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
@@ -29,15 +30,16 @@ from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import Solution
 
-# Relative error of the forces whose differences are effects, and of those that are dear: where a
-# force takes more operations than these, a fraction of a second, it is not solved more closely.
-FORCE_TOLERANCE, LOOSE_TOLERANCE, DEAR = 1e-5, 1e-3, 2e9
+# Relative errors of the forces whose differences are effects. The next is taken where an error is
+# more than a fraction of the largest effect, unless a force took more operations than DEAR, a
+# fraction of a second.
+TOLERANCES, EFFECT_TOLERANCE, DEAR = (1e-3, 1e-4, 1e-5), 0.003, 2e9
 # Scenes whose budgets are solved for together, so that not all states are held.
 MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
 OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
-NAMES = (*OPEN, "depth_averaged", "slip", "flow_factor", "edge_loss", "bearing")
+NAMES = (*OPEN, "depth_averaged", "sheared_gas", "slip", "flow_factor", "edge_loss", "bearing")
 # Name of all neglected effects at once, where each alone was solved for.
 TOGETHER = "all effects together"
 
@@ -66,8 +68,9 @@ class ErrorBudget:
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as averages over the
-            gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as the
-            scene has it; ``flow_factor``, the difference of the flow factor from that;
+            gap; ``sheared_gas``, what the motion of a sliding pad adds to both; ``slip`` of first
+            order, with the flow factor's flow in a gap at rest, or as the scene has it;
+            ``flow_factor``, the difference of the flow factor from that;
             ``edge_loss`` for the coefficient C = 1; ``bearing`` of a sliding pad.
         edge_loss_upper_percent: the edge loss for the largest C.
         modelling_error_percent: lower and upper end of all neglected effects together, with C from
@@ -108,13 +111,23 @@ class ErrorBudget:
         return sum(abs(effect.percent) + effect.error_percent for effect in known)
 
 
-def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
-    """The budget of each scene's force; what of their gases is ``auto`` must be decided."""
+def error_budgets(
+    scenes: Sequence[Scene],
+    *,
+    device: Device | None = None,
+    tolerances: Sequence[float] = TOLERANCES,
+) -> list[ErrorBudget]:
+    """The budget of each scene's force; what of their gases is ``auto`` must be decided.
+
+    Args:
+        tolerances: relative errors of the forces, falling; each is used only where the differences
+            of forces need it.
+    """
     device = device or choose_device()
     budgets: list[ErrorBudget] = []
     for first in range(0, len(scenes), MOST_SCENES):
         films = [FilmWithEffects(scene) for scene in scenes[first : first + MOST_SCENES]]
-        budgets += _budgets(films, device)
+        budgets += _budgets(films, tolerances, device)
     return budgets
 
 
@@ -190,45 +203,64 @@ class FilmWithEffects:
         ]
 
 
-def _budgets(films: Sequence[FilmWithEffects], device: Device) -> list[ErrorBudget]:
+def _budgets(
+    films: Sequence[FilmWithEffects], tolerances: Sequence[float], device: Device
+) -> list[ErrorBudget]:
     moving = [film for film in films if film.scene.epsilon]
     with_states = {scene: None for film in moving for scene in (film.scene, film.together)}
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
-    for distinct, keep_states in ((with_states, True), (others, False)):
-        waiting = list(distinct)
-        for tolerance in (LOOSE_TOLERANCE, FORCE_TOLERANCE):
+    for tolerance in tolerances:
+        vague = [film for film in moving if not _resolved(film, solutions)]
+        waiting = {scene: None for film in vague for scene in film.scenes}
+        for distinct, keep_states in ((with_states, True), (others, False)):
+            asked = [scene for scene in distinct if scene in waiting]
             solved = solve(
-                waiting,
+                asked,
                 tolerance=tolerance,
                 method="periodic",
                 device=device,
                 keep_states=keep_states,
             )
-            for scene, solution in zip(waiting, solved, strict=True):
+            for scene, solution in zip(asked, solved, strict=True):
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
-            waiting = [
-                scene
-                for scene in waiting
-                if solutions[scene].status == "ok" and solutions[scene].work < DEAR
-            ]
-    edge = mean_changes(
-        list(with_states), [solutions[scene] for scene in with_states], device=device
+    changes = [
+        by_state.mean_changes(
+            list(with_states), [solutions[scene] for scene in with_states], device=device
+        )
+        for by_state in (edge_loss, sheared_gas)
+    ]
+    edge_losses, sheared = (
+        dict(zip(with_states, np.moveaxis(change, -1, 0), strict=True)) for change in changes
     )
-    edge_losses = dict(zip(with_states, np.moveaxis(edge, -1, 0), strict=True))
-    return [_budget(film, solutions, edge_losses) for film in films]
+    return [_budget(film, solutions, edge_losses, sheared) for film in films]
+
+
+def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> bool:
+    """Whether forces are known closely enough for their differences, or as closely as it pays."""
+    if film.scene not in solutions:
+        return False
+    known = [solutions[scene] for scene in film.scenes]
+    if any(solution.status != "ok" for solution in known):
+        return True
+    forces_n = [solution.force_n for solution in known]
+    error_n = max(solution.force_error_n for solution in known)
+    dearest = max(solution.work for solution in known)
+    return dearest > DEAR or error_n <= EFFECT_TOLERANCE * (max(forces_n) - min(forces_n))
 
 
 def _budget(
     film: FilmWithEffects,
     solutions: Mapping[Scene, Solution],
     edge_losses: Mapping[Scene, np.ndarray],
+    sheared: Mapping[Scene, np.ndarray],
 ) -> ErrorBudget:
     """A scene's budget from the forces of its films.
 
     Args:
         edge_losses: relative changes of forces, and their errors, (2, coefficients).
+        sheared: the same by gas that a sliding wall drags, (2, 1).
     """
     scene = film.scene
     if not scene.epsilon:
@@ -263,11 +295,18 @@ def _budget(
     else:  # first-order slip stood for the flow factor
         apart, apart_error = change(scene, film.reference)
         error += abs(together) * (abs(apart) + apart_error) / 100
-    # The edge loss of the film with all other effects, over that film's force.
+    # Those of the film with all other effects, over that film's force.
     with_all = solutions[film.together].force_n / own.force_n
+    percent, sheared_error = 100 * abs(with_all) * sheared[film.together][:, 0]
+    by_gas = [effects[name].percent for name in OPEN] + [percent]
+    sheared_error += sheared_gas.remainder_of(scene) * sum(map(abs, by_gas))
+    sheared_error += 6 * scene.knudsen * abs(percent)  # of the wall's velocity no slip is known
+    effects["sheared_gas"] = Effect(float(percent), float(sheared_error))
+    if scene.bearing_number and film.unsolvable:
+        effects["sheared_gas"] = UNKNOWN
     ends, errors = 100 * with_all * edge_losses[film.together]
     error += max(map(abs, errors))
-    for name in ("flow_factor", "depth_averaged"):
+    for name in ("flow_factor", "depth_averaged", "sheared_gas"):
         together += effects[name].percent
         error += effects[name].error_percent
     if film.unsolvable:
@@ -340,8 +379,8 @@ def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.n
     return np.append(0.0, nodes), reynolds, change
 
 
-# Change of the force, relative, below which a term that is ``auto`` is not included; the forces
-# that show it are solved to this fraction of it.
+# Change of the force, relative, below which a term that is ``auto`` is not included. The forces
+# that show it are solved to it, and to this fraction of it where that leaves it open.
 MODEL_TOLERANCE, DECIDING = 1e-3, 0.1
 
 
@@ -398,24 +437,37 @@ def solve_auto_terms(
         solutions = solve(films, tolerance=tolerance, method="periodic", device=device)
         return dict(zip(terms, solutions, strict=True))
 
-    deciding = DECIDING * model_tolerance
+    rough, fine = model_tolerance, DECIDING * model_tolerance
     every = {row: names for row, names in enumerate(needed) if names}
-    full = solved(every, min(tolerance, deciding))
+    full = solved(every, min(max(tolerance, fine), rough))
     # Where that has no force, all terms stay, and the scene's own solution says why.
-    waiting = {row: names for row, names in every.items() if full[row].status == "ok"}
+    kept = {row: names for row, names in every.items() if full[row].status == "ok"}
     for fewer in ((), ("inertia",), ("thermal",)):
-        tried = {row: fewer for row, names in waiting.items() if set(fewer) < set(names)}
-        for row, solution in solved(tried, deciding).items():
-            off_n = abs(solution.force_n - full[row].force_n)
-            off_n += solution.force_error_n + full[row].force_error_n
-            if off_n < model_tolerance * abs(full[row].force_n):
-                needed[row] = fewer
-                del waiting[row]
+        undecided = [row for row, names in kept.items() if set(fewer) < set(names)]
+        for accuracy in (rough, fine):
+            vague = {
+                row: kept[row]
+                for row in undecided
+                if full[row].force_error_n > accuracy * abs(full[row].force_n)
+            }
+            closer = solved(vague, accuracy)
+            full |= {row: solution for row, solution in closer.items() if solution.status == "ok"}
+            tried = solved(dict.fromkeys(undecided, fewer), accuracy)
+            undecided = []
+            for row, solution in tried.items():
+                limit_n = model_tolerance * abs(full[row].force_n)
+                change_n = abs(solution.force_n - full[row].force_n)
+                error_n = solution.force_error_n + full[row].force_error_n
+                if change_n + error_n < limit_n:
+                    needed[row] = fewer
+                    del kept[row]
+                elif change_n - error_n < limit_n:
+                    undecided.append(row)
     chosen = list(zip(index.tolist(), needed, strict=True))
     places = {choice: place for place, choice in enumerate(dict.fromkeys(chosen))}
     films = tuple(_with_terms(closed.films[film], included) for film, included in places)
     decided = replace(scenes, films=films, film_index=np.array([places[each] for each in chosen]))
-    return decided, {row: full[row] for row in waiting}
+    return decided, {row: full[row] for row in kept if tolerance >= fine}
 
 
 def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:

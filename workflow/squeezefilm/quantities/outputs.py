@@ -116,6 +116,11 @@ def _without_formula(scene: Scene) -> dict[str, str]:
         found["harmonics"] = "stiffness and damping are of a surface with one quadrature component"
     if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
         found["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
+    elif scene.bearing_number != 0 and scene.gas.inertia == "included":
+        found["thrust"] = (
+            "the momentum of gas that a sliding wall drags is not derived; gas.inertia: none has "
+            "the thrust without it"
+        )
     return found
 
 
@@ -212,8 +217,10 @@ def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
         for (drawn, off), share in zip(parts, turned, strict=True):
             found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
-    for name in OUTPUTS["thrust"] if "thrust" in missing else ():
-        del found[name]
+    if "thrust" in missing:
+        del found["thrust_x"], found["thrust_y"]
+        if scene.gas.rarefaction == "fukui-kaneko":
+            del found["sliding_friction"]
     return (found, missing), holds
 
 

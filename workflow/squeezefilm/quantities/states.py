@@ -1,7 +1,7 @@
 """Periodic states on two grids: a quantity's change between the two tells its error."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, least_fall_of, left_after, margin_of
+from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after, margin_of
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.solver import solve
@@ -77,6 +78,50 @@ def alike(solved: Solved, *, numbers: int) -> Iterator[Solved]:
             yield {k: solved[k] for k in group[first : first + step]}
 
 
+# Numbers of the finer states of films that are solved together.
+MOST_TOGETHER = 2**19
+
+
+def changes_with_errors(
+    scenes: Sequence[Scene],
+    solutions: Sequence[Solution],
+    on_grid: Callable[[Sequence[Scene], Sequence[np.ndarray], Grid], np.ndarray],
+    *,
+    changes: int,
+    tolerance: float,
+) -> np.ndarray:
+    """Return relative changes of forces by states beside the scenes' own, and their errors.
+
+    Args:
+        solutions: of the scenes, with their states on two grids.
+        on_grid: the changes on one grid, (changes, scenes), by scenes that are alike, the unknowns
+            of their states, and the grid.
+        tolerance: of the iterations of the states.
+
+    Returns:
+        Changes and errors, (2, changes, scenes); NaN where a solution has no states.
+    """
+    found = np.full((2, changes, len(scenes)), np.nan)
+    solved = {
+        row: (scene, solution)
+        for row, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
+        if solution.states
+    }
+    for group in alike(solved, numbers=MOST_TOGETHER):
+        own_scenes, own_solutions = zip(*group.values(), strict=True)
+        coarse, fine = (
+            on_grid(
+                own_scenes,
+                [solution.states[k].unknowns for solution in own_solutions],
+                own_solutions[0].states[k].grid,
+            )
+            for k in (0, 1)
+        )
+        factor = np.array([remainder(*each, tolerance=tolerance)[0] for each in group.values()])
+        found[:, :, list(group)] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
+    return found
+
+
 def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[float, float]:
     """Return the error after a quantity's change between the grids, as for the force.
 
@@ -87,8 +132,7 @@ def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[fl
     fall = max(
         UNKNOWN_FALL,
         profile_fall(needs, coarse, fine, tolerance=tolerance).item(),
-        least_fall_of(needs.terms),
-        least_fall(needs.scenes, coarse[0]).item(),
+        least_fall(needs.scenes).item(),
     )
     # A mass error w moves the pressure by about n w/H.
     left = scene.gas.polytropic_exponent * solution.residual / scene.narrowest

@@ -1,6 +1,10 @@
 // The functions of OpenCL C that kernels call, as clang's opencl-c.h declares them. PoCL reads that
 // header of 18 000 lines for every program, a compiled one as well, unless its guard _OPENCL_H_ is
 // defined (device.py). Where a PoCL reads it all the same, these lines only repeat declarations.
+#ifndef __AVX__
+// Such a processor holds vectors by halves, which matters to those who call functions from outside.
+#pragma clang diagnostic ignored "-Wpsabi"
+#endif
 #define CONST __attribute__((overloadable, const))
 #define UNARY(name) double CONST name(double); double4 CONST name(double4)
 UNARY(exp);

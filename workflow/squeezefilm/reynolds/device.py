@@ -9,7 +9,7 @@ import shutil
 import struct
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache, cached_property
@@ -36,6 +36,10 @@ MOST_POOLED, LEAST_POOLED, LARGEST_POOLED = 4, 2**17, 2**22
 BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable", "-cl-kernel-arg-info")
 # Kernels' arguments that are numbers: told of their types, pyopencl need not try them out.
 NUMBER_TYPES: dict[str, Any] = {"int": np.int32, "ulong": np.uint64, "double": np.float64}
+# Vectors of 64 bytes need all of these, and a compiler that uses them. PoCL's LLVM is older than
+# some processors and takes them for earlier ones without AVX-512: it would emulate such vectors by
+# halves, slowly and with a warning for each. Kernels are therefore compiled for these sets by name.
+VECTORS_64 = ("avx512f", "avx512dq", "avx512vl", "avx512bw", "avx512cd", "fma", "avx2")
 # LLVM calls a processor that is younger than itself ``generic``; PoCL 3.0 hands that name to the
 # compiler, which refuses it (pocl issue 1049), and has no setting for another. The name lies behind
 # a pointer in PoCL's record of the device: there it is replaced by the instruction set that the
@@ -62,6 +66,7 @@ class Device:
         groups: work-groups to launch, each with its workspace.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
         register_bytes: size of the vectors that a processor computes with.
+        instruction_sets: those that kernels are compiled for, beyond what the driver knows.
         memory_bytes: the device's own memory.
         processor: whether it is one, and not an accelerator.
         rooms: the buffer that kernels work in, kept from launch to launch.
@@ -77,6 +82,7 @@ class Device:
     memory_bytes: int
     processor: bool = True
     register_bytes: int = 32
+    instruction_sets: tuple[str, ...] = ()
     rooms: list[Any] = field(default_factory=list, compare=False)
     arrays: list[np.ndarray] = field(default_factory=list, compare=False)
 
@@ -197,6 +203,11 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
     device = found[0]
     context = cl.Context([device])
     on_gpu = bool(device.type & cl.device_type.GPU)
+    wide = device.native_vector_width_double >= 8
+    instruction_sets: tuple[str, ...] = ()
+    if _of_pocl(device):
+        wide = processor_flags().issuperset(VECTORS_64)
+        instruction_sets = VECTORS_64 if wide else ()
     return Device(
         context=context,
         queue=cl.CommandQueue(context),
@@ -206,7 +217,8 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         work_items=work_items or (128 if on_gpu else 1),
         memory_bytes=device.global_mem_size,
         processor=bool(device.type & cl.device_type.CPU),
-        register_bytes=64 if device.native_vector_width_double >= 8 else 32,
+        register_bytes=64 if wide else 32,
+        instruction_sets=instruction_sets,
     )
 
 
@@ -233,6 +245,8 @@ def describe(device: Device) -> dict[str, Any]:
         "double_precision": bool(handle.double_fp_config),
         "compute_units": handle.max_compute_units,
         "work_items_per_group": device.work_items,
+        "vector_bytes": 8 * device.lanes(8),
+        "instruction_sets": " ".join(device.instruction_sets) or "as the driver chooses",
         "global_memory_bytes": handle.global_mem_size,
     }
 
@@ -249,7 +263,7 @@ def kernel(device: Device, name: str, *, sources: tuple[str, ...], header: str =
         f"DOUBLE_LANES={device.lanes(8)}",
         f"FLOAT_LANES={device.lanes(4)}",
     )
-    made = cl.Kernel(_program(device.context, header, sources, sizes), name)
+    made = cl.Kernel(_program(device, header, sources, sizes), name)
     types = [made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args)]
     made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(each)) for each in types])
     return made
@@ -264,8 +278,11 @@ SLOW_BUILD_S = 1.0
 
 
 @cache
-def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
-    if _of_pocl(context.devices[0]):
+def _program(
+    device: Device, header: str, sources: tuple[str, ...], defines: tuple[str, ...]
+) -> Any:
+    handle = device.context.devices[0]
+    if _of_pocl(handle):
         if shutil.which("ld") is None:
             raise InputError(
                 "PoCL links kernels by the linker ld, which is not on the PATH: install a C "
@@ -274,7 +291,9 @@ def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple
         # The guard of the header that builtins.cl stands for.
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
     texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
-    processor = known_processor(context.devices[0])
+    if device.instruction_sets:
+        texts = compiled_for(device.instruction_sets, texts)
+    processor = known_processor(handle)
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
     options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
@@ -283,9 +302,16 @@ def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", cl.CompilerWarning)
-            return cl.Program(context, "\n".join(texts)).build(options=options)
+            return cl.Program(device.context, "\n".join(texts)).build(options=options)
     finally:
         notice.cancel()
+
+
+def compiled_for(instruction_sets: Sequence[str], texts: Sequence[str]) -> list[str]:
+    """Return sources whose functions clang compiles for some instruction sets."""
+    target = f'target("{",".join(instruction_sets)}")'
+    begin = f"#pragma clang attribute push(__attribute__(({target})), apply_to = function)"
+    return [begin, *texts, "#pragma clang attribute pop"]
 
 
 @cache
@@ -303,7 +329,7 @@ def known_processor(device: Any) -> str:
     unknown = _of_pocl(device) and device.version.strip().endswith(f"-{UNKNOWN}")
     if not (unknown and platform.machine() == "x86_64" and CPU_INFO.exists()):
         return ""
-    name = level(_flags())
+    name = level(processor_flags())
     rename(device.int_ptr, name)
     return name
 
@@ -342,7 +368,10 @@ def rename(address: int, name: str) -> bool:
     return False
 
 
-def _flags() -> frozenset[str]:
+def processor_flags() -> frozenset[str]:
+    """Return what the system says that an x86 processor can do; nothing where it does not say."""
+    if not CPU_INFO.exists():
+        return frozenset()
     lines = CPU_INFO.read_text(encoding="ascii", errors="replace").splitlines()
     found = next((line for line in lines if line.startswith("flags")), "")
     return frozenset(found.partition(":")[2].split())

@@ -44,8 +44,8 @@ def solve(
 
     Args:
         tolerance: relative error asked for.
-        method: one of METHODS. ``auto`` takes the composite expansion where that holds the
-            tolerance and should cost less, else the periodic state. ``composite`` always gives
+        method: one of METHODS. ``auto`` takes the composite expansion where layers are thin and it
+            holds the tolerance, else the periodic state. ``composite`` always gives
             its force; the status then says where its estimate is above the tolerance.
         device: an OpenCL device; the default one if not given.
         keep_states: whether solutions by the periodic method have their states on the last two
@@ -134,7 +134,7 @@ def plans_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Plan]:
     """
     plans: dict[int, Plan] = {**unseen_profiles(needs, tolerance=tolerance)}
     if method != "periodic":
-        plans |= composite(needs, tolerance=tolerance, worth=method == "auto", but=plans)
+        plans |= composite(needs, tolerance=tolerance, auto=method == "auto", but=plans)
     if method == "composite":
         return not_derived_for(needs) | plans
     return needs.once("on grids", needs.reasons, refused_on_grid) | plans

@@ -50,14 +50,11 @@ LEAST_SIGMA = 10.0
 TINY_EPSILON = 1e-5
 # Scenes whose fields are held at a time; more would fall out of the caches.
 BATCH = 256
-# Squeeze numbers of the shorter side from which on the edge layer alone, and the composite on grids
-# that resolve the layer, take less time than the periodic state. Processor time of a scene, 16 at
-# random positions in a call (sinc, ε 0.05–0.7), in ms, by the edge layer and the periodic state: at
-# 1e-2 and σ 2000, 2e4, 1e6 0.28, 0.23, 0.29 and 0.39, 0.59, 1.4; alone in its call 1.6 at any σ and
-# 1.0, 1.2, 2.1; at 1e-4 and σ 2e4 0.3 and 5. By the composite at 1e-6 and σ 2000, 1e5 1.0, 5 and
-# 0.7, 25.
-EDGE_LAYER_FROM, COMPOSITE_FROM, COMPOSITE_TO_TOLERANCE = 2e4, 1e4, 1e-3
-# With inertia, where a periodic state takes ten times as long, they pay wherever they hold.
+# Squeeze number of the shorter side from which on ``auto`` tries the expansions, to a tolerance of
+# 1e-4; it goes with the root of a closer one. Of 24 random films (ε 0.05-0.7, sinc and piston) they
+# hold 1e-4 at σ 1e4-1e5 in all, for 1.4 ms each instead of 16; 1e-6 at σ 1e5-1e6 in 12, and 1e6-1e7
+# in 21, for 21 and 9 ms instead of 210 and 980.
+THIN_LAYER_SIGMA, AT_TOLERANCE = 1e4, 1e-4
 # Motion so small, in ε² over the tolerance, that rounding hides a periodic state's force.
 TINY = 1e-3
 
@@ -279,29 +276,32 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
 
 
 def composite(
-    needs: Needs, *, tolerance: float, worth: bool, but: Collection[int] = ()
+    needs: Needs, *, tolerance: float, auto: bool, but: Collection[int] = ()
 ) -> dict[int, Expanded]:
     """The scenes' forces by the composite expansion, by row: the edge layer's alone where that
     holds the tolerance, else with the exact second order in ε where the gap is even at rest.
 
     Args:
-        worth: to have those alone that hold the tolerance, of scenes whose periodic state should
-            take longer.
+        auto: to have those alone that hold the tolerance, of scenes with thin layers or tiny
+            motion.
         but: scenes that are not to be expanded.
     """
-    if worth and not _may_pay(needs.scenes, tolerance):
-        return {}
-    by_layer = by_second = np.ones(len(needs), dtype=bool)
-    if worth:
-        by_layer, by_second = _pay(needs, tolerance)
+    scenes = needs.scenes
     known = np.ones(len(needs), dtype=bool)
+    if auto:
+        shorter = scenes.sigma * np.minimum(1.0, scenes.aspect) ** 2
+        thin = THIN_LAYER_SIGMA * max(1.0, AT_TOLERANCE / tolerance) ** 0.5
+        known = (shorter >= thin) | (scenes.epsilon**2 <= TINY * tolerance)
+        if not known.any():
+            return {}
     known[[*but, *not_derived_for(needs)]] = False
-    tried = np.flatnonzero(known & by_layer)
-    found = expanded(edge_layer_expansion, needs, tried, tolerance=tolerance)
-    flat = needs.scenes.column(lambda film: film.pad.gap.flat)
+    found = expanded(
+        edge_layer_expansion, needs, np.flatnonzero(known).tolist(), tolerance=tolerance
+    )
+    flat = scenes.column(lambda film: film.pad.gap.flat)
     more = [
         row
-        for row in np.flatnonzero(known & by_second & flat).tolist()
+        for row in np.flatnonzero(known & flat).tolist()
         if not (row in found and found[row].holds(tolerance))
     ]
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
@@ -310,7 +310,7 @@ def composite(
     for row, result in joined.items():
         if row not in found or result.error < found[row].error:
             found[row] = result
-    return {row: each for row, each in found.items() if each.holds(tolerance) or not worth}
+    return {row: each for row, each in found.items() if each.holds(tolerance) or not auto}
 
 
 def _with_second_order(films: Films) -> AsymptoticForces:
@@ -321,42 +321,6 @@ def _with_second_order(films: Films) -> AsymptoticForces:
         second = small_amplitude_expansion(films.take(thick))
         forces.mean[thick], forces.error[thick] = second.mean, second.error
     return forces
-
-
-def _may_pay(scenes: Scenes, tolerance: float) -> bool:
-    """Return whether an expansion may be cheaper for any of some scenes."""
-    if (scenes.sigma >= COMPOSITE_FROM).any() or (scenes.epsilon**2 <= TINY * tolerance).any():
-        return True
-    return any([film.gas.inertia == "included" for film in scenes.films])
-
-
-def _pay(needs: Needs, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the edge layer's and the composite expansion may pay, (n,) each.
-
-    They may meet the tolerance, and are cheaper than the periodic state.
-
-    The orders are those of the error estimates. Their factors are about the smallest that 2400
-    random films had (ε 0.01–0.98, σ 0.1–1e6, sides 1:10 to 10:1), of the paper's sinc and of a
-    piston. A profile between the two may be sent on although the expansion would do.
-    """
-    scenes = needs.scenes
-    square, sigma, inertia = scenes.epsilon**2, scenes.sigma, scenes.gas.inertia == "included"
-    slender = sigma * np.minimum(1.0, scenes.aspect) ** 2  # of the shorter side
-    tiny = square <= TINY * tolerance
-    by_layer = (slender >= EDGE_LAYER_FROM) | inertia
-    by_second = (slender >= COMPOSITE_FROM) & (tolerance <= COMPOSITE_TO_TOLERANCE) | inertia
-    # By the pad's corners, which no expansion has, where the profile is large; by inertia and slip.
-    corners = square / sigma
-    terms = np.maximum(15 * _reynolds(scenes) / sigma, 0.3 * 6 * scenes.slip_knudsen * sigma**-0.5)
-    even = needs.uniform & scenes.column(lambda film: film.pad.gap.flat)
-    layer_orders = [np.where(even, 0.3, 100) * sigma**-1.5, corners, terms]
-    second_orders = [
-        np.where(needs.uniform, 3, 15) * square * sigma**-1.5,
-        corners,
-        4 * square * terms,
-    ]
-    by_layer &= np.maximum.reduce(layer_orders) <= tolerance
-    return by_layer, tiny | by_second & (np.maximum.reduce(second_orders) <= tolerance)
 
 
 def expanded(

@@ -14,7 +14,13 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.lazy import cl
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING, Device, kernel
-from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
+from squeezefilm.reynolds.grid import (
+    CARRYING,
+    Grid,
+    carrying_matrices,
+    grid_matrices,
+    iteration_flops,
+)
 from squeezefilm.reynolds.layout import (
     ABSENT,
     Columns,
@@ -38,12 +44,16 @@ from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 MOST_NEWTON = 40
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
+# Operations that a scene may take; half of them on one grid. One core does 4e9 to 2e10 a second. Of
+# the films of verification/films.py, at 1e-6, those that are solved take up to 4e10.
+MOST_WORK = 2e11
 
 # How an iteration ends: the kernel's names, and what is said of it.
 ENDINGS = {
     "CONVERGED": "ok",
     "STALLED": "not converged: Newton's method",
     "NOT_FINITE": "not converged: the pressure became infinite",
+    "OVER_LIMIT": f"not converged: no state within {MOST_WORK:.0e} operations",
 }
 STATUS = tuple(ENDINGS.values())
 
@@ -109,13 +119,17 @@ def _most_krylov(grid: Grid, terms: Terms) -> int:
 @lru_cache(maxsize=64)
 def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
     """Return the sizes of each grid, by which a kernel finds everything else."""
-    sizes = ("nx", "ny", "nt", "most_krylov", "whole_x", "whole_y", "whole_modes_x", "around")
+    sizes = (
+        *("nx", "ny", "nt", "most_krylov", "most_iterations"),
+        *("whole_x", "whole_y", "whole_modes_x", "around"),
+    )
     largest = unknown_fields(terms) * max(grid.count for grid in grids)
     breaks_x = any("x" in term.BREAKS for term in terms)
     values = [
         (
             *grid.shape,
             _most_krylov(grid, terms),
+            MOST_WORK / 2 / iteration_flops(grid, terms),
             grid.x.in_halves,
             grid.y.in_halves,
             grid.x.in_halves and not (breaks_x and grid.outline is None),

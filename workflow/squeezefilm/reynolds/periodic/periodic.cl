@@ -97,10 +97,10 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 /* Newton steps that may fail, one after the other, to take a tenth off the least residual. */
 #define PATIENCE 8
 
-/* Newton's iteration from the guess film->p. `basis` has room for most_krylov + 1 vectors,
- * `small` for the numbers of gmres. */
+/* Newton's iteration from the guess film->p, of at most most_iterations steps of Newton and Krylov
+ * together. `basis` has room for most_krylov + 1 vectors, `small` for the numbers of gmres. */
 static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
-                  vector basis, field small, __local double *scratch)
+                  int most_iterations, vector basis, field small, __local double *scratch)
 {
     const double2 first = size_after(g, film, 0, 0.0, scratch);
     FOR_EACH(row, g->rows) film->means_before[row] = film->means[row];
@@ -124,6 +124,11 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         least = fmin(least, s.residual);
         if (s.newton_steps == most_newton || patience == 0)
             break;
+        const int room = min(most_krylov, most_iterations - s.newton_steps - s.krylov_iterations);
+        if (room <= 0) {
+            s.status = OVER_LIMIT;
+            break;
+        }
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
         const double bend = s.residual * s.residual;
         const double last = bend < 0.1 * goal ? 0.7 : 0.3;
@@ -131,8 +136,8 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
                                    fmin(0.1 * s.residual, 3.0 * bend));
         double left;
         const int steps =
-            gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, &left, scratch);
-        matrix factors = small + (most_krylov + 1) * most_krylov;
+            gmres(g, film, basis, small, s.residual, target, room, g->nt, &left, scratch);
+        matrix factors = small + (room + 1) * room;
         s.krylov_iterations += steps;
         field4 step = (field4)film->work_b;
 #ifdef SINGLE
@@ -270,8 +275,8 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             }
             coarser = state;
             set_gap(&g, &film);
-            Said said =
-                solve(&g, &film, row->tolerance, most_newton, most_krylov, basis, small, scratch);
+            Said said = solve(&g, &film, row->tolerance, most_newton, most_krylov,
+                              row->most_iterations, basis, small, scratch);
             status = said.status;
             const double2 change = change_of_means(&g, &film);
             said.moment = change.x;

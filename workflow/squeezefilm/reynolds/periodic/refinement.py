@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from squeezefilm.film.scene import Rows
+from squeezefilm.parallel import progress_of
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
@@ -18,7 +19,16 @@ from squeezefilm.reynolds.error_estimate import (
 )
 from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, State, States, launch
+from squeezefilm.reynolds.periodic.launch import (
+    ENDINGS,
+    MOST_WORK,
+    STATUS,
+    Batch,
+    Launch,
+    State,
+    States,
+    launch,
+)
 from squeezefilm.reynolds.periodic.resolution import (
     MOST_UNKNOWNS,
     Group,
@@ -27,6 +37,7 @@ from squeezefilm.reynolds.periodic.resolution import (
     least_fall,
     profile_fall,
 )
+from squeezefilm.reynolds.terms import Terms
 from squeezefilm.solution import Solutions
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
@@ -50,6 +61,9 @@ LEAST_FIELDS = 36
 MEMORY_PARTS = 4
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
 MOST_FAILURES = 3
+# Iterations that a state takes at least on a first grid.
+LEAST_ITERATIONS = 4
+OVER_LIMIT = ENDINGS["OVER_LIMIT"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,16 +135,14 @@ class Refinement:
         rows, terms, grids, solutions = group.rows, group.terms, group.grids, self.solutions
         at: Rows = slice(None) if batch.scenes is self.needs.scenes else rows
         said, grid, finer = stages[-1].said, grids[-1], finer_grid(grids[-1], room=self.room)
-        coarse, fine = (grids[0], *grids)[-2:]
-        nodes = coarse.across, fine.across
+        nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate(
             said,
             self.change[:, at],
             scenes=batch.scenes,
             terms=terms,
-            grids=(coarse, fine),
             of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=at),
-            least=least_fall(batch.scenes, coarse.across[0]),
+            least=least_fall(batch.scenes),
             tolerance=self.tolerance,
         )
         if len(grids) == 1:  # a single grid tells no error
@@ -141,25 +153,32 @@ class Refinement:
             solutions.newton_steps[at] += newton
             solutions.krylov_iterations[at] += krylov
             solutions.work[at] += iteration_flops(each, terms) * (newton + krylov)
+        # A finer grid takes about as many iterations as the last one did.
+        next_work = iteration_flops(finer, terms) * (newton + krylov) if finer else 0.0
+        over = solutions.work[at] + next_work > MOST_WORK
         solutions.residual[at] = said["residual"]
         self._write_grid(at, grid)
         reasons: dict[int, str] = {}  # why scenes end without a force
 
-        def end(which: np.ndarray, reason: str, *, with_error: bool = False) -> None:
+        def end(
+            which: np.ndarray, reason: str, *, with_error: bool = False, advice: str = ""
+        ) -> None:
             for k in np.flatnonzero(which).tolist():
                 text = error_text(error[k], allowed=allowed[k], force=said["mean"][k])
-                reasons.setdefault(k, f"{reason}: {text}" if with_error else reason)
+                reasons.setdefault(k, (f"{reason}: {text}" if with_error else reason) + advice)
 
         begun = np.zeros(len(rows), dtype=bool)
         statuses = [states.status for states in stages[-2:]]
         unknown = np.logical_or.reduce(statuses)
         if unknown.any():
-            begun = self._begin_again(group, statuses[-1] != 0, finer)
+            begun = self._begin_again(group, (statuses[-1] != 0) & ~over, finer)
             hopeless = ((statuses[-1] != 0) | (finer is None)) & ~begun
             for each, status in zip(grids[:-3:-1], statuses[::-1], strict=True):
                 self._write_grid(rows[(status != 0) & hopeless], each)
                 for ending in range(1, len(STATUS)):
-                    end((status == ending) & hopeless, f"{STATUS[ending]} ({_size(each)})")
+                    advice = fewer_operations(terms) if STATUS[ending] == OVER_LIMIT else ""
+                    reason = f"{STATUS[ending]} ({_size(each)}){advice}"
+                    end((status == ending) & hopeless, reason)
             # What no coarser grid describes, a finer one may.
             error[unknown] = np.inf
             self.change[:, rows[unknown]] = np.nan
@@ -185,12 +204,11 @@ class Refinement:
                 solutions.states[rows[k]] = kept
         waiting[good] = False
         if np.count_nonzero(waiting):
-            most_work = min((term.MOST_WORK for term in terms), default=np.inf)
-            over, limit = waiting & (solutions.work[rows] > most_work), "within the work limit"
+            limit, advice = f"within {MOST_WORK:.0e} operations", fewer_operations(terms)
             if finer is None:
-                over, limit = waiting, "on the finest grid"
+                over, limit, advice = waiting, "on the finest grid", ""
             reason = f"not converged: tolerance not reached {limit} ({_size(grid)})"
-            end(over, reason, with_error=True)
+            end(waiting & over, reason, with_error=True, advice=advice)
             waiting[list(reasons)] = False
             if finer and waiting.any():
                 guess = stages[-1].unknowns[waiting]
@@ -255,21 +273,39 @@ def solve_periodic(
     )
     room, count = refinement.room, 0
     for group in first_grids(needs, rows, tolerance=tolerance, room=room, kept=keep_states):
-        refinement.wait(group)
         count += len(group.rows)
+        if LEAST_ITERATIONS * iteration_flops(group.grids[-1], group.terms) > MOST_WORK:
+            grid = group.grids[-1]
+            refinement._write_grid(group.rows, grid)
+            solutions.status[group.rows] = (
+                f"{OVER_LIMIT} ({_size(grid)}){fewer_operations(group.terms)}"
+            )
+            report(len(group.rows))
+            continue
+        refinement.wait(group)
     size = min(max(-(-count // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
     flying: deque[tuple[list[Group], Launch]] = deque()
-    while refinement.waiting or flying:
-        while refinement.waiting and len(flying) < IN_FLIGHT:
-            groups = refinement.next_launch(most=size)
-            batches = [refinement.batch(group) for group in groups]
-            flying.append((groups, launch(batches, device=device)))
-        groups, landing = flying.popleft()
-        landed = zip(groups, landing.batches, landing.states(device), strict=True)
-        report(sum(refinement.accept_or_refine(*each) for each in landed))
-        # Other launches may have the arrays, as no one looks at the states any more.
-        device.release(*landing.arrays)
+    with progress_of(count, unit="scene", name="periodic states") as progress:
+        while refinement.waiting or flying:
+            while refinement.waiting and len(flying) < IN_FLIGHT:
+                groups = refinement.next_launch(most=size)
+                batches = [refinement.batch(group) for group in groups]
+                flying.append((groups, launch(batches, device=device)))
+            groups, landing = flying.popleft()
+            progress.doing = _size(groups[0].grids[-1])
+            landed = zip(groups, landing.batches, landing.states(device), strict=True)
+            finished = sum(refinement.accept_or_refine(*each) for each in landed)
+            progress.update(finished)
+            report(finished)
+            # Other launches may have the arrays, as no one looks at the states any more.
+            device.release(*landing.arrays)
     return solutions
+
+
+def fewer_operations(terms: Terms) -> str:
+    """Return what lets a scene be solved with fewer operations, for the end of its status."""
+    dear = [term.label for term in terms if term.SPACE_PRODUCTS]
+    return f"; take a larger tolerance{' or no ' if dear else ''}{' and '.join(dear)}"
 
 
 def _size(grid: Grid) -> str:

@@ -50,13 +50,6 @@ INCOMPRESSIBLE = 10.0
 LARGEST_MISSED = 1e-2
 # Tolerance below which a plain film's first grid is to leave less: there too many wanted a third.
 TIGHT_BELOW, TIGHT_SHARE = 4e-7, 0.2
-# Chebyshev nodes see the layer at a sliding surface's trailing rim, Λ/(1 − ε) times thinner than
-# the pad, if there are this many times the root of that. Else errors fall as slowly as first
-# order: of 40 films with more than 100 one (Λ 98, ε 0.87, at a tolerance of 0.1) was off by 1.8
-# times its estimate, another by 0.98; with this least fall it is 7 times the change, as for 28
-# nodes and 32.
-NODES_PER_SLIDING = 2.0
-SLIDING_FALL = 0.7
 # Above this errors may go up and down from grid to grid; below 1e4 none of 996 films was beyond its
 # estimate, but one at 9963 came to 0.9 of it.
 UNEVEN_SIGMA = 5e3
@@ -358,15 +351,7 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
     return np.where(flat, scenes.epsilon, scenes.closure), sigma, bend
 
 
-def least_fall(scenes: Scenes, nodes_x: int) -> np.ndarray:
-    """Lower bounds on the convergence ratios from grid to grid, (n,).
-
-    Args:
-        nodes_x: across the pad along x, of the coarser grid.
-    """
-    epsilon, sigma, _ = gap_numbers(scenes)
-    fall = THIN_LAYER_FALL * (sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA)
-    if not any([film.pad.speed_x_m_per_s for film in scenes.films]):
-        return fall
-    layers = np.abs(scenes.bearing_number) / (1 - epsilon)
-    return np.where(nodes_x < NODES_PER_SLIDING * np.sqrt(layers), SLIDING_FALL, fall)
+def least_fall(scenes: Scenes) -> np.ndarray:
+    """Lower bounds on the convergence ratios from grid to grid, (n,)."""
+    _, sigma, _ = gap_numbers(scenes)
+    return THIN_LAYER_FALL * (sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA)

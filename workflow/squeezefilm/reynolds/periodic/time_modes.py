@@ -53,6 +53,7 @@ def modes_of(
         waves = np.multiply.outer(across, numbers["waves_per_node"])
         half = np.array([[grid.nt / 2] for grid in grids])
         slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_STEP)
+        slows = np.maximum(slows, 1.0)
         steps += [lags, *slows]
     first, which = distinct(reduce(lambda code, each: 1000 * code + each, steps))
     instants = tuple([grid.nt for grid in grids])

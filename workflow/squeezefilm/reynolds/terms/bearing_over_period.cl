@@ -38,7 +38,7 @@ static void residual_bearing(const Grid *g, const Film *film, field excess, fiel
 #ifndef HAS_outline
 #define PRECONDITIONER
 
-/* modal −= σ dw/dT. */
+/* modal −= σ A dw/dT. */
 static void add_time_term(const Grid *g, const Film *film, matrix w, field modal)
 {
     field4 m = (field4)modal;
@@ -46,8 +46,9 @@ static void add_time_term(const Grid *g, const Film *film, matrix w, field modal
     FOR_EACH_POINT(g, row, t, i)
     {
         const double2 speed = film->sigma * (double2)(g->speeds[2 * t], g->speeds[2 * t + 1]);
-        m[i].even -= speed * from[i].odd;
-        m[i].odd += speed * from[i].even;
+        const double2 decay = film->sigma * (double2)(g->decays[2 * t], g->decays[2 * t + 1]);
+        m[i].even -= decay * from[i].even + speed * from[i].odd;
+        m[i].odd -= decay * from[i].odd - speed * from[i].even;
     }
     SYNC;
 }
@@ -55,9 +56,9 @@ static void add_time_term(const Grid *g, const Film *film, matrix w, field modal
 /* Nothing is known of it before it is asked. */
 static void set_preconditioner(const Grid *g, const Film *film) {}
 
-/* Solve (D Δ − Λ d/dX − σ d/dT) w = modal in place, in the real Schur basis of the operator along
+/* Solve (D Δ − Λ d/dX − σ A d/dT) w = modal in place, in the real Schur basis of the operator along
  * x: back-substitution through a quasi-triangular matrix, for every mode along y and every
- * harmonic, which is the complex number c − i s here and has the rate i k. */
+ * pair of modes in time, which is the complex number c − i d here and has the rate g + i s. */
 static void precondition(const Grid *g, const Film *film, field modal)
 {
     const int nx = g->nx, stride = g->ny * g->nt;
@@ -79,13 +80,15 @@ static void precondition(const Grid *g, const Film *film, field modal)
                     for (int t = 0; t < g->nt4; t++)
                         to[t] -= entry * from[t];
                 }
-            const double a = diffusivity * triangle[top * nx + top] + shift;
+            const double first = diffusivity * triangle[top * nx + top] + shift;
             const double b = diffusivity * triangle[top * nx + bottom];
             const double c = diffusivity * triangle[bottom * nx + top];
-            const double d = diffusivity * triangle[bottom * nx + bottom] + shift;
+            const double last = diffusivity * triangle[bottom * nx + bottom] + shift;
             field4 u = (field4)(m + top * stride), v = (field4)(m + bottom * stride);
             for (int j = 0; j < g->nt4; j++) {
                 const double2 speed = film->sigma * (double2)(g->speeds[2 * j], g->speeds[2 * j + 1]);
+                const double2 decay = film->sigma * (double2)(g->decays[2 * j], g->decays[2 * j + 1]);
+                const double2 a = first - decay, d = last - decay;
                 const double2 u_re = u[j].even, u_im = -u[j].odd;
                 if (!coupled) {
                     const double2 scale = 1.0 / (a * a + speed * speed);

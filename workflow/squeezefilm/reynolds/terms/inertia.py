@@ -63,8 +63,6 @@ NEGLIGIBLE = 1e-14
 class VelocityTerm(Term):
     """A term of the gas' velocities, along each axis on its flux points and the other's nodes."""
 
-    MOST_WORK = 1e11  # ten to twenty seconds of one core
-
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         return flux_matrices(grid, aspect=aspect)
 
@@ -79,8 +77,7 @@ class VelocityTerm(Term):
         if scene.gas.rarefaction == "fukui-kaneko":
             which = "fukui-kaneko, only with viscous flow or first-order slip"
             return f"not supported: {self.label} with {which}"
-        moves = scene.bearing_number != 0
-        return f"not supported: {self.label} with a sliding pad" if moves else ""
+        return ""
 
 
 @dataclass(frozen=True)

@@ -31,8 +31,6 @@ class SmoothOutline(Term):
     HOOKS = ("residual", "response")
     IN_SINGLE = True
     TIME_PRODUCTS = 1
-    # Without, one of 199 films, a slender ellipse (σ 5e4), used 0.97 of its estimate.
-    LEAST_FALL = 0.1
 
     @classmethod
     def of(cls, scene: Scene) -> SmoothOutline | None:

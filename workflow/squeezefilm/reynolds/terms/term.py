@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -62,11 +61,8 @@ class Term:
         UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
         ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
-        LEAST_FALL: no faster do changes from grid to grid count as falling.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
-        MOST_WORK: operations of a scene's iterations (refinement.py) beyond which no finer grid is
-            begun.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
         IN_EXPANSIONS: whether the expansions for σ → ∞ (asymptotics/) are derived with the term.
     """
@@ -82,8 +78,6 @@ class Term:
     UNKNOWN_FIELDS: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
     ESTIMATE_MARGIN: ClassVar[float] = 1.0
-    LEAST_FALL: ClassVar[float] = 0.0
-    MOST_WORK: ClassVar[float] = inf
     SPACE_PRODUCTS: ClassVar[int] = 0
     TIME_PRODUCTS: ClassVar[int] = 0
     CARRYING: ClassVar[tuple[str, ...]] = ()

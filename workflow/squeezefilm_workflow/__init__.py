@@ -1,0 +1,1 @@
+"""What the rules of the workflow share: the start of their scripts."""

@@ -1,0 +1,92 @@
+"""The frame of a rule's script: where its output goes and how its errors are told."""
+
+import io
+import os
+import resource
+import sys
+import tempfile
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from squeezefilm.config.film import SMOOTHED_VARIABLE
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.study import Study
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.files import write_text
+from squeezefilm.reynolds.device import NODE_CACHE_VARIABLE
+from squeezefilm.tables import write_json, write_table
+
+Job = Any
+"""The object ``snakemake`` that Snakemake puts before a script's first line."""
+
+
+def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
+    """Run a script for a job of Snakemake, all of its output in the log of the job's rule.
+
+    Snakemake fills no log by itself. A script that fails writes its error to the log and the last
+    line of the error to the terminal too; Snakemake then removes the outputs of the job.
+
+    Args:
+        main: the script; its arguments are the job and the study that the job belongs to.
+    """
+    # PoCL ignores the processors to which a process is confined; it reads this when it starts.
+    os.environ["POCL_MAX_PTHREAD_COUNT"] = str(snakemake.threads)
+    # On a cluster home directories are shared by nodes that may differ, over a network that may not
+    # lock; profiles/ state this resource. Snakemake's tmpdir is that of the process.
+    if snakemake.resources.get("node_cache"):
+        os.environ[NODE_CACHE_VARIABLE] = tempfile.gettempdir()
+    terminal = os.fdopen(os.dup(2), "w", encoding="utf-8", errors="replace")
+    with open(snakemake.log[0], "w", encoding="utf-8") as log:
+        os.dup2(log.fileno(), 1)
+        os.dup2(log.fileno(), 2)
+    # Other programs write to the same log: a line stands there once it is printed.
+    for stream in (sys.stdout, sys.stderr):
+        assert isinstance(stream, io.TextIOWrapper)
+        stream.reconfigure(encoding="utf-8", errors="replace", line_buffering=True)
+    last = ""
+    try:
+        config = load_config(snakemake.config["study_file"])
+        smoothed = folder_of_results(snakemake, config) / "profile/smoothed.pickle"
+        os.environ[SMOOTHED_VARIABLE] = str(smoothed)
+        main(snakemake, config)
+    except (InputError, RunError) as error:
+        last = f"squeezefilm: error: {error}"
+        print(last, file=sys.stderr)
+    except Exception as error:
+        last = "".join(traceback.format_exception_only(error))
+        traceback.print_exc()
+    finally:
+        report_use()
+    if last:
+        print(last.rstrip(), file=terminal, flush=True)
+        sys.exit(1)
+
+
+def report_use() -> None:
+    """Write what this process and its children took, the log's last line."""
+    whose = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    used = [resource.getrusage(each) for each in whose]
+    seconds = sum(each.ru_utime + each.ru_stime for each in used)
+    megabytes = max(each.ru_maxrss for each in used) / 1024
+    print(f"Used: {seconds:.2f} s of processor time, {megabytes:.0f} MB", flush=True)
+
+
+def folder_of_results(snakemake: Job, config: Study) -> Path:
+    """The folder of the study's results, in a module below its prefix: each output is in it."""
+    name = f"results/{config.study}"
+    return Path(f"{str(snakemake.output[0]).partition(f'{name}/')[0]}{name}")
+
+
+def write(output: Any, **values: pd.DataFrame | dict[str, Any] | str) -> None:
+    """Write values by the names of a rule's outputs: tables, JSON objects, texts."""
+    for name, value in values.items():
+        if isinstance(value, pd.DataFrame):
+            write_table(value, output[name])
+        elif isinstance(value, str):
+            write_text(value, output[name])
+        else:
+            write_json(value, output[name])
