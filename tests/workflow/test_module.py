@@ -52,7 +52,6 @@ def test_a_module_makes_the_study_that_it_is_given(repository, tmp_path):
 
 
 DEVICE = "results/mine/simulations/device.json"
-POSITIONS = "results/{study}/simulations/validation_four_factor/scenes.csv"
 DEPLOYED = """
 configfile: "config/config.yaml"
 
@@ -71,7 +70,7 @@ module {study}:
 
 use rule * from {study} as {study}_*
 """
-FORCES = "h0_m,hv_m,force_n,force_uncertainty_n\n2e-5,5e-6,1e-3,1e-4\n"
+FORCES = "h0_m,hv_m,force_n,force_uncertainty_n\n2e-5,1e-6,1e-3,1e-4\n"
 NOT_INSTALLED = "raise ModuleNotFoundError(name='squeezefilm')"
 
 
@@ -115,37 +114,33 @@ def test_rules_come_from_a_git_repository(repository, installed, mine, tmp_path)
     assert "Traceback" not in refused.stdout
 
 
-def test_two_studies_are_two_modules(repository, mine, tmp_path):
-    largest_gaps_m = {"thin": 7e-6, "thick": 2e-5}
-    for name, gap_m in largest_gaps_m.items():
-        h0 = {"start": 5e-6, "stop": gap_m, "levels": 3}
-        study = {**mine, "study": name, "screen": {**mine["screen"], "h0": h0}}
-        (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(study), encoding="utf-8")
+def test_two_studies_are_two_modules(repository, tmp_path):
+    """Each reads and writes in its own folder, and an edit of one leaves the other as it is."""
+    study = yaml.safe_load((repository / "config/synthetic.yaml").read_text(encoding="utf-8"))
+    study["measurements"] = {"file": "forces.csv"}
+    (tmp_path / "forces.csv").write_text(FORCES, encoding="utf-8")
+    for name in ("first", "second"):
+        text = yaml.safe_dump({**study, "study": name})
+        (tmp_path / f"{name}.yaml").write_text(text, encoding="utf-8")
     place = {"snakefile": repository / "workflow/Snakefile"}
-    text = "import yaml\n" + "".join(TWO.format(study=name, **place) for name in largest_gaps_m)
-    (tmp_path / "Snakefile").write_text(text, encoding="utf-8")
-    targets = [POSITIONS.format(study=name) for name in largest_gaps_m]
-    done = snakemake(tmp_path, *targets, "--cores", "1")
+    modules = [TWO.format(study=name, **place) for name in ("first", "second")]
+    (tmp_path / "Snakefile").write_text("import yaml\n" + "".join(modules), encoding="utf-8")
+    figure = "results/first/figures/measurements.svg"
+    done = snakemake(tmp_path, figure, "--cores", "1")
     assert done.returncode == 0, done.stdout
-    for name, gap_m in largest_gaps_m.items():
-        h0_m = read_scenes(tmp_path / POSITIONS.format(study=name))["h0_m"]
-        assert 0.8 * gap_m < h0_m.max() <= gap_m
-        assert any((tmp_path / "logs" / name).rglob("*.log"))
-    edited = tmp_path / "thick.yaml"
-    text = edited.read_text(encoding="utf-8").replace("stop: 2.0e-05", "stop: 2.5e-05")
-    edited.write_text(text, encoding="utf-8")
-    again = snakemake(tmp_path, *targets, "--dry-run").stdout
-    assert "thick_plan" in again
-    assert "thin_plan" not in again
+    assert [path.name for path in (tmp_path / "results/second").iterdir()] == ["study.yaml"]
+    edited = yaml.safe_dump({**study, "study": "second", "solver": {"tolerance": 1e-5}})
+    (tmp_path / "second.yaml").write_text(edited, encoding="utf-8")
+    assert "Nothing to be done" in snakemake(tmp_path, figure, "--dry-run").stdout
 
 
 def test_a_clone_is_reached_through_a_link(repository, tmp_path):
-    copy_checkout(repository, tmp_path / "clone")
-    (tmp_path / "link").symlink_to("clone")
+    (tmp_path / "link").symlink_to(repository)
+    words = ("--snakefile", "link/Snakefile", "--configfile", "link/config/quick.yaml")
     device = "results/quick/simulations/device.json"
-    done = snakemake(tmp_path / "link", device, "--configfile", "config/quick.yaml")
+    done = snakemake(tmp_path, device, *words)
     assert done.returncode == 0, done.stdout
-    assert (tmp_path / "clone/logs/quick/compile_kernels.log").exists()
+    assert (tmp_path / "logs/quick/compile_kernels.log").exists()
 
 
 def test_results_are_a_link_and_a_finished_study_is_moved(repository, tmp_path):
