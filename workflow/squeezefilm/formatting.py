@@ -34,7 +34,7 @@ NOT_AVAILABLE, EFFECT_ERROR = "not available", "_error_percent"
 EFFECTS = ("inertia", "thermal", "depth_averaged", "slip", "flow_factor", "edge_loss")
 # Effects whose error is no numerical one.
 WITH_ERROR = ("depth_averaged", "flow_factor")
-SYMMETRIES = {"whole": "none", "quarter": "x and y"}
+SYMMETRIES = {"whole": "none", "quarter": "x and y", "radius": "all around"}
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]

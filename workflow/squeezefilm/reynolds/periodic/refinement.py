@@ -273,4 +273,5 @@ def solve_periodic(
 
 
 def _size(grid: Grid) -> str:
-    return f"{grid.x.full_points} × {grid.y.full_points} × {grid.nt} points"
+    across, along = grid.across
+    return f"{across} × {along} × {grid.nt} points"
