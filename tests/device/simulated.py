@@ -11,7 +11,7 @@ from pathlib import Path
 from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import Batch, in_single, launch
+from squeezefilm.reynolds.periodic.launch import Batch, grid_under, in_single, launch
 from squeezefilm.reynolds.self_test import films
 from squeezefilm.reynolds.terms import terms_of
 
@@ -32,8 +32,8 @@ def means(device: Device, kernel: str) -> list[float]:
     scene, grid = films()[kernel]
     terms = terms_of(scene)
     tolerance = TOLERANCE if in_single(terms) else IN_DOUBLE
-    shape = grid.fold_x, grid.fold_y, scene.pad.smooth_outline
-    grids = [Grid(points, 4, 8, *shape) for points in (4, 6)]
+    shape = grid.fold_x, grid.fold_y
+    grids = [grid_under(scene, Grid(points, 4, 8, *shape)) for points in (4, 6)]
     other = replace(scene, hv_m=0.7 * scene.hv_m)
     batches = [
         Batch(Scenes.of([each]), terms, some, [tolerance] * len(some))

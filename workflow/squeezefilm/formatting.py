@@ -37,7 +37,7 @@ EFFECTS = (
 )
 # Effects whose error is no numerical one.
 WITH_ERROR = ("depth_averaged", "sheared_gas", "flow_factor")
-SYMMETRIES = {"whole": "none", "quarter": "x and y"}
+SYMMETRIES = {"whole": "none", "quarter": "x and y", "radius": "all around"}
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]

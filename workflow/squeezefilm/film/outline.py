@@ -156,6 +156,24 @@ class Outline:
         return (1 + np.clip(found.real / self.rim, -1, 1)) / 2, found.imag
 
 
+class Polar:
+    """Coordinates of a disc: places in [0, 1] across a diameter and its angle.
+
+    Each point lies at two of them, as of an outline's.
+    """
+
+    def positions(self, across: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places in [0, 1] across the pad's sides."""
+        return 0.5 + (across - 0.5) * np.cos(angle), 0.5 + (across - 0.5) * np.sin(angle)
+
+    def coordinates(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the coordinates of places inside, shape (N,)."""
+        return 0.5 + np.hypot(x - 0.5, y - 0.5), np.arctan2(y - 0.5, x - 0.5)
+
+
+POLAR_COORDINATES = Polar()
+
+
 @lru_cache(maxsize=256)
 def ellipse(aspect: float) -> Outline:
     """An ellipse of axes 1 along x and ``aspect`` along y."""

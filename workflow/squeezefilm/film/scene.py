@@ -190,6 +190,11 @@ class Scene(OperatingPoints):
         """A net of points x, y over the pad, edge included, in [0, 1]."""
         return net(self.pad)
 
+    @property
+    def places(self) -> Places:
+        """The pad's position."""
+        return self._alone.places[0]
+
     @cached_property
     def _alone(self) -> Scenes:
         return Scenes.of([self])

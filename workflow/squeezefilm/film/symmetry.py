@@ -17,9 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
+from squeezefilm.film.outline import POLAR_COORDINATES
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.positions import Positions
-from squeezefilm.film.profiles import Profile
+from squeezefilm.film.profiles import Profile, landmarks_of
+from squeezefilm.film.scene import Places
 from squeezefilm.film.surfaces import Rectangle, Surface
 from squeezefilm.solution import CARTESIAN, POLAR
 
@@ -150,6 +152,12 @@ def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
 
 EQUAL = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
+SAME_BY_ROUNDING = 1e-13
+"""Values of a profile that differ by no more than this, over its largest, are the same."""
+FEW, MANY = 16, 1000
+"""Points at which a profile is compared: those that most others fail, then all."""
+TOGETHER = 64
+"""Positions that are compared together at many points."""
 
 
 def no_symmetry(surface: Surface) -> Symmetry:
@@ -236,3 +244,40 @@ def _keeps(
     together = np.vdot(s, s_there)
     sign = together / abs(together) if together else 1.0
     return bool(np.abs(s_there - sign * s).max() <= EQUAL)
+
+
+@lru_cache(maxsize=256)
+def axisymmetric(places: Places) -> np.ndarray:
+    """Return at which positions a film has no angle, so that it is solved along a radius, (n,).
+
+    It is that of a disc at rest, the gap flat or crowned, where the profile is the same all around
+    each circle about the disc's centre.
+    """
+    pad, same = places.under.pad, np.zeros(len(places.x_m), dtype=bool)
+    disc = pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m
+    if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:
+        return same
+    draw = np.random.default_rng(1)
+    radius, (angle, other) = draw.uniform(0, 0.5, MANY), draw.uniform(0, 2 * np.pi, (2, MANY))
+    rows = np.flatnonzero(_same_around(places, radius[:FEW], angle[:FEW], other[:FEW]))
+    for some in np.array_split(rows, 1 + len(rows) // TOGETHER):
+        same[some] = _same_around(places.some(some), radius, angle, other)
+    x_m, y_m = landmarks_of(places.under.profile)
+    for row in np.flatnonzero(same).tolist() if len(x_m) else ():
+        from_centre = x_m - places.x_m[row] + 1j * (y_m - places.y_m[row])
+        radius, angle = abs(from_centre) / pad.length_x_m, np.angle(from_centre)
+        inside = radius < 0.5
+        at = radius[inside], angle[inside] - radians(pad.rotation_deg), other[: inside.sum()]
+        same[row] = not inside.any() or _same_around(places.some(slice(row, row + 1)), *at)[0]
+    return same
+
+
+def _same_around(
+    places: Places, radius: np.ndarray, angle: np.ndarray, other: np.ndarray
+) -> np.ndarray:
+    """Return where a profile has the same values on circles at one angle and another, (n,)."""
+    one, two = (
+        places.amplitude(*POLAR_COORDINATES.positions(0.5 + radius, each))
+        for each in (angle, other)
+    )
+    return np.asarray(abs(two - one).max(axis=1) <= SAME_BY_ROUNDING * abs(one).max(axis=1))

@@ -184,7 +184,7 @@ class EdgeFilms:
         flows = self._flow_at_ends(edge)
         for k, (axis, name) in enumerate(zip(self.axes, "xy", strict=False)):
             length = self.lengths[k]
-            second = (axis.derivative @ axis.derivative)[axis.inner] / length**2
+            second = (axis.divergence @ axis.derivative)[axis.inner] / length**2
             points = FluxPoints(axis)
             values = points.from_all_nodes
             slope = values @ axis.derivative / length

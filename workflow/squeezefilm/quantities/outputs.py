@@ -276,7 +276,7 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
 class Sample:
     """One film at all nodes of its state's grid, those of the rim and of mirror images among them.
 
-    In an outline's coordinates each place lies at two points.
+    In an outline's or a disc's coordinates each place lies at two points.
 
     Attributes:
         x, y: points across the pad in [0, 1], shape (Q,).
@@ -294,7 +294,11 @@ class Sample:
         in_x, in_y = (each.at(each.all_nodes) for each in (grid.x, grid.y))
         field = np.einsum("pa,abi,qb->pqi", in_x, state.unknowns[0], in_y, optimize=True)
         along_x = weights_with_edge(axis(grid.x.full_points, folded=False))
-        if outline:
+        if grid.radial:
+            half = weights_with_edge(grid.x) / 2
+            weights = np.multiply.outer(np.append(half, half[::-1]), np.full(4, 1 / 4))
+            mirrored = list(grid.around.mirrored)
+        elif outline:
             mu, nu = outline.rim * (2 * grid.x.all_nodes[:, None] - 1), grid.y.all_nodes
             density = outline.stretch(mu, nu) / outline.mean_stretch
             weights = along_x[:, None] * density / len(nu)
@@ -304,7 +308,8 @@ class Sample:
             weights = np.multiply.outer(along_x, along_y)
             mirrored = [slice(None, None, -1)] * grid.y.folded
         places = np.arange(weights.size).reshape(weights.shape)
-        images = [places, np.flip(places, axis=0)] if grid.x.folded and not outline else [places]
+        flips = grid.x.folded and grid.coordinates is None
+        images = [places, np.flip(places, axis=0)] if flips else [places]
         for order in mirrored:
             images += [each[:, order] for each in images]
 
@@ -402,6 +407,8 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
         unknowns: overpressure and the velocity's deficits along x and y (terms/inertia.py), shape
             (3, nx, ny, nt).
     """
+    if grid.fold_x and grid.fold_y:  # as much leaves on each side as on the other
+        return 0.0, 0.0
     speed = scene.actuator.angular_frequency_rad_per_s * scene.pad.length_x_m
     per_length = scene.gas.density_kg_per_m3 * speed**2 * scene.h0_m
     whole = Grid(grid.x.full_points, grid.y.full_points, grid.nt, False, False, grid.outline)

@@ -56,12 +56,12 @@ def _at(state: State, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int) 
     """A state at other places and instants: (instants, y, x)."""
     grid, field = state.grid, state.unknowns[0]
     in_time = period(grid.nt).at(period(instants).nodes)
-    if grid.outline is None:
+    if grid.coordinates is None:
         along_x, along_y = grid.x.at(x), grid.y.at(y)
         return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, field, optimize=True)
     across, along = np.meshgrid(x, y)
     inside = pad.within(across, along)
-    u, v = grid.outline.coordinates(across[inside], along[inside])
+    u, v = grid.coordinates.coordinates(across[inside], along[inside])
     found = np.einsum("xa,abi->xbi", grid.x.at(u), field)
     found = np.einsum("xb,xbi->xi", grid.y.at(v), found)
     values = np.full((instants, *across.shape), np.nan)

@@ -8,9 +8,9 @@ from math import sqrt
 
 import numpy as np
 
-from squeezefilm.film.outline import Outline
+from squeezefilm.film.outline import POLAR_COORDINATES, Outline, Polar
 from squeezefilm.film.scene import HashedOnce
-from squeezefilm.reynolds.spectral import Around, Axis, Period, around, axis, period
+from squeezefilm.reynolds.spectral import Around, Axis, Period, around, axis, period, radius
 from squeezefilm.reynolds.terms import Terms, parts_of
 
 # Nodes across the pad beyond which none is tried: there rounding begins to show at 1e-6, and a
@@ -31,7 +31,8 @@ class Grid(HashedOnce):
     ``nx`` and ``ny`` count unknowns: a folded axis has half as many as it has nodes. Under an
     outline that is no rectangle x and y are its coordinates μ, in units of the strip's width, and
     ν (film/outline.py); the film is even about the pad's middle along x, y where ``fold_x``,
-    ``fold_y`` say so.
+    ``fold_y`` say so. A single unknown along y is that of a film without angle: x is the disc's
+    diameter, and the unknown stands for all around.
     """
 
     nx: int
@@ -44,6 +45,8 @@ class Grid(HashedOnce):
 
     @cached_property
     def x(self) -> Axis:
+        if self.radial:
+            return radius(self.nx)
         return axis(
             self.nx,
             self.outline.folds(self.fold_x, self.fold_y)[0] if self.outline else self.fold_x,
@@ -51,13 +54,25 @@ class Grid(HashedOnce):
 
     @cached_property
     def y(self) -> Axis | Around:
+        if self.radial:
+            return around(self.ny, True, True)
         if self.outline is None:
             return axis(self.ny, self.fold_y)
         return around(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
 
     @property
+    def radial(self) -> bool:
+        """Return whether the grid is along a disc's radius alone."""
+        return self.ny == 1
+
+    @property
+    def coordinates(self) -> Outline | Polar | None:
+        """Return what x and y are coordinates of, unless they are those of a rectangle."""
+        return POLAR_COORDINATES if self.radial else self.outline
+
+    @property
     def around(self) -> Around:
-        """ν of an outline."""
+        """ν of an outline, or a disc's angle."""
         assert isinstance(self.y, Around)
         return self.y
 
@@ -70,7 +85,7 @@ class Grid(HashedOnce):
         """All nodes x, y across the pad, ends and mirror images included, row by row."""
         along_x, along_y = np.meshgrid(self.x.all_nodes, self.y.all_nodes, indexing="ij")
         flat = along_x.ravel(), along_y.ravel()
-        return self.outline.positions(*flat) if self.outline else flat
+        return self.coordinates.positions(*flat) if self.coordinates else flat
 
     @cached_property
     def density(self) -> np.ndarray | float:
@@ -131,8 +146,8 @@ class Grid(HashedOnce):
 
     @cached_property
     def across(self) -> tuple[int, int]:
-        """Nodes across the pad along x and y."""
-        return self.x.full_points, self.y.full_points
+        """Nodes across the pad along x and y; one around for a film without angle."""
+        return self.x.full_points, 1 if self.radial else self.y.full_points
 
     @cached_property
     def in_space(self) -> Grid:

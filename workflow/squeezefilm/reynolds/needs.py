@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from squeezefilm.film.outline import Outline
+from squeezefilm.film.outline import POLAR_COORDINATES, Outline, Polar
 from squeezefilm.film.profiles import landmarks_of
 from squeezefilm.film.scene import (
     Film,
@@ -27,10 +27,11 @@ from squeezefilm.film.scene import (
 )
 from squeezefilm.reynolds.grid import MOST_SPACE
 from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
-from squeezefilm.reynolds.terms import Terms, absent_terms, terms_of_each
+from squeezefilm.reynolds.terms import Terms, absent_terms, is_radial, terms_of_each
 
-DOMAINS = np.array(["whole", "half in y", "half in x", "quarter"], dtype=object)
-"""Parts of the pad that are solved: the film is even about neither axis' middle, y's, x's, both."""
+DOMAINS = np.array(["whole", "half in y", "half in x", "quarter", "radius"], dtype=object)
+"""Parts of the pad that are solved: the film is even about neither axis' middle, y's, x's, both; or
+it has no angle."""
 # Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
 SYMMETRIC = 1e-13
 LEVELS = (24, 48, 96, 192, MOST_SPACE)
@@ -43,6 +44,7 @@ TOGETHER = 2**17
 MOST_KEPT = 256
 
 Result = TypeVar("Result")
+Coordinates = Outline | Polar | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +104,12 @@ class Needs:
     @property
     def domains(self) -> np.ndarray:
         """The part of the pad that is solved for each scene, of DOMAINS, (n,)."""
-        return DOMAINS[2 * self.fold_x + self.fold_y]
+        return DOMAINS[np.where(self.radial, 4, 2 * self.fold_x + self.fold_y)]
+
+    @property
+    def radial(self) -> np.ndarray:
+        """Return which films have no angle, (n,)."""
+        return np.array([is_radial(terms) for terms in self.kinds])[self.kind]
 
     def absent_terms(self) -> np.ndarray:
         """Return the names of the terms that each scene does not have, joined by ``; ``, (n,)."""
@@ -136,14 +143,20 @@ def _needs_of(scenes: Scenes) -> Needs:
     fold_x, fold_y, uniform = np.empty((3, len(scenes)), dtype=bool)
     breaks = ["".join(term.BREAKS for term in terms) for terms in kinds]
     profiles = []
+    radial = np.array([is_radial(terms) for terms in kinds])[kind]
     for film, rows, some in scenes.of_each_film():
-        places, at = some.places
-        sampled = (_kept if len(places.x_m) <= MOST_KEPT else SampledProfiles)(places)
         gap, outline = film.pad.gap, film.pad.smooth_outline
-        fold_x[rows] = sampled.even_x[at] & (gap.tilt_x_m == 0 and (not outline or outline.even_x))
-        fold_y[rows] = sampled.even_y[at] & (gap.tilt_y_m == 0 and (not outline or outline.even_y))
-        uniform[rows] = sampled.uniform[at]
-        profiles.append((rows, sampled, at))
+        for part in rows_alike(radial[rows]):
+            own, (places, at) = np.arange(len(scenes))[rows][part], some[part].places
+            has_no_angle = bool(radial[own[0]])
+            sampler = _kept if len(places.x_m) <= MOST_KEPT else SampledProfiles
+            sampled = sampler(places, POLAR_COORDINATES if has_no_angle else outline)
+            even_x = gap.tilt_x_m == 0 and (not outline or outline.even_x)
+            even_y = gap.tilt_y_m == 0 and (not outline or outline.even_y)
+            fold_x[own] = has_no_angle | sampled.even_x[at] & even_x
+            fold_y[own] = has_no_angle | sampled.even_y[at] & even_y
+            uniform[own] = sampled.uniform[at]
+            profiles.append((own, sampled, at))
     fold_x &= np.array(["x" not in axes for axes in breaks])[kind]
     fold_y &= np.array(["y" not in axes for axes in breaks])[kind]
     return Needs(scenes, kinds, kind, fold_x, fold_y, uniform, profiles)
@@ -183,13 +196,14 @@ class SampledProfiles:
     """A profile with the pad at some positions, sampled as finely as is asked.
 
     Attributes:
+        coordinates: those in which it is sampled; None of a rectangle.
         even_x, even_y: whether all of it is even about the pad's middle along x, y: (positions,).
         uniform: whether the whole pad sees the full amplitude, (positions,).
     """
 
-    def __init__(self, places: Places) -> None:
+    def __init__(self, places: Places, coordinates: Coordinates) -> None:
         count = len(places.x_m)
-        self.places = places
+        self.places, self.coordinates = places, coordinates
         self.even_x, self.even_y, self.uniform = np.empty((3, count), dtype=bool)
         self._largest = np.empty(count)
         self._samples: list[Samples | None] = [None] * len(LEVELS)
@@ -238,7 +252,7 @@ class SampledProfiles:
         """Sample a level at some positions, together as many as fit the caches."""
         if not rows.size:
             return
-        sampler = _sampler(LEVELS[level], self.places.under.pad.smooth_outline)
+        sampler = _sampler(LEVELS[level], self.coordinates)
         step = max(1, TOGETHER // (sampler.grid_x.size + sampler.x.size))
         alone = np.isin(rows, list(self._landmarks))
         plain = rows[~alone]
@@ -259,16 +273,16 @@ class SampledProfiles:
         """Find symmetries from the values of the first level, at the nodes and between them."""
         self._largest[rows] = _largest(s, between)
         same = SYMMETRIC * self._largest[rows]
-        outline = self.places.under.pad.smooth_outline
         # Else what the nodes show holds between them.
-        look_closer = (first.missed > SYMMETRIC) | (outline is not None)
+        look_closer = (first.missed > SYMMETRIC) | (self.coordinates is not None)
         for even, axis_ in ((self.even_x, 2), (self.even_y, 3)):
             even[rows] = True
-            if outline is None:
+            if self.coordinates is None:
                 even[rows] = np.abs(np.flip(s, axis_) - s).max(axis=(0, 2, 3)) <= same
             closer = look_closer & even[rows]
             if closer.any():
-                far = _mirrored(self.places.some(rows[closer]), along_x=axis_ == 2)
+                some = self.places.some(rows[closer])
+                far = _mirrored(some, self.coordinates, along_x=axis_ == 2)
                 even[rows[closer]] = far <= same[closer]
         self.uniform[rows] = (_largest(s - 1, between - 1) < SYMMETRIC) & (len(s) == 1)
 
@@ -295,9 +309,9 @@ def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:
     return np.maximum(np.abs(s).max(axis=(0, 2, 3)), np.abs(between).max(axis=(0, 2)))
 
 
-def _mirrored(places: Places, *, along_x: bool) -> np.ndarray:
+def _mirrored(places: Places, coordinates: Coordinates, *, along_x: bool) -> np.ndarray:
     """Largest difference to the mirror image, between the nodes, (positions,)."""
-    sampler = _sampler(LEVELS[1], places.under.pad.smooth_outline)
+    sampler = _sampler(LEVELS[1], coordinates)
     x, y = sampler.x, sampler.y
     mirrored = (1 - x, y) if along_x else (x, 1 - y)
     return np.abs(places.parts(*mirrored) - places.parts(x, y)).max(axis=(0, 2))
@@ -316,9 +330,9 @@ def _sampled(
     x, y, to_x, to_y = sampler.x, sampler.y, sampler.to_x, sampler.to_y
     if landmarks:
         u, v = landmarks
-        if outline := places.under.pad.smooth_outline:
-            u, v = outline.coordinates(u, v)
-            landmarks = outline.positions(u, v)
+        if sampler.coordinates:
+            u, v = sampler.coordinates.coordinates(u, v)
+            landmarks = sampler.coordinates.positions(u, v)
         x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
         to_x = np.vstack([to_x, sampler.line.to_points(u)])
         to_y = np.vstack([to_y, sampler.across.to_points(v)])
@@ -365,6 +379,7 @@ class _Sampler:
     """Matrices for sampling on a grid of so many points, whatever the profile.
 
     Attributes:
+        coordinates: of an outline, or of a disc; None of a rectangle.
         line, across: the axes along which a profile is sampled, of an outline its coordinates.
         grid_x, grid_y: the nodes; x, y: points between them, in no relation to any grid.
         to_x, to_y: interpolation from the nodes along x, y to those points.
@@ -373,9 +388,10 @@ class _Sampler:
         twice, twice_y: second derivatives on the nodes.
     """
 
-    def __init__(self, points: int, outline: Outline | None) -> None:
+    def __init__(self, points: int, coordinates: Coordinates) -> None:
+        self.coordinates = coordinates
         self.line = line = axis(points, False)
-        across: Axis | Around = around(points + 2, False, False) if outline else line
+        across: Axis | Around = around(points + 2, False, False) if coordinates else line
         self.across, order = across, points + 1
         u, v = _between(FEW if points == LEVELS[0] else MANY)
         ends = np.ones(order + 1)
@@ -386,10 +402,10 @@ class _Sampler:
         nodes = np.meshgrid(line.all_nodes, across.all_nodes, indexing="ij")
         self.grid_x, self.grid_y = (each.ravel() for each in nodes)
         self.x, self.y = u, v
-        if outline:
+        if coordinates:
             v = 2 * np.pi * v
-            self.grid_x, self.grid_y = outline.positions(self.grid_x, self.grid_y)
-            self.x, self.y = outline.positions(u, v)
+            self.grid_x, self.grid_y = coordinates.positions(self.grid_x, self.grid_y)
+            self.x, self.y = coordinates.positions(u, v)
             turns = period(points + 2)
             rising = np.argsort(turns.harmonics, kind="stable")
             self.to_coefficients_y = turns.fourier[rising] * np.sqrt(2 / (points + 2))

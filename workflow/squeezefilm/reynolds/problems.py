@@ -169,7 +169,7 @@ def profile_fields(
         "amplitude": parts,
         "slope_x": along_x,
         "slope_y": along_y,
-        "laplacian": grid.x.derivative @ along_x / length_x
+        "laplacian": grid.x.divergence @ along_x / length_x
         + along_y @ grid.y.derivative.T / length_y,
     }
     inner = (..., grid.x.inner, grid.y.inner)

@@ -17,7 +17,7 @@ from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.launch import grid_under, solve_batch
 
 TABLE = Path(__file__).with_name("self_test.csv")
 CLOSENESS = 1e-9
@@ -28,7 +28,7 @@ GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
 
 
 def films() -> dict[str, tuple[Scene, Grid]]:
-    """Films that have every term among them, and their grids but for outlines."""
+    """Films that have every term among them, and the points of their grids (``grid_under``)."""
     whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
     half = Grid(12, 8, 12, fold_x=False, fold_y=True)
     quarter = Grid(8, 8, 12, fold_x=True, fold_y=True)
@@ -61,6 +61,10 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             _film(pad=disc, inertia="included", thermal="included"),
             quarter,
         ),
+        "disc off the centre, inertia and thermal effects": (
+            _film(pad=disc, x_m=2e-3, inertia="included", thermal="included"),
+            half,
+        ),
     }
 
 
@@ -92,7 +96,7 @@ def forces(device: Device) -> dict[str, float]:
     """The films' mean overpressures in units of p0, as the device finds them."""
     found = {}
     for name, (scene, points) in films().items():
-        grid = replace(points, outline=scene.pad.smooth_outline)
+        grid = grid_under(scene, points)
         states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
         found[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
     return found

@@ -70,8 +70,18 @@ class Axis:
         return _annihilating_constants(np.divide.outer(ends, ends) / difference)
 
     @cached_property
+    def spreading(self) -> np.ndarray:
+        """1/r on all nodes of a radius, for flow that spreads as it leaves its centre; else 0."""
+        return np.zeros(self.full_points + 2)
+
+    @property
+    def divergence(self) -> np.ndarray:
+        """Divergence on all nodes of a flow along the axis."""
+        return self.derivative + np.diag(self.spreading)
+
+    @cached_property
     def second_derivative(self) -> np.ndarray:
-        """Second derivative of a function that is zero at both ends, shape (n, n).
+        """Divergence of the slope of a function that is zero at both ends, shape (n, n).
 
         Off the diagonal D2_ij = 2 D_ij (D_ii − 1/(x_i − x_j)) (Welfert 1997), diagonal by row sums.
         """
@@ -79,7 +89,8 @@ class Axis:
         distance = np.subtract.outer(self.all_nodes, self.all_nodes)
         np.fill_diagonal(distance, 1.0)
         matrix = 2 * first * (np.diag(first)[:, None] - 1 / distance)
-        return self.fold(_annihilating_constants(matrix)[1:-1, 1:-1])
+        spread = self.spreading[:, None] * first
+        return self.fold((_annihilating_constants(matrix) + spread)[1:-1, 1:-1])
 
     @cached_property
     def weights(self) -> np.ndarray:
@@ -173,6 +184,34 @@ class Axis:
 
 
 @dataclass(frozen=True)
+class Radius(Axis):
+    """The diameter of a disc, for functions of the radius r = |x − 1/2| alone: they are even.
+
+    A folded axis has no node at the centre, so that r is never zero.
+    """
+
+    folded: bool = True
+
+    @cached_property
+    def spreading(self) -> np.ndarray:
+        return 1 / (self.all_nodes - 0.5)
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Weights of the mean over the disc, shape (n,); the ends carry zeros.
+
+        Exact for the polynomials of even degree through all nodes: the mean of T_2k(2r) is
+        1/(1 − k²) for even k, else 0.
+        """
+        order = self.full_points + 1
+        half = np.arange(0, self.points + 1, 2)
+        means = 1 / (1.0 - half**2)
+        means[0] /= 2
+        angles = 2 * np.pi * np.outer(half, np.arange(1, self.points + 1)) / order
+        return np.asarray(4 / order * means @ np.cos(angles))
+
+
+@dataclass(frozen=True)
 class Period:
     """Equidistant collocation in time T over one period 2π, an even number of points.
 
@@ -254,6 +293,7 @@ def even_and_odd(matrix: np.ndarray) -> np.ndarray:
 
 # The axis with so many unknowns and the period with so many nodes: matrices are computed once.
 axis, period = lru_cache(maxsize=64)(Axis), lru_cache(maxsize=64)(Period)
+radius = lru_cache(maxsize=64)(Radius)
 
 
 @dataclass(frozen=True)
@@ -411,7 +451,7 @@ class FluxPoints:
 
         Of a function on the nodes that vanishes at the ends: its values here, ``values``, and its
         ``slope``. Of the velocity along the axis: ``along``, its derivative here; ``nodes`` and
-        ``divergence``, its values and derivative on the nodes.
+        ``divergence``, its values and divergence on the nodes.
 
         Of a velocity along the other axis: ``across``, its derivative along this one on the nodes,
         as if it vanished at the ends as it does where the gas comes in; ``rim``, what that lacks
@@ -423,12 +463,13 @@ class FluxPoints:
         first, last = axis.derivative[1 : axis.points + 1, [0, -1]].T
         rim = np.stack([first + last, 0 * last] if axis.folded else [first, last])
         slope = (to_points @ axis.derivative)[:, 1:-1]
+        spread = axis.spreading[1:-1, None] * to_nodes
         return {
             "values": parts(axis.fold(to_points[:, 1:-1])),
             "nodes": parts(axis.fold(to_nodes, odd=True)),
             "slope": parts(axis.fold(slope)) / length,
             "along": parts(axis.fold(self._derivative, odd=True)) / length,
-            "divergence": parts(axis.fold(to_nodes @ self._derivative, odd=True)) / length,
+            "divergence": parts(axis.fold(to_nodes @ self._derivative + spread, odd=True)) / length,
             "across": parts(axis.fold(axis.derivative[1:-1, 1:-1])) / length,
             "rim": rim / length,
             "to_end": axis.to_end,

@@ -119,6 +119,9 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     return g;
 }
 
+/* A film without angle has one node around, along which gas does not flow (AXES is 1). */
+#define IS_NODE(axis) (AXES == 1 && (axis) == 1)
+
 /* Products along the axes; in time out[row][:] = in[row][:] times `transposed` (nt, nt). Along x or y they
  * are by matrices that commute with mirroring, by their parts where the axis has its image in it. No
  * barrier stands in a branch: PoCL copies all that comes behind one. */
@@ -133,7 +136,9 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     {                                                                                             \
         const int n = axis == 0 ? g->nx : g->ny;                                                  \
         const int columns = axis == 0 ? g->ny * g->nt : g->nt, panels = axis == 0 ? 1 : g->nx;    \
-        if (whole)                                                                                \
+        if (IS_NODE(axis))                                                                        \
+            FOR_EACH(i, g->count) out[i] = a[0] * in[i] + (add ? out[i] : 0);                     \
+        else if (whole)                                                                           \
             mirrored_product(a, n / 2, in, out, columns, panels, kind, add);                      \
         else                                                                                      \
             product(a, n, n, in, out, columns, panels, add);                                      \
@@ -145,7 +150,8 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
                                  __global type *out)                                              \
     {                                                                                             \
         along_axis(g, 0, g->whole_x, in_x, NODES_TO_NODES, in, out, 0);                           \
-        along_axis(g, 1, g->whole_y, in_y, NODES_TO_NODES, in, out, 1);                           \
+        if (!IS_NODE(1))                                                                          \
+            along_axis(g, 1, g->whole_y, in_y, NODES_TO_NODES, in, out, 1);                       \
     }
 ALONG_AXES(double)
 #ifdef SINGLE
@@ -288,8 +294,9 @@ static void carry_field(const Grid *g, const Film *film, __global const Row *coa
 {
     const int nx = coarser->nx, ny = coarser->ny, nt = coarser->nt;
     multiply((matrix)coarse, nx * ny, nt, in_t, film->work_a, g->nt, 1, 0);
-    multiply(in_x, g->nx, nx, (matrix)film->work_a, film->work_b, ny * g->nt, 1, 0);
-    multiply(in_y, g->ny, ny, (matrix)film->work_b, fine, g->nt, g->nx, 0);
+    multiply(in_x, g->nx, nx, (matrix)film->work_a, IS_NODE(1) ? fine : film->work_b, ny * g->nt, 1, 0);
+    if (!IS_NODE(1))
+        multiply(in_y, g->ny, ny, (matrix)film->work_b, fine, g->nt, g->nx, 0);
 }
 
 /* Along an axis as the state has it: what terms take. */

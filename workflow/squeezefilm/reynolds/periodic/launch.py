@@ -38,7 +38,15 @@ from squeezefilm.reynolds.problems import (
     profiles_at,
     terms_of_all,
 )
-from squeezefilm.reynolds.terms import Terms, own_fields, parts_of, unknown_fields
+from squeezefilm.reynolds.terms import (
+    Terms,
+    axes_of,
+    is_radial,
+    own_fields,
+    parts_of,
+    terms_of,
+    unknown_fields,
+)
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 
 MOST_NEWTON = 40
@@ -412,6 +420,7 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
         [
             f"#define FLOW_TERMS {flow_terms}",
             f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
+            f"#define AXES {axes_of(terms)}",
             f"#define ROW_PARTS {parts_of(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",
             "#define SINGLE" if single else "",
@@ -424,7 +433,16 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
     )
 
 
+def grid_under(scene: Scene, points: Grid) -> Grid:
+    """A rectangle's grid in the coordinates of a scene's pad; along the radius of a film without
+    angle.
+    """
+    if is_radial(terms_of(scene)):
+        return replace(points, ny=1, fold_x=True, fold_y=True)
+    return replace(points, outline=scene.pad.smooth_outline)
+
+
 def warm(device: Device, scene: Scene) -> None:
     """Build and load the kernels that a scene needs, so that the first batch need not wait."""
-    grid = Grid(4, 4, 8, False, False, scene.pad.smooth_outline)
+    grid = grid_under(scene, Grid(4, 4, 8, False, False))
     solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device)

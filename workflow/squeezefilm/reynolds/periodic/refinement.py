@@ -309,4 +309,5 @@ def fewer_operations(terms: Terms) -> str:
 
 
 def _size(grid: Grid) -> str:
-    return f"{grid.x.full_points} × {grid.y.full_points} × {grid.nt} points"
+    across, along = grid.across
+    return f"{across} × {along} × {grid.nt} points"

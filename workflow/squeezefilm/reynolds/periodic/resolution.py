@@ -14,11 +14,18 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.outline import Outline
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Film, Rows, Scenes, rows_alike
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import MOST_KEPT, Needs, needs_of
-from squeezefilm.reynolds.terms import Terms, layer_stiffness_of, numbers_of, unknown_fields
+from squeezefilm.reynolds.terms import (
+    Terms,
+    is_radial,
+    layer_stiffness_of,
+    numbers_of,
+    unknown_fields,
+)
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
 MOST_TIME = 192
@@ -102,9 +109,9 @@ def first_grids(
     """
     for kind, film, alike in _alike(needs, rows):
         terms, pad = needs.kinds[kind], film.pad
-        outline, aspect = pad.smooth_outline, pad.length_y_m / pad.length_x_m
+        outline, aspect = _outline_of(pad, terms), pad.length_y_m / pad.length_x_m
         share, step = FIRST_SHARE, FOURS
-        if outline is None and margin_of(terms) == 1 and not kept:
+        if pad.smooth_outline is None and margin_of(terms) == 1 and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
             share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
@@ -113,6 +120,11 @@ def first_grids(
         for some in rows_alike(CODE @ columns):
             grids = _sequence(tuple(columns[:, some[0]].tolist()), outline, room, step)
             yield Group(numbers[some], grids, terms, aspect)
+
+
+def _outline_of(pad: Pad, terms: Terms) -> Outline | None:
+    """The outline in whose coordinates a film is solved; None in a rectangle's or on a radius."""
+    return None if is_radial(terms) else pad.smooth_outline
 
 
 def share_of(tolerance: float) -> float:
@@ -185,7 +197,7 @@ def _points(
     """
     scenes = needs.scenes if isinstance(rows, slice) else needs.scenes[rows]
     terms, digits = needs.kinds[needs.kind[rows][0]], log10(1 / (share * tolerance))
-    outline, aspect = film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m
+    outline, aspect = _outline_of(film.pad, terms), film.pad.length_y_m / film.pad.length_x_m
     nodes = nodes_for_profile(needs, tolerance=tolerance)[rows].T
     curvature = needs.samples(share_of(tolerance)).curvature[rows].T
     folds = np.array([needs.fold_x[rows], needs.fold_y[rows]])
@@ -217,6 +229,8 @@ def _points(
         wanted[1] = _nodes_around(digits, width[1], outline)
     most = np.where(shares > 1, MOST_FIRST_FOLDED, MOST_FIRST)
     unknowns = np.minimum(step * np.ceil(np.maximum(nodes, wanted) / shares / step), most)
+    if is_radial(terms):
+        unknowns[1] = 1  # which stands for all around
     return np.concatenate([unknowns, nt[None], folds, nodes])
 
 
@@ -258,7 +272,7 @@ def _sequence(
         if not first.sees(*nodes):
             break
         nx, ny = (step * (5 * points // (6 * step)) for points in (first.nx, first.ny))
-        first = replace(first, nx=nx, ny=ny, nt=max(LEAST_TIME, 4 * (5 * first.nt // 24)))
+        first = _resized(first, nx=nx, ny=ny, nt=max(LEAST_TIME, 4 * (5 * first.nt // 24)))
     start = start_grid(first, step)
     # What does not see the profile is no guess.
     starts = [start] if start and start.sees(*nodes) else []
@@ -270,13 +284,18 @@ def start_grid(grid: Grid, step: int) -> Grid | None:
 
     A solve from rest takes about twice the iterations of one from a guess.
     """
-    start = replace(
+    start = _resized(
         grid,
         nx=_fewer(grid.nx, step, fold=grid.fold_x),
         ny=_fewer(grid.ny, step, fold=grid.fold_y),
         nt=max(LEAST_TIME, 4 * ceil(START_SHARE * grid.nt / 4)),
     )
     return start if start.count < 0.5 * grid.count else None
+
+
+def _resized(grid: Grid, *, nx: int, ny: int, nt: int) -> Grid:
+    """A grid with other numbers of points; that along a radius keeps its one unknown around."""
+    return replace(grid, nx=nx, ny=1 if grid.radial else ny, nt=nt)
 
 
 def _fewer(points: int, step: int, *, fold: bool) -> int:
@@ -318,7 +337,7 @@ def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS) ->
 
     In every direction, because the difference between two grids shows no error that both share.
     """
-    finer = replace(
+    finer = _resized(
         grid,
         nx=grid.nx + _part(grid.nx, step, fold=grid.fold_x),
         ny=grid.ny + _part(grid.ny, step, fold=grid.fold_y),

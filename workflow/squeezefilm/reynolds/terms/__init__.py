@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
+from squeezefilm.film.symmetry import axisymmetric
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.inertia import Inertia
-from squeezefilm.reynolds.terms.outline import SmoothOutline
+from squeezefilm.reynolds.terms.outline import Radius, SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 from squeezefilm.reynolds.terms.term import HOOKS, AbsentTerm, Arrays, Numbers, Term
@@ -51,7 +52,8 @@ def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
     known: dict[Terms, int] = {}
     which = np.empty(len(scenes), dtype=np.int64)
     for film, rows, some in scenes.of_each_film():
-        kind = np.zeros(len(some), bool) if film.pad.gap.flat else AnyGap.is_wide(some)
+        places, at = some.places
+        kind = axisymmetric(places)[at] + 2 * (not film.pad.gap.flat and AnyGap.is_wide(some))
         of_film = np.empty(len(some), dtype=np.int64)
         for each in {*kind.tolist()}:
             terms = terms_of(some[int(np.argmax(kind == each))])
@@ -91,9 +93,20 @@ def size_share_of(scene: OperatingPoints, terms: Terms, *, least: float) -> Any:
 
 
 @lru_cache(maxsize=64)
+def axes_of(terms: Terms) -> int:
+    """Axes along which gas flows: one in a film without angle, else two."""
+    return 1 if is_radial(terms) else 2
+
+
+def is_radial(terms: Terms) -> bool:
+    """Return whether the film has no angle, and is solved along its radius."""
+    return any(isinstance(term, Radius) for term in terms)
+
+
+@lru_cache(maxsize=64)
 def unknown_fields(terms: Terms) -> int:
     """Fields that the periodic state solves for."""
-    return 1 + sum(term.UNKNOWN_FIELDS for term in terms)
+    return 1 + axes_of(terms) * sum(term.VELOCITIES for term in terms)
 
 
 def parts_of(terms: Terms) -> int:

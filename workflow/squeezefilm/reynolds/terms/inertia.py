@@ -88,7 +88,7 @@ class Inertia(VelocityTerm):
     ABSENT = AbsentTerm("inertia", "gas.inertia does not include it", "no inertia")
     OVER_PERIOD = "terms/inertia_over_period.cl"
     HOOKS = ("residual", "response", "step", "carry")
-    UNKNOWN_FIELDS = 2
+    VELOCITIES = 1
     OWN_FIELDS = 27
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 10

@@ -108,6 +108,13 @@ static void add_carried_out(const Grid *g, const Film *film, const Direction *d,
 #define TURNED(d, i, velocity)
 #endif
 
+/* What gas that flows across a direction carries; in a film without angle none does. */
+#if AXES > 1
+#define BY_CROSSING(rate) +(rate)
+#else
+#define BY_CROSSING(rate)
+#endif
+
 /* Gap and density at a point of a direction. */
 #define EACH_OF(d)                                                                               \
     const double4 gap = 1.0 + beyond_even(g, film, d.amplitude, row, t);                         \
@@ -119,7 +126,7 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
     AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
-    for (int axis = 0; axis < 2; axis++) {
+    for (int axis = 0; axis < AXES; axis++) {
         const Direction d = direction_of(film, axis);
         field4 p = (field4)state_field(g, film, axis, PRESSURE);
         field4 slope = (field4)state_field(g, film, axis, SLOPE);
@@ -148,10 +155,12 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         SYNC;
         along_axis(g, axis, d.along, NODES_TO_SLOPES,
                    (field)u, state_field(g, film, axis, ALONG_RATE), 0);
+#if AXES > 1
         along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES,
                    (field)u, state_field(g, film, axis, ACROSS_RATE), 0);
+#endif
     }
-    for (int axis = 0; axis < 2; axis++) {
+    for (int axis = 0; axis < AXES; axis++) {
         const Direction d = direction_of(film, axis);
         matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
         matrix4 u = (matrix4)state_field(g, film, axis, ALONG);
@@ -163,16 +172,18 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         matrix4 b = (matrix4)(film->own + axis * g->count);
         field4 lagging = (field4)spare, settled = (field4)(film->own_out + axis * g->count);
         field4 flux = (field4)rate;
+#if AXES > 1
         velocity_across(g, film, (field)across, state_field(g, film, 1 - axis, ALONG), axis, spare);
         add_carried_out(g, film, &d, axis, across, u, (field4)across_rate);
+#endif
         along_t(g, g->time_derivative, (field)u, rate, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
             forces[i] = ((matrix4)rate)[i] - u[i] * filling[i] / 7.0 +
                         9.0 / 7.0 OVER_AREA(d, i) *
-                            (u[i] * (along_rate[i] TURNED(d, i, u[i])) +
-                             across[i] * (across_rate[i] TURNED(d, i, across[i])));
+                            (u[i] * (along_rate[i] TURNED(d, i, u[i]))
+                             BY_CROSSING(across[i] * (across_rate[i] TURNED(d, i, across[i]))));
             lagging[i] = -lag_of(film, gap, density) * forces[i];
         }
         SYNC;
@@ -222,7 +233,7 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         rise[i] = ((matrix4)mass)[i] /
                   (gap_at(g, film, row, t) * density_slope(film, film->p[i]));
     SYNC;
-    for (int axis = 0; axis < 2; axis++) {
+    for (int axis = 0; axis < AXES; axis++) {
         driven(g, film, axis, rate);
         matrix4 beta = (matrix4)(film->own_in + axis * g->count);
         field4 drive = (field4)change_field(g, film, axis, DEFICIT);
@@ -235,7 +246,7 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         }
         SYNC;
     }
-    for (int axis = 0; axis < 2; axis++) {
+    for (int axis = 0; axis < AXES; axis++) {
         const Direction d = direction_of(film, axis);
         matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
         matrix4 u = (matrix4)state_field(g, film, axis, ALONG);
@@ -250,7 +261,6 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         field velocity = change_field(g, film, axis, VELOCITY);
         matrix4 v = (matrix4)velocity;
         field4 settled = (field4)(film->own_out + axis * g->count);
-        velocity_across(g, film, across_rate, change_field(g, film, 1 - axis, VELOCITY), axis, spare);
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
@@ -258,6 +268,8 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         }
         SYNC;
         field4 crossing = (field4)across_rate, lagging = (field4)spare, flux = (field4)rate;
+#if AXES > 1
+        velocity_across(g, film, across_rate, change_field(g, film, 1 - axis, VELOCITY), axis, spare);
         /* δ(u across) times u's derivative there, and u across times that of δu. */
         FOR_EACH(i, g->count4) crossing[i] *= u_across[i] TURNED(d, i, 2.0 * across[i]);
         SYNC;
@@ -265,12 +277,13 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         add_carried_out(g, film, &d, axis, across, v, (field4)along_rate);
         FOR_EACH(i, g->count4) crossing[i] += across[i] * ((matrix4)along_rate)[i];
         SYNC;
+#endif
         along_axis(g, axis, d.along, NODES_TO_SLOPES, velocity, along_rate, 0);
         along_t(g, g->time_derivative, relative, rate, 0);
         FOR_EACH(i, g->count4)
             crossing[i] = 9.0 / 7.0 OVER_AREA(d, i) *
-                              (crossing[i] + v[i] * (u_along[i] TURNED(d, i, 2.0 * u[i])) +
-                               u[i] * ((matrix4)along_rate)[i]) -
+                              (v[i] * (u_along[i] TURNED(d, i, 2.0 * u[i])) +
+                               u[i] * ((matrix4)along_rate)[i] BY_CROSSING(crossing[i])) -
                           (v[i] * filling[i] + u[i] * ((matrix4)rate)[i]) / 7.0;
         SYNC;
         along_t(g, g->time_derivative, velocity, rate, 0);
@@ -296,7 +309,7 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
 /* b as a step of the pressure and Krylov's solution change it; the latter has the other sign. */
 static void step_inertia(const Grid *g, const Film *film, field step, double share)
 {
-    for (int axis = 0; axis < 2; axis++) {
+    for (int axis = 0; axis < AXES; axis++) {
         driven(g, film, axis, step);
         matrix4 beta = (matrix4)(film->own_in + axis * g->count);
         matrix4 drive = (matrix4)change_field(g, film, axis, DEFICIT);
@@ -315,6 +328,8 @@ static void carry_inertia(const Grid *g, const Film *film, __global const Row *c
     matrix in_t = ARRAY(film, carry_t);
     carry_field(g, film, coarser, in_t, ARRAY(film, carry_flux_x), ARRAY(film, carry_y), coarse,
                 film->own);
+#if AXES > 1
     carry_field(g, film, coarser, in_t, ARRAY(film, carry_x), ARRAY(film, carry_flux_y),
                 coarse + count, film->own + g->count);
+#endif
 }

@@ -7,11 +7,12 @@ rectangle's form but for this weight J/J̄ of σ d(Hρ)/dT; the term adds what i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.symmetry import axisymmetric
 from squeezefilm.reynolds.spectral import even_and_odd
 from squeezefilm.reynolds.terms.term import Arrays, Term
 
@@ -28,13 +29,15 @@ class SmoothOutline(Term):
 
     NAME = "outline"
     OVER_PERIOD = "terms/outline_over_period.cl"
-    HOOKS = ("residual", "response")
+    HOOKS: ClassVar[tuple[str, ...]] = ("residual", "response")
     IN_SINGLE = True
     TIME_PRODUCTS = 1
 
     @classmethod
     def of(cls, scene: Scene) -> SmoothOutline | None:
-        return cls() if scene.pad.smooth_outline else None
+        if not scene.pad.smooth_outline:
+            return None
+        return Radius() if axisymmetric(scene.places)[0] else cls()
 
     @classmethod
     def note(cls, scene: Scene) -> str:
@@ -81,6 +84,19 @@ class SmoothOutline(Term):
             "to_modes_by": inverse * size[..., None] / mean,
             "eigenvalues": values if outline.varies_around else values.T,
         }
+
+
+@dataclass(frozen=True)
+class Radius(SmoothOutline):
+    """A disc on an axisymmetric film: its radius is the only axis, and has its own modes."""
+
+    NAME = "radius"
+    OVER_PERIOD = ""
+    HOOKS = ()
+    TIME_PRODUCTS = 0
+
+    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+        return {}
 
 
 def _symmetric_modes(

@@ -58,7 +58,7 @@ class Term:
         OVER_PERIOD: OpenCL source of its lines for the periodic state.
         HOOKS: those of HOOKS that this source fills, by functions ``HOOK_NAME``.
         IN_SINGLE: whether its lines in the linear system work in single precision too.
-        UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
+        VELOCITIES: fields along each axis that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
         ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
@@ -75,7 +75,7 @@ class Term:
     OVER_PERIOD: ClassVar[str] = ""
     HOOKS: ClassVar[tuple[str, ...]] = ()
     IN_SINGLE: ClassVar[bool] = False
-    UNKNOWN_FIELDS: ClassVar[int] = 0
+    VELOCITIES: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
     ESTIMATE_MARGIN: ClassVar[float] = 1.0
     SPACE_PRODUCTS: ClassVar[int] = 0

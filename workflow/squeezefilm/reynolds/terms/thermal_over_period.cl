@@ -13,6 +13,13 @@
 #define OVER_AREA_ON(axis, i)
 #endif
 
+/* The square of a velocity across an axis; in a film without angle there is none. */
+#if AXES > 1
+#define PLUS_ACROSS(square) +(square)
+#else
+#define PLUS_ACROSS(square)
+#endif
+
 /* out += factor · S in over one row, with the skew S = root d/dT root. */
 static void add_skew(const Grid *g, matrix root, matrix in, double factor, field4 out)
 {
@@ -90,7 +97,7 @@ static void warm(const Grid *g, const Film *film, field warmth, field root, fiel
 /* Velocities along each axis at its points, and on the nodes. */
 static void set_velocities(const Grid *g, const Film *film, field u, field nodal, field pressure)
 {
-    for (int axis = 0; axis < 2; axis++, u += g->count, nodal += g->count) {
+    for (int axis = 0; axis < AXES; axis++, u += g->count, nodal += g->count) {
         matrix amplitude = ON_AXIS(axis, flux_amplitude);
         field4 u4 = (field4)u;
         along_axis(g, axis, ON_AXIS(axis, flux_values), NODES_TO_NODES, (field)film->p, pressure, 0);
@@ -126,7 +133,7 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     matrix4 along = (matrix4)nodal, across = along + g->count4;
     FOR_EACH_POINT(g, row, t, i)
     {
-        const double4 square = along[i] * along[i] + across[i] * across[i];
+        const double4 square = along[i] * along[i] PLUS_ACROSS(across[i] * across[i]);
         const double4 rise = ((matrix4)warmth)[i] TIMES_AREA(row) - cooling * square;
         ((field4)first)[i] =
             gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise;
@@ -134,17 +141,20 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     SYNC;
     along_t(g, g->time_derivative, first, second, 0);
     subtract(out, -sigma, second, g->count4);
-    for (int axis = 0; axis < 2; axis++) {
+    for (int axis = 0; axis < AXES; axis++) {
         field u = velocity + axis * g->count;
         matrix amplitude = ON_AXIS(axis, flux_amplitude), values = ON_AXIS(axis, flux_values);
         field4 pressure = (field4)first, warmer = (field4)second, cooler = (field4)third;
         along_axis(g, axis, values, NODES_TO_NODES, (field)film->p, first, 0);
         along_axis(g, axis, values, NODES_TO_NODES, warmth, second, 0);
+#if AXES > 1
         along_axis(g, axis, values, NODES_TO_NODES, nodal + (1 - axis) * g->count, third, 0);
+#endif
         FOR_EACH(i, g->count4)
         {
             const double4 own = ((matrix4)u)[i];
-            cooler[i] = cooling OVER_AREA_ON(axis, i) * (own * own + cooler[i] * cooler[i]);
+            cooler[i] = cooling OVER_AREA_ON(axis, i) *
+                        (own * own PLUS_ACROSS(cooler[i] * cooler[i]));
             ((field4)fourth)[i] = warmer[i] - cooler[i];
         }
         SYNC;

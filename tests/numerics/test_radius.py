@@ -1,0 +1,137 @@
+"""Films without angle: discs on axisymmetric vibrations are solved along their radius alone."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from films import PISTON, SINC, film
+from scipy.special import jn_zeros
+
+from squeezefilm.film.pad import GapShape
+from squeezefilm.film.profiles import BesselMode, Formula, Profile
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.surfaces import Disc
+from squeezefilm.quantities.derivatives import with_derivatives
+from squeezefilm.quantities.edge_loss import mean_changes
+from squeezefilm.quantities.outputs import with_outputs
+from squeezefilm.quantities.pressure import pressure
+from squeezefilm.reynolds import Solution
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.solver import solve
+from squeezefilm.reynolds.spectral import Radius
+
+BOTH = {"inertia": "included", "thermal": "included"}
+CROWNED = GapShape(crown_m=1e-6)
+
+
+def disc(profile: Profile = PISTON, *, gap: GapShape | None = None, **numbers: object) -> Scene:
+    """Under a disc of Re 2, unless it has no inertia."""
+    scene = film(epsilon=0.3, sigma=100.0, profile=profile, **numbers)  # type: ignore[arg-type]
+    density = 2 * scene.gas.density_kg_per_m3 / scene.modified_reynolds
+    pad = replace(scene.pad, shape="ellipse", gap=gap or scene.pad.gap)
+    return replace(scene.with_gas(density_kg_per_m3=density), pad=pad)
+
+
+def with_angle(scene: Scene) -> Scene:
+    """The same disc as an ellipse, longer by so little that only its coordinates differ."""
+    pad = scene.pad
+    return replace(scene, pad=replace(pad, length_y_m=(1 + 1e-12) * pad.length_x_m))
+
+
+def bessel(nodal_diameters: int) -> BesselMode:
+    return BesselMode(
+        nodal_diameters,
+        wave_number_rad_per_m=300.0,
+        edge_share=0.01,
+        direction_deg=0.0,
+        surface=Disc(0.02),
+    )
+
+
+def solved(scene: Scene, tolerance: float = 1e-4, **how: object) -> Solution:
+    (solution,) = solve([scene], tolerance=tolerance, method="periodic", **how)  # type: ignore[arg-type]
+    assert solution.status == "ok"
+    return solution
+
+
+FILMS = {
+    "plain": disc(SINC),
+    "flow factor, polytropic": disc(rarefaction="fukui-kaneko", polytropic_exponent=1.2),
+    "inertia": disc(bessel(0), inertia="included"),
+    "inertia, thermal effects, crowned, slip": disc(gap=CROWNED, rarefaction="slip", **BOTH),
+}
+
+
+@pytest.mark.parametrize("name", FILMS)
+def test_the_force_is_that_of_the_whole_disc(name):
+    found, expected = solved(FILMS[name]), solved(with_angle(FILMS[name]))
+    assert (found.domain, found.ny, expected.domain) == ("radius", 1, "quarter")
+    assert abs(found.force_n - expected.force_n) <= found.force_error_n + expected.force_error_n
+
+
+ANGLED = {
+    "off the centre": disc(SINC, x=0.01),
+    "tilted": disc(gap=GapShape(tilt_x_m=1e-8)),
+    "sliding": disc(bearing=1e-3),
+    "ellipse": disc(aspect=1.001),
+    "nodal diameter": disc(bessel(1)),
+    "spot": disc(Formula("1 - 0.1*exp(-((x-1e-3)**2 + y**2)/4e-8)", surface=Disc(0.02))),
+}
+
+
+@pytest.mark.parametrize("name", ANGLED)
+def test_a_film_with_an_angle_keeps_it(name):
+    assert needs_of(ANGLED[name]).domains.tolist() != ["radius"]
+
+
+def test_a_piston_has_no_angle_wherever_the_disc_is():
+    assert needs_of([disc(), disc(x=0.3), disc(SINC, x=0.3)]).domains.tolist() == [
+        "radius",
+        "radius",
+        "half in y",
+    ]
+
+
+def test_the_axis_has_the_bessel_modes_and_the_disc_s_mean():
+    axis = Radius(24)
+    assert axis.modes[0][:6] == pytest.approx(-((2 * jn_zeros(0, 6)) ** 2), rel=1e-9)
+    r = 2 * np.abs(axis.nodes - 0.5)
+    for k in range(1, 24):  # zero on the rim, as all that the axis has
+        assert axis.weights @ (1 - r ** (2 * k)) == pytest.approx(k / (k + 1), rel=1e-13)
+
+
+def test_errors_fall_along_the_radius():
+    scene, device = disc(**BOTH), choose_device()
+    grids = (Grid(n, 1, 20, True, True) for n in (4, 8, 12, 24))
+    *means, exact = (
+        solve_batch([scene], grid, tolerance=1e-9, device=device).mean[0] for grid in grids
+    )
+    errors = [abs(mean - exact) for mean in means]
+    assert all(fine < coarse / 8 for coarse, fine in pairwise(errors))
+
+
+def test_quantities_are_those_of_the_whole_disc():
+    """Outputs, derivatives, edge loss and the pressure's field, each within the errors of both."""
+    both = disc(SINC, **BOTH), with_angle(disc(SINC, **BOTH))
+    how = {"tolerance": 1e-4, "device": choose_device()}
+    states = [solved(scene, keep_states=True) for scene in both]
+    outputs = with_outputs(
+        both, states, outputs=("moments", "power", "harmonics", "extremes"), **how
+    )
+    derivatives = with_derivatives(both, states, **how)
+    for found in ([each.outputs for each in outputs], [each.derivatives for each in derivatives]):
+        one, other = found
+        assert one.value.keys() == other.value.keys()
+        for name, value in one.value.items():
+            off = abs(value - other.value[name])
+            assert off <= one.error[name] + other.error[name] or np.isnan(value), name
+    changes, errors = mean_changes(both, states, device=how["device"])
+    assert (abs(changes[:, 0] - changes[:, 1]) <= errors.sum(axis=1)).all()
+    across = np.linspace(0, 1, 9)
+    fields = [pressure(scene, x=across, y=across, instants=4, **how)[0] for scene in both]
+    assert np.nanmax(np.abs(fields[0] - fields[1])) < 2e-4 * np.nanmax(np.abs(fields[1]))
+    assert (np.isnan(fields[0]) == np.isnan(fields[1])).all()
