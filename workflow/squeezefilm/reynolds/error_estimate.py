@@ -13,7 +13,7 @@ from squeezefilm.reynolds.terms import Terms, size_share_of
 # The moments of a change may be small by chance where its size is not. So this share of the size
 # counts too, at tolerances of LOOSE_FROM and more, whose grids are coarse. Without it two films
 # (judged_films.csv in tests/numerics/data) are off by up to four times their estimate, with 2 %
-# a third one by 1.1 times.
+# two others by 1.1 times.
 SIZE_SHARE, LOOSE_FROM = 3e-2, 2e-5
 # Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
 # by unequal steps: FALL_FACTOR times that is taken, enough for first order. MOST_FALL limits it to
