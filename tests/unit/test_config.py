@@ -63,6 +63,7 @@ def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(repository
 
 
 HZ, SINC = "43.27 kHz", "kind: sinc, wave_number: 109.8 1/m"
+WAVE = "kind: standing-wave, wavelength: 1 cm"
 LIKE = "allowed: 0.001 … 1e9 Hz, as a number or with its unit, like 1 Hz or 1 kHz"
 WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("frequency:", "frequency_hz:", "line 20: actuator: unknown key 'frequency_hz'; did you mean"),
@@ -70,6 +71,8 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     (HZ, "fast", f"line 20: actuator.frequency: 'fast' should be a valid number; {LIKE}"),
     (HZ, "-3", "frequency: -3 should be greater than or equal to 0.001; allowed"),
     ("kind: sinc", "kind: bassel", "kind: 'bassel' is none of `sinc`, `piston`"),
+    (SINC, f"{WAVE}, surface: 1", "unknown key 'surface'; allowed are crest, direction, kind"),
+    ("  length_x: ", "  contour: 1\n  length_x: ", "pad: unknown key 'contour'"),
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
     ("study: paper", "study: ../paper", "study: '../paper' should match pattern"),
     ("", "study: other\n", "line 3: the key 'study' stands twice"),

@@ -238,7 +238,7 @@ def _budgets(
 
 
 def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> bool:
-    """Whether forces are known closely enough for their differences, or as closely as it pays."""
+    """Return whether forces are known as closely as their differences need, or as it pays."""
     if film.scene not in solutions:
         return False
     known = [solutions[scene] for scene in film.scenes]
