@@ -48,6 +48,8 @@ rule check:
         text=rules.compare_with_reference.output.text,
     log:
         "<logs>/check/verdict.log",
+    conda:
+        "../../envs/workflow.yaml"
     localrule: True
     message:
         "Is everything as in the reference?"

@@ -44,7 +44,7 @@ def in_folder(path):
 
 
 def source_file(path):
-    """A file that no rule makes, as an input; a module's prefix is not put before it."""
+    """A file that is not made here, as an input; a module's prefix is not put before it."""
     return local(in_folder(path))
 
 
@@ -92,7 +92,7 @@ CODE = {stage: code_digest(stage) for stage in SOURCES}
 
 @cache
 def code_of(stage, script):
-    """A digest of the code that decides what a rule makes: its stage's, and its script."""
+    """A digest of the code that decides what is made, a stage's and a script's."""
     return f"{CODE[stage]} {digest(Path(workflow.source_path(f'../scripts/{script}.py')))}"
 
 
