@@ -102,6 +102,18 @@ def test_vectors_are_those_of_the_processor_and_no_warning_is_printed(
     assert "warnings generated" not in capfd.readouterr().err
 
 
+def test_a_driver_that_keeps_no_types_of_arguments_solves(monkeypatch):
+    """Intel's keeps none with programs that come from its cache."""
+
+    def get_arg_info(*_):
+        raise AssertionError("clGetKernelArgInfo failed: KERNEL_ARG_INFO_NOT_AVAILABLE")
+
+    monkeypatch.setattr("pyopencl.Kernel.get_arg_info", get_arg_info)
+    device.kernel.cache_clear()
+    scene, _ = self_test.films()["squeeze"]
+    assert solve([scene], tolerance=1e-3, method="periodic")[0].status == "ok"
+
+
 def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
     chosen = choose_device()
     if "Portable Computing Language" not in chosen.name:

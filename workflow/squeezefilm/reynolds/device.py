@@ -33,9 +33,7 @@ ALIGNMENT_BYTES = 64
 PADDING = 8
 # Host arrays that a pool keeps: how many, and doubles of each.
 MOST_POOLED, LEAST_POOLED, LARGEST_POOLED = 4, 2**17, 2**22
-BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable", "-cl-kernel-arg-info")
-# Kernels' arguments that are numbers: told of their types, pyopencl need not try them out.
-NUMBER_TYPES: dict[str, Any] = {"int": np.int32, "ulong": np.uint64, "double": np.float64}
+BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable")
 # Vectors of 64 bytes need all of these, and a compiler that uses them. PoCL's LLVM is older than
 # some processors and takes them for earlier ones without AVX-512: it would emulate such vectors by
 # halves, slowly and with a warning for each. Kernels are therefore compiled for these sets by name.
@@ -252,8 +250,18 @@ def describe(device: Device) -> dict[str, Any]:
 
 
 @cache
-def kernel(device: Device, name: str, *, sources: tuple[str, ...], header: str = "") -> Any:
+def kernel(
+    device: Device,
+    name: str,
+    *,
+    sources: tuple[str, ...],
+    header: str = "",
+    numbers: tuple[type[np.number[Any]] | None, ...] = (),
+) -> Any:
     """A kernel of a program made of a text and some files of this folder, joined in order.
+
+    ``numbers`` are the types of its arguments, None for a buffer: drivers do not keep them with
+    programs that they take from a cache.
 
     The number of work-items per group and that of numbers in a register are always defined. Kernels
     are kept for the process and programs, by pyopencl and the driver, on disk.
@@ -264,8 +272,8 @@ def kernel(device: Device, name: str, *, sources: tuple[str, ...], header: str =
         f"FLOAT_LANES={device.lanes(4)}",
     )
     made = cl.Kernel(_program(device, header, sources, sizes), name)
-    types = [made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args)]
-    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(each)) for each in types])
+    if numbers:
+        made.set_scalar_arg_dtypes(numbers)
     return made
 
 

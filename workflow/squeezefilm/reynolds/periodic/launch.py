@@ -50,6 +50,8 @@ from squeezefilm.reynolds.terms import (
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 
 MOST_NEWTON = 40
+# The kernel's arguments (periodic.cl): types of numbers, None for buffers.
+ARGUMENTS = (np.int32, np.int32, *[None] * 6, np.uint64, None)
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
 # Operations that a scene may take; half of them on one grid. One core does 4e9 to 2e10 a second. Of
@@ -309,6 +311,7 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
         "periodic_state",
         sources=sources_of(terms, single=single),
         header=_header(terms, launched.kind, single=single),
+        numbers=ARGUMENTS,
     )
     (flow_terms,) = launched.kind["flow"].shape
     sizes = [_workspace_size(grid, terms, flow_terms) for batch in batches for grid in batch.grids]
