@@ -79,7 +79,8 @@ def estimate(
         new = np.array([largest, size])
         none = np.where(new > 0, np.inf, 0.0)  # how much they fell where there was none before
         moments, sizes = np.divide(new, before, out=none, where=before > 0)
-        step = max(grids[0].nx / grids[1].nx, grids[0].ny / grids[1].ny) ** MOST_ORDER
+        coarse, fine = (grid.across[: 1 if grid.radial else 2] for grid in grids)
+        step = max(n / finer for n, finer in zip(coarse, fine, strict=True)) ** MOST_ORDER
         # That of the moments, but no less than their sizes': chance may make moments small, or a
         # layer at the rim that the grids do not resolve yet. Changes that fall suddenly are not
         # believed.
