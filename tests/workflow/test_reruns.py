@@ -119,3 +119,5 @@ def test_a_deleted_file_comes_back(finished, tmp_path):
     assert "The paper's tables and claims" in done.stdout
     assert not re.search("Simulate|Fit the|D-optimal", done.stdout)  # a copy is as good as the run
     assert file.read_text(encoding="utf-8") == text
+    # The page that was made is named.
+    assert re.search(r"^Open results/quick/report/\w+\.html$", done.stdout, re.MULTILINE)

@@ -25,10 +25,6 @@ def test_what_made_the_results_is_written_down(finished):
     assert {"date", "commit", "changed_since_commit"} < facts.keys()
 
 
-def test_the_last_line_of_a_run_names_its_page(finished):
-    assert "Open results/quick/report/summary.html\n" in finished.log
-
-
 def test_the_report_is_made_without_warnings(finished, tmp_path):
     page = tmp_path / "report.html"
     done = snakemake(finished.folder, "paper", *QUICK, "--report", str(page))
