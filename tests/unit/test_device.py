@@ -121,3 +121,16 @@ def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="apt install gcc"):
         device.kernel(chosen, "none", sources=(), header="// not built")
+
+
+def test_a_linker_without_the_c_library_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
+    """Debian's gcc without the recommended libc6-dev; PoCL aborts the process."""
+    chosen = choose_device()
+    if "Portable Computing Language" not in chosen.name:
+        pytest.skip("of PoCL alone")
+    linker = tmp_path / "ld"
+    linker.write_text("#!/bin/sh\necho 'ld: cannot find -lc: No such file' >&2\nexit 1\n")
+    linker.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    with pytest.raises(InputError, match=r"cannot find -lc.*apt install gcc libc6-dev"):
+        device.kernel(chosen, "none", sources=(), header="// not built")

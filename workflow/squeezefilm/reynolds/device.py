@@ -7,6 +7,7 @@ import os
 import platform
 import shutil
 import struct
+import subprocess
 import threading
 import warnings
 from collections.abc import Iterator, Sequence
@@ -281,6 +282,24 @@ def _of_pocl(device: Any) -> bool:
     return bool(device.platform.name.strip() == "Portable Computing Language")
 
 
+@cache
+def check_linker(linker: str | None) -> None:
+    """Raise InputError where PoCL could not link a kernel: it would end the process."""
+    if linker is None:
+        raise InputError(
+            "PoCL links kernels by the linker ld, which is not on the PATH: install a C compiler "
+            "and the C library's development files (Debian and Ubuntu: apt install gcc libc6-dev)"
+        )
+    trial = [linker, "-shared", "-o", os.devnull, "-lc"]
+    linked = subprocess.run(trial, capture_output=True, check=False, text=True)
+    if linked.returncode:
+        raise InputError(
+            f"PoCL links kernels by {linker}, which cannot link the C library "
+            f"({linked.stderr.strip()}): install the C library's development files "
+            "(Debian and Ubuntu: apt install gcc libc6-dev; Fedora: dnf install gcc glibc-devel)"
+        )
+
+
 # Programs from the cache are built in a tenth of a second, others in seconds.
 SLOW_BUILD_S = 1.0
 
@@ -291,11 +310,7 @@ def _program(
 ) -> Any:
     handle = device.context.devices[0]
     if _of_pocl(handle):
-        if shutil.which("ld") is None:
-            raise InputError(
-                "PoCL links kernels by the linker ld, which is not on the PATH: install a C "
-                "compiler (Debian and Ubuntu: apt install gcc)"
-            )
+        check_linker(shutil.which("ld"))
         # The guard of the header that builtins.cl stands for.
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
     texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
