@@ -1,6 +1,9 @@
 """The device: chosen by name, refused with a reason, never asked for more than it has."""
 
 import io
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pandas as pd
@@ -134,3 +137,22 @@ def test_a_linker_without_the_c_library_is_told_before_pocl_dies_of_it(monkeypat
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     with pytest.raises(InputError, match=r"cannot find -lc.*apt install gcc libc6-dev"):
         device.kernel(chosen, "none", sources=(), header="// not built")
+
+
+def test_a_cache_that_cannot_be_written_is_named_with_the_remedy(tmp_path):
+    """As on compute nodes whose home is read-only: PoCL then has no device at all."""
+    file = tmp_path / "file"
+    file.touch()
+    told = subprocess.run(
+        [sys.executable, "-m", "squeezefilm", "simulate", "--h0", "5um", "--hv", "1um"],
+        env={**os.environ, "POCL_CACHE_DIR": str(file / "pocl")},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    if told.returncode == 0:
+        pytest.skip("of PoCL alone")
+    assert told.returncode == 2
+    assert f"PoCL keeps compiled kernels in {file / 'pocl'}" in told.stderr
+    assert "POCL_CACHE_DIR=" in told.stderr

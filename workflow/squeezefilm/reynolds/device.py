@@ -8,6 +8,7 @@ import platform
 import shutil
 import struct
 import subprocess
+import tempfile
 import threading
 import warnings
 from collections.abc import Iterator, Sequence
@@ -193,6 +194,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         else:
             found.append(device)
     if not found:
+        check_kernel_cache()
         others = "; ".join(rejected) or "none at all"
         raise InputError(
             f"no OpenCL device with double precision matches {wanted!r}; devices found: {others}. "
@@ -219,6 +221,27 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         register_bytes=64 if wide else 32,
         instruction_sets=instruction_sets,
     )
+
+
+def kernel_cache() -> Path:
+    """Return the folder in which PoCL keeps compiled kernels."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
+
+
+def check_kernel_cache() -> None:
+    """Raise InputError where PoCL cannot write compiled kernels: it then has no device."""
+    folder = kernel_cache()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"PoCL keeps compiled kernels in {folder}, which cannot be written "
+            f"({error.strerror}): name a folder that can, for example "
+            "export POCL_CACHE_DIR=/tmp/pocl XDG_CACHE_HOME=/tmp"
+        ) from None
 
 
 def list_devices() -> list[Any]:
