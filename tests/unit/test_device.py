@@ -156,3 +156,27 @@ def test_a_cache_that_cannot_be_written_is_named_with_the_remedy(tmp_path):
     assert told.returncode == 2
     assert f"PoCL keeps compiled kernels in {file / 'pocl'}" in told.stderr
     assert "POCL_CACHE_DIR=" in told.stderr
+
+
+FORKED = """
+import os
+from squeezefilm.errors import InputError
+from squeezefilm.reynolds import self_test, solve
+scene, _ = self_test.films()["squeeze"]
+solve([scene], tolerance=1e-3, method="periodic")
+child = os.fork()
+try:
+    solve([scene], tolerance=1e-3, method="periodic")
+except InputError as error:
+    print(error, flush=True)
+if child:
+    os.waitpid(child, 0)
+"""
+
+
+def test_a_force_in_a_forked_process_is_refused_with_a_sentence():
+    """PoCL's threads are not in the child, which would wait for them for ever."""
+    told = subprocess.run(
+        [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=30, check=True
+    )
+    assert "the OpenCL device belongs to process" in told.stdout

@@ -69,6 +69,7 @@ class Device:
         instruction_sets: those that kernels are compiled for, beyond what the driver knows.
         memory_bytes: the device's own memory.
         processor: whether it is one, and not an accelerator.
+        process_id: of the process that may use it: a forked one waits for ever for its threads.
         rooms: the buffer that kernels work in, kept from launch to launch.
         arrays: host arrays that launches are done with, for the next ones.
     """
@@ -83,8 +84,17 @@ class Device:
     processor: bool = True
     register_bytes: int = 32
     instruction_sets: tuple[str, ...] = ()
+    process_id: int = field(default_factory=os.getpid)
     rooms: list[Any] = field(default_factory=list, compare=False)
     arrays: list[np.ndarray] = field(default_factory=list, compare=False)
+
+    def check_process(self) -> None:
+        """Raise InputError in a process that was forked after the device was chosen."""
+        if os.getpid() != self.process_id:
+            raise InputError(
+                f"the OpenCL device belongs to process {self.process_id}, from which this one was "
+                "forked after a force; start processes first, or by multiprocessing's 'spawn'"
+            )
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
