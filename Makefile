@@ -12,6 +12,7 @@ SNAKEMAKE = $(RUN) snakemake $(OPTIONS)
 # Snakemake itself meets a file that it cannot read with a traceback.
 CHECKED = $(if $(CONFIG),$(RUN) squeezefilm config $(CONFIG) >/dev/null)
 STUDIES ?= paper paper-inertia quick
+OURS := levitation paper paper-inertia plate quick sweep synthetic vibrometer
 REPORT ?= results/report.html
 DOCS ?= docs/_build/html
 PIP_LOG := $(VENV)/pip.log
@@ -55,7 +56,7 @@ help:
 	@echo "make resume   go on after a run was killed"
 	@echo "make reference      make the reference that is checked against"
 	@echo "make lock     pin the newest versions of all packages"
-	@echo "make clean    remove results, logs and the environment"
+	@echo "make clean    remove results of the studies here, logs and the environment; keep your own"
 
 paper: $(VENV)/.run
 	@echo "Every simulation, fit, design, table and figure of the paper: some minutes on two cores."
@@ -149,8 +150,10 @@ lock: $(VENV)/.dev
 	$(COMPILE) --upgrade --output-file requirements.lock requirements.in
 	$(COMPILE) --upgrade --output-file requirements-dev.lock requirements-dev.in
 
+# Studies of the user's own stay: their results may have taken days.
 clean:
-	find results -mindepth 1 ! -name README.md -delete
+	rm -rf $(OURS:%=results/%) results/report.html
+	@find results -mindepth 1 -maxdepth 1 ! -name README.md -exec echo "kept: {}" \;
 	rm -rf $(VENV) .snakemake .mypy_cache .pytest_cache .ruff_cache benchmarks logs
 
 # The packages as pinned, checked by their hashes; the library itself in place.

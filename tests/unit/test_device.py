@@ -1,6 +1,9 @@
 """The device: chosen by name, refused with a reason, never asked for more than it has."""
 
 import io
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pandas as pd
@@ -121,3 +124,59 @@ def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="apt install gcc"):
         device.kernel(chosen, "none", sources=(), header="// not built")
+
+
+def test_a_linker_without_the_c_library_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
+    """Debian's gcc without the recommended libc6-dev; PoCL aborts the process."""
+    chosen = choose_device()
+    if "Portable Computing Language" not in chosen.name:
+        pytest.skip("of PoCL alone")
+    linker = tmp_path / "ld"
+    linker.write_text("#!/bin/sh\necho 'ld: cannot find -lc: No such file' >&2\nexit 1\n")
+    linker.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    with pytest.raises(InputError, match=r"cannot find -lc.*apt install gcc libc6-dev"):
+        device.kernel(chosen, "none", sources=(), header="// not built")
+
+
+def test_a_cache_that_cannot_be_written_is_named_with_the_remedy(tmp_path):
+    """As on compute nodes whose home is read-only: PoCL then has no device at all."""
+    file = tmp_path / "file"
+    file.touch()
+    told = subprocess.run(
+        [sys.executable, "-m", "squeezefilm", "simulate", "--h0", "5um", "--hv", "1um"],
+        env={**os.environ, "POCL_CACHE_DIR": str(file / "pocl")},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    if told.returncode == 0:
+        pytest.skip("of PoCL alone")
+    assert told.returncode == 2
+    assert f"PoCL keeps compiled kernels in {file / 'pocl'}" in told.stderr
+    assert "POCL_CACHE_DIR=" in told.stderr
+
+
+FORKED = """
+import os
+from squeezefilm.errors import InputError
+from squeezefilm.reynolds import self_test, solve
+scene, _ = self_test.films()["squeeze"]
+solve([scene], tolerance=1e-3, method="periodic")
+child = os.fork()
+try:
+    solve([scene], tolerance=1e-3, method="periodic")
+except InputError as error:
+    print(error, flush=True)
+if child:
+    os.waitpid(child, 0)
+"""
+
+
+def test_a_force_in_a_forked_process_is_refused_with_a_sentence():
+    """PoCL's threads are not in the child, which would wait for them for ever."""
+    told = subprocess.run(
+        [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=30, check=True
+    )
+    assert "the OpenCL device belongs to process" in told.stdout

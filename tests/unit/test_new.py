@@ -1,7 +1,10 @@
 """A new study is there with one command, runs as it is, and nothing is ever written over."""
 
 import re
+import shutil
+import subprocess
 from math import cos, pi, sin
+from pathlib import Path
 
 import pytest
 import yaml
@@ -83,3 +86,14 @@ def test_the_forces_of_the_walk_through_are_those_of_its_commands(
         assert cli.main(command.split()) == 0
         found = float(re.match(r"mean force +(\S+) ", capsys.readouterr().out).group(1))
         assert f"{found:.{len(force) - 2}f}" == force, command
+
+
+def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path):
+    shutil.copy(Path(__file__).parents[2] / "Makefile", tmp_path)
+    for study in ("paper", "mine"):
+        (tmp_path / "results" / study).mkdir(parents=True)
+    done = subprocess.run(
+        ["make", "clean"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert [path.name for path in (tmp_path / "results").iterdir()] == ["mine"]
+    assert "kept: results/mine" in done.stdout

@@ -16,7 +16,13 @@ from squeezefilm.files import read_text, write_text
 from squeezefilm.formatting import in_lines
 from squeezefilm.models.force_model import check_models
 from squeezefilm.provenance import versions
-from squeezefilm.reynolds.device import choose_device, describe, device_name, list_devices
+from squeezefilm.reynolds.device import (
+    choose_device,
+    describe,
+    device_name,
+    kernel_cache,
+    list_devices,
+)
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
 
@@ -124,8 +130,7 @@ def doctor(options: argparse.Namespace) -> None:
 def caches() -> dict[str, str]:
     """Report the folders of compiled kernels, and if they can be written."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    pocl = Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
-    folders = {"PoCL (POCL_CACHE_DIR)": pocl}
+    folders = {"PoCL (POCL_CACHE_DIR)": kernel_cache()}
     folders |= {f"{name} (XDG_CACHE_HOME)": home / name for name in ("pyopencl", "pytools")}
     return {name: f"{folder}: {_folder_state(folder)}" for name, folder in folders.items()}
 

@@ -7,6 +7,8 @@ import os
 import platform
 import shutil
 import struct
+import subprocess
+import tempfile
 import threading
 import warnings
 from collections.abc import Iterator, Sequence
@@ -67,6 +69,7 @@ class Device:
         instruction_sets: those that kernels are compiled for, beyond what the driver knows.
         memory_bytes: the device's own memory.
         processor: whether it is one, and not an accelerator.
+        process_id: of the process that may use it: a forked one waits for ever for its threads.
         rooms: the buffer that kernels work in, kept from launch to launch.
         arrays: host arrays that launches are done with, for the next ones.
     """
@@ -81,8 +84,17 @@ class Device:
     processor: bool = True
     register_bytes: int = 32
     instruction_sets: tuple[str, ...] = ()
+    process_id: int = field(default_factory=os.getpid)
     rooms: list[Any] = field(default_factory=list, compare=False)
     arrays: list[np.ndarray] = field(default_factory=list, compare=False)
+
+    def check_process(self) -> None:
+        """Raise InputError in a process that was forked after the device was chosen."""
+        if os.getpid() != self.process_id:
+            raise InputError(
+                f"the OpenCL device belongs to process {self.process_id}, from which this one was "
+                "forked after a force; start processes first, or by multiprocessing's 'spawn'"
+            )
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
@@ -192,6 +204,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         else:
             found.append(device)
     if not found:
+        check_kernel_cache()
         others = "; ".join(rejected) or "none at all"
         raise InputError(
             f"no OpenCL device with double precision matches {wanted!r}; devices found: {others}. "
@@ -218,6 +231,27 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         register_bytes=64 if wide else 32,
         instruction_sets=instruction_sets,
     )
+
+
+def kernel_cache() -> Path:
+    """Return the folder in which PoCL keeps compiled kernels."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
+
+
+def check_kernel_cache() -> None:
+    """Raise InputError where PoCL cannot write compiled kernels: it then has no device."""
+    folder = kernel_cache()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"PoCL keeps compiled kernels in {folder}, which cannot be written "
+            f"({error.strerror}): name a folder that can, for example "
+            "export POCL_CACHE_DIR=/tmp/pocl XDG_CACHE_HOME=/tmp"
+        ) from None
 
 
 def list_devices() -> list[Any]:
@@ -281,6 +315,24 @@ def _of_pocl(device: Any) -> bool:
     return bool(device.platform.name.strip() == "Portable Computing Language")
 
 
+@cache
+def check_linker(linker: str | None) -> None:
+    """Raise InputError where PoCL could not link a kernel: it would end the process."""
+    if linker is None:
+        raise InputError(
+            "PoCL links kernels by the linker ld, which is not on the PATH: install a C compiler "
+            "and the C library's development files (Debian and Ubuntu: apt install gcc libc6-dev)"
+        )
+    trial = [linker, "-shared", "-o", os.devnull, "-lc"]
+    linked = subprocess.run(trial, capture_output=True, check=False, text=True)
+    if linked.returncode:
+        raise InputError(
+            f"PoCL links kernels by {linker}, which cannot link the C library "
+            f"({linked.stderr.strip()}): install the C library's development files "
+            "(Debian and Ubuntu: apt install gcc libc6-dev; Fedora: dnf install gcc glibc-devel)"
+        )
+
+
 # Programs from the cache are built in a tenth of a second, others in seconds.
 SLOW_BUILD_S = 1.0
 
@@ -291,11 +343,7 @@ def _program(
 ) -> Any:
     handle = device.context.devices[0]
     if _of_pocl(handle):
-        if shutil.which("ld") is None:
-            raise InputError(
-                "PoCL links kernels by the linker ld, which is not on the PATH: install a C "
-                "compiler (Debian and Ubuntu: apt install gcc)"
-            )
+        check_linker(shutil.which("ld"))
         # The guard of the header that builtins.cl stands for.
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
     texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]

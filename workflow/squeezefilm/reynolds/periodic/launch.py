@@ -295,8 +295,10 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
     The device takes scenes in the given order: put the dearest first.
 
     Raises:
-        InputError: where compiling the kernel would take so long that it looks like a fault.
+        InputError: where compiling the kernel would take so long that it looks like a fault, and
+            in a process forked from the device's.
     """
+    device.check_process()
     terms = batches[0].terms
     if device.loops_over_items and own_fields(terms):
         raise InputError(
