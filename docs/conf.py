@@ -12,8 +12,8 @@ sys.path.insert(0, str(WORKFLOW))
 
 from squeezefilm import __version__
 from squeezefilm.cli.main import commands_of
-from squeezefilm.film.gas import GASES
 from squeezefilm.config.keys import key_table, schema
+from squeezefilm.film.gas import GASES
 from squeezefilm.film.validity import LIMITS
 from squeezefilm.tables import COLUMNS
 
