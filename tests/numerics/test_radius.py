@@ -73,6 +73,13 @@ def test_the_force_is_that_of_the_whole_disc(name):
     assert abs(found.force_n - expected.force_n) <= found.force_error_n + expected.force_error_n
 
 
+def test_a_third_grid_s_error_counts_as_falling():
+    """By the nodes along the radius: else it would take a fourth, finer than the whole disc's."""
+    scene = film(epsilon=0.39, sigma=1264.0, profile=PISTON)
+    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    assert solved(scene).nx <= solved(with_angle(scene), 1e-5).nx
+
+
 ANGLED = {
     "off the centre": disc(SINC, x=0.01),
     "tilted": disc(gap=GapShape(tilt_x_m=1e-8)),

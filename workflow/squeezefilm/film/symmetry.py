@@ -154,8 +154,8 @@ def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
 
 EQUAL = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
-SAME_BY_ROUNDING = 1e-13
-"""Values of a profile that differ by no more than this, over its largest, are the same."""
+SYMMETRIC = 1e-13
+"""Values of a profile that should agree by symmetry agree to rounding, relative to its largest."""
 FEW, MANY = 16, 1000
 """Points at which a profile is compared: those that most others fail, then all."""
 TOGETHER = 64
@@ -282,4 +282,4 @@ def _same_around(
         places.amplitude(*POLAR_COORDINATES.positions(0.5 + radius, each))
         for each in (angle, other)
     )
-    return np.asarray(abs(two - one).max(axis=1) <= SAME_BY_ROUNDING * abs(one).max(axis=1))
+    return np.asarray(abs(two - one).max(axis=1) <= SYMMETRIC * abs(one).max(axis=1))
