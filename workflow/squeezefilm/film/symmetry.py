@@ -278,8 +278,7 @@ def _same_around(
     places: Places, radius: np.ndarray, angle: np.ndarray, other: np.ndarray
 ) -> np.ndarray:
     """Return where a profile has the same values on circles at one angle and another, (n,)."""
-    one, two = (
-        places.amplitude(*POLAR_COORDINATES.positions(0.5 + radius, each))
-        for each in (angle, other)
-    )
-    return np.asarray(abs(two - one).max(axis=1) <= SYMMETRIC * abs(one).max(axis=1))
+    at = POLAR_COORDINATES.positions
+    with np.errstate(all="ignore"):  # of a profile that has no finite value somewhere
+        one, two = (places.amplitude(*at(0.5 + radius, each)) for each in (angle, other))
+        return np.asarray(abs(two - one).max(axis=1) <= SYMMETRIC * abs(one).max(axis=1))
