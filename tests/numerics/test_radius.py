@@ -13,7 +13,7 @@ from squeezefilm.film.profiles import BesselMode, Formula, Profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.derivatives import with_derivatives
-from squeezefilm.quantities.edge_loss import mean_changes
+from squeezefilm.quantities.edge_loss import EdgeFilms, mean_changes
 from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds import Solution
@@ -73,6 +73,13 @@ def test_the_force_is_that_of_the_whole_disc(name):
     assert abs(found.force_n - expected.force_n) <= found.force_error_n + expected.force_error_n
 
 
+def test_a_third_grid_s_error_counts_as_falling():
+    """By the nodes along the radius: else it would take a fourth, finer than the whole disc's."""
+    scene = film(epsilon=0.39, sigma=1264.0, profile=PISTON)
+    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    assert solved(scene).nx <= solved(with_angle(scene), 1e-5).nx
+
+
 ANGLED = {
     "off the centre": disc(SINC, x=0.01),
     "tilted": disc(gap=GapShape(tilt_x_m=1e-8)),
@@ -112,6 +119,17 @@ def test_errors_fall_along_the_radius():
     )
     errors = [abs(mean - exact) for mean in means]
     assert all(fine < coarse / 8 for coarse, fine in pairwise(errors))
+
+
+def test_a_pressure_that_the_edge_shares_with_the_film_drives_no_flow():
+    """What a pressure on the edge adds is the other part of the Laplacian of a constant."""
+    grid = Grid(12, 1, 12, True, True)
+    films = EdgeFilms([disc()], grid)
+    (rise,) = edge = [np.full_like(films.gap_at_ends[0], 0.01)]
+    viscous = (rise + rise**2 / 2) * films.gap_at_ends[0] ** 1.5
+    inside = films.gap**1.5 * viscous * grid.x.second_derivative.sum(axis=1)[:, None, None]
+    flow = films.arrays(edge)["edge_flow"]
+    assert np.abs(flow + inside).max() < 1e-11 * np.abs(flow).max()
 
 
 def test_quantities_are_those_of_the_whole_disc():

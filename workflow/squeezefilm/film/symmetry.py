@@ -152,8 +152,8 @@ def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
 
 EQUAL = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
-SAME_BY_ROUNDING = 1e-13
-"""Values of a profile that differ by no more than this, over its largest, are the same."""
+SYMMETRIC = 1e-13
+"""Values of a profile that should agree by symmetry agree to rounding, relative to its largest."""
 FEW, MANY = 16, 1000
 """Points at which a profile is compared: those that most others fail, then all."""
 TOGETHER = 64
@@ -276,8 +276,7 @@ def _same_around(
     places: Places, radius: np.ndarray, angle: np.ndarray, other: np.ndarray
 ) -> np.ndarray:
     """Return where a profile has the same values on circles at one angle and another, (n,)."""
-    one, two = (
-        places.amplitude(*POLAR_COORDINATES.positions(0.5 + radius, each))
-        for each in (angle, other)
-    )
-    return np.asarray(abs(two - one).max(axis=1) <= SAME_BY_ROUNDING * abs(one).max(axis=1))
+    at = POLAR_COORDINATES.positions
+    with np.errstate(all="ignore"):  # of a profile that has no finite value somewhere
+        one, two = (places.amplitude(*at(0.5 + radius, each)) for each in (angle, other))
+        return np.asarray(abs(two - one).max(axis=1) <= SYMMETRIC * abs(one).max(axis=1))

@@ -25,6 +25,7 @@ from squeezefilm.film.scene import (
     Scenes,
     rows_alike,
 )
+from squeezefilm.film.symmetry import SYMMETRIC
 from squeezefilm.reynolds.grid import MOST_SPACE
 from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
 from squeezefilm.reynolds.terms import Terms, absent_terms, is_radial, terms_of_each
@@ -32,8 +33,6 @@ from squeezefilm.reynolds.terms import Terms, absent_terms, is_radial, terms_of_
 DOMAINS = np.array(["whole", "half in y", "half in x", "quarter", "radius"], dtype=object)
 """Parts of the pad that are solved: the film is even about neither axis' middle, y's, x's, both; or
 it has no angle."""
-# Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
-SYMMETRIC = 1e-13
 LEVELS = (24, 48, 96, 192, MOST_SPACE)
 # Points at which the first interpolant is checked, and the others, which are tried where it fails.
 FEW, MANY = 100, 1000
