@@ -82,7 +82,8 @@ def test_the_edge_loss_of_a_film_that_newton_follows_in_shorter_steps_alone():
 def test_auto_neglects_no_effect_whose_parts_cancel():
     """A disc near whose rim a node circle of the vibration lies."""
     disc = Disc(3.05115e-3)
-    vibration = Actuator(47852.2, disc, BesselMode(0, 1890.62, 0.0, 0.0, disc))
+    mode = BesselMode(0, 1890.62, 0.0, 0.0, disc)
+    vibration = Actuator(47852.2, disc.radius_m, profile=mode)
     gas = Gas(inertia="auto", thermal="included")
     pad = Pad(3.05115e-3, 3.05115e-3, 0.0, shape="ellipse")
     (scene,) = resolve_auto_terms([Film(gas, vibration, pad).scene(10e-6, 5e-6)])
