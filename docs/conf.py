@@ -63,9 +63,11 @@ def stored(path: Path) -> tuple[list[str], list[str]]:
 
 
 def measured(path: Path) -> str:
-    """Return a stored table of measured values, and what made it, as the page shows it."""
+    """Return a stored table, and what made it where that is measured values, as the page shows it."""
     table, comments = stored(path)
     origin = dict(comment.split(": ", 1) for comment in comments)
+    if "commit" not in origin:
+        return "\n".join(table)
     source = f"*Commit {origin['commit']}, {origin['date']}; {origin['machine']}.*"
     return "\n".join([*table, "", source])
 

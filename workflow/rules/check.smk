@@ -48,9 +48,9 @@ rule check:
         text=rules.compare_with_reference.output.text,
     log:
         "<logs>/check/verdict.log",
+    localrule: True
     conda:
         "../../envs/workflow.yaml"
-    localrule: True
     message:
         "Is everything as in the reference?"
     shell:
