@@ -63,7 +63,7 @@ def stored(path: Path) -> tuple[list[str], list[str]]:
 
 
 def measured(path: Path) -> str:
-    """Return a stored table, and what made it where that is measured values, as the page shows it."""
+    """Return a stored table as the page shows it, and what made it if it was measured."""
     table, comments = stored(path)
     origin = dict(comment.split(": ", 1) for comment in comments)
     if "commit" not in origin:
