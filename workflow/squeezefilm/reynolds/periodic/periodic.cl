@@ -124,7 +124,8 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         least = fmin(least, s.residual);
         if (s.newton_steps == most_newton || patience == 0)
             break;
-        const int room = min(most_krylov, most_iterations - s.newton_steps - s.krylov_iterations);
+        const int remaining = most_iterations - s.newton_steps - s.krylov_iterations;
+        const int room = min(most_krylov, remaining);
         if (room <= 0) {
             s.status = OVER_LIMIT;
             break;
