@@ -384,7 +384,8 @@ def _spans(batch: Batch, end: int) -> tuple[list[tuple[int, int, int, int]], int
         guess = stage == 0 and batch.guess is not None
         returns = batch.every or guess or grid is batch.grids[-1]
         means, state = grid.nx * grid.ny, unknown_fields(batch.terms) * grid.count * returns
-        behind = end + len(batch.scenes) * means
+        # States begin where kernels can read four numbers at once.
+        behind = -(-(end + len(batch.scenes) * means) // 4) * 4
         spans.append((end, means, behind if returns else ABSENT, state))
         end = behind + len(batch.scenes) * state
     return spans, end
