@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import pandas as pd
@@ -31,7 +32,8 @@ def interrupted(
         time.sleep(0.002)
     # A terminal sends it to all processes of the command.
     for each in (process, *process.children(recursive=True)):
-        each.send_signal(signal.SIGINT)
+        with suppress(psutil.NoSuchProcess):  # the command may have ended it by then
+            each.send_signal(signal.SIGINT)
     said, _ = command.communicate(timeout=20)
     return command.returncode, said
 
