@@ -58,7 +58,7 @@ ELSEWHERE = {
 
 BY_HAND = {
     "git clone <this repository> && cd <its folder>": "the address is the reader's",
-    "apt install python3 python3-venv make gcc": "a system's own packages",
+    "apt install python3 python3-venv make gcc libc6-dev": "a system's own packages",
     "podman build .": "needs a container engine and a registry",
     "python -m verification random-studies --studies 100 --seed 1 --output TABLE.csv": (
         "minutes; eleven such studies are a test"
