@@ -1,7 +1,7 @@
 """Modelling errors of random films, compared with films that have all effects."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from math import log, pi, sqrt
 from pathlib import Path
@@ -63,17 +63,11 @@ def modelling_errors(options: argparse.Namespace) -> None:
     loss' coefficient, is to lie within the modelling error less its parts of depth averaging and
     of gas that a sliding pad drags. The exit status is 1 where it does not.
     """
-    rows: list[dict[str, Any]] = []
-    for seed in range(options.seed, options.seed + options.films):
-        if options.discs and not is_axisymmetric(random_film(seed)):
-            continue
-        rows.append(comparison(seed))
-        write_table(pd.DataFrame(rows), Path(options.output))
-    table = pd.DataFrame(rows)
-    print(table["outcome"].value_counts().to_string())
-    outside = table.loc[table["outcome"] == "outside", "seed"]
-    if len(outside):
-        raise RunError(f"modelling errors of films {', '.join(map(str, outside))} do not hold")
+    seeds = range(options.seed, options.seed + options.films)
+    chosen = [seed for seed in seeds if not options.discs or is_axisymmetric(random_film(seed))]
+    outside = films_outside(comparison, chosen, output=Path(options.output))
+    if outside:
+        raise RunError(f"modelling errors of films {outside} do not hold")
 
 
 @command(
@@ -90,15 +84,23 @@ def auto_terms(options: argparse.Namespace) -> None:
     The force with the terms that `auto` includes is to differ from that with both by at most the
     model tolerance. The exit status is 1 where it differs more.
     """
-    rows: list[dict[str, Any]] = []
-    for seed in range(options.seed, options.seed + options.films):
-        rows.append(neglected_by_auto(seed))
-        write_table(pd.DataFrame(rows), Path(options.output))
-    table = pd.DataFrame(rows)
+    seeds = range(options.seed, options.seed + options.films)
+    outside = films_outside(neglected_by_auto, seeds, output=Path(options.output))
+    if outside:
+        raise RunError(f"`auto` neglects too much in films {outside}")
+
+
+def films_outside(
+    row_of: Callable[[int], dict[str, Any]], seeds: Iterable[int], *, output: Path
+) -> str:
+    """Write a table film by film, print how many have each outcome, and name those outside."""
+    rows = []
+    for seed in seeds:
+        rows.append(row_of(seed))
+        write_table(pd.DataFrame(rows), output)
+    table = pd.DataFrame(rows, columns=None if rows else ["seed", "outcome"])
     print(table["outcome"].value_counts().to_string())
-    outside = table.loc[table["outcome"] == "outside", "seed"]
-    if len(outside):
-        raise RunError(f"`auto` neglects too much in films {', '.join(map(str, outside))}")
+    return ", ".join(map(str, table.loc[table["outcome"] == "outside", "seed"]))
 
 
 def neglected_by_auto(seed: int) -> dict[str, Any]:
