@@ -92,3 +92,9 @@ def test_mirrored_positions_have_the_same_force(plate):
     assert folded["x_m"].tolist() == [1.0, 2.0]
     assert folded["y_m"].tolist() == [-3.0, 4.0]
     assert symmetry_from_dict(found.to_dict(), place="fit") == found
+
+
+def test_a_plate_s_surface_has_its_key_where_settings_are_shown(repository):
+    actuator = load_config(repository / "config/plate.yaml").sections("actuator")["actuator"]
+    assert actuator["surface"] == {"shape": "rectangle", "length_x_m": 0.03, "length_y_m": 0.02}
+    assert "rectangle" not in actuator

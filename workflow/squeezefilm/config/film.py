@@ -178,7 +178,11 @@ class FilmSections(Section):
         Args:
             names: of sections; all without.
         """
-        return self.model_dump(include=set(names) or None, exclude_none=True)
+        values = self.model_dump(include=set(names) or None, exclude_none=True)
+        actuator = values.get("actuator", {})
+        if "rectangle" in actuator:  # by its key, as all others are but for their units
+            actuator["surface"] = actuator.pop("rectangle")
+        return values
 
 
 def _written(values: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
