@@ -86,7 +86,7 @@ report: $(VENV)/.run
 	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG)) --report $(REPORT)
 
 benchmarks: paper
-	$(RUN) python -m verification run-times --output docs/data
+	$(RUN) squeezefilm-verification run-times --output docs/data
 
 test: $(VENV)/.dev
 	$(RUN) OPENBLAS_NUM_THREADS=1 pytest -n 2

@@ -40,7 +40,7 @@ def claims() -> list[str]:
     """Return the paper's claims beside the values of the checked reference, rows of a table."""
     with (HERE.parent / "tests/reference/paper/claims.csv").open(encoding="utf-8") as file:
         ours = {(row["item"], row["quantity"]): row["value"] for row in csv.DictReader(file)}
-    with (WORKFLOW / "paper/papers_claims.csv").open(encoding="utf-8") as file:
+    with (WORKFLOW / "squeezefilm_workflow/paper/papers_claims.csv").open(encoding="utf-8") as file:
         claims = list(csv.DictReader(file))
     rows = ["| claim | paper | here | unit | verdict |", "| --- | --- | --- | --- | --- |"]
     for each in claims:

@@ -13,11 +13,11 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from paper.figures import FIGURES
-from reporting.check import PLACE_OF_PICTURES as PLACE
-from reporting.figures import style
-from reporting.figures.style import PLAIN
-from reporting.results import Results as StudyResults
+from squeezefilm_workflow.paper.figures import FIGURES
+from squeezefilm_workflow.reporting.check import PLACE_OF_PICTURES as PLACE
+from squeezefilm_workflow.reporting.figures import style
+from squeezefilm_workflow.reporting.figures.style import PLAIN
+from squeezefilm_workflow.reporting.results import Results as StudyResults
 
 from ..workflow.conftest import QUICK, copy_checkout, snakemake
 from .conftest import TABLE, Failed, Results, failed_in

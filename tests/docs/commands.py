@@ -15,7 +15,7 @@ BLOCK_LINE = re.compile(rf"^    (?:\$ )?({STARTS}(?![\w:=-]).*)$", re.MULTILINE)
 INLINE = re.compile(rf"(?<!`)`((?:{PROGRAMS}) [^`]+)`(?!`)")
 NAMES = {
     "squeezefilm": re.compile(r"squeezefilm ([a-z][a-z-]*)"),
-    "verification": re.compile(r"python -m verification ([a-z][a-z-]*)"),
+    "verification": re.compile(r"squeezefilm-verification ([a-z][a-z-]*)"),
     "snakemake": re.compile(r"snakemake ([a-z][a-z0-9_ ]*)"),
 }
 """Commands that a text may only name, such as `squeezefilm error-budget`, `snakemake refine`."""
@@ -60,16 +60,16 @@ BY_HAND = {
     "git clone <this repository> && cd <its folder>": "the address is the reader's",
     "apt install python3 python3-venv make gcc libc6-dev": "a system's own packages",
     "podman build .": "needs a container engine and a registry",
-    "python -m verification random-studies --studies 100 --seed 1 --output TABLE.csv": (
+    "squeezefilm-verification random-studies --studies 100 --seed 1 --output TABLE.csv": (
         "minutes; eleven such studies are a test"
     ),
-    "python -m verification random-studies --coverage --studies 15 --fresh 2000 --seed 1 "
+    "squeezefilm-verification random-studies --coverage --studies 15 --fresh 2000 --seed 1 "
     "--output TABLE.csv": "about an hour",
-    "python -m verification modelling-errors --films 60 --output TABLE.csv": (
+    "squeezefilm-verification modelling-errors --films 60 --output TABLE.csv": (
         "ten minutes; some of these films are a test"
     ),
-    "python -m verification auto-terms --films 156 --output TABLE.csv": ("an hour"),
-    "python -m verification estimates --films 1640 --seed 41 --output FORCES.csv "
+    "squeezefilm-verification auto-terms --films 156 --output TABLE.csv": ("an hour"),
+    "squeezefilm-verification estimates --films 1640 --seed 41 --output FORCES.csv "
     "--summary TABLE.csv": "ten minutes of a core; four such films are a test",
     "make benchmarks": "needs a machine where nothing else runs",
     "pip install pyarrow": "a part of requirements-dev.lock",

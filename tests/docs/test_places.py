@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from paper.figures import FIGURES as PAPER_FIGURES
-from reporting.figures import FIGURES
 from squeezefilm.cli.main import commands_of
-from verification.__main__ import GROUPS as VERIFICATION
+from squeezefilm_workflow.paper.figures import FIGURES as PAPER_FIGURES
+from squeezefilm_workflow.reporting.figures import FIGURES
+from squeezefilm_workflow.verification.__main__ import GROUPS as VERIFICATION
 
 from .commands import (
     BY_HAND,

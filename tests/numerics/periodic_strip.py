@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from verification.numpy_periodic import ChebyshevGrid, chebyshev_grid
+from squeezefilm_workflow.verification.numpy_periodic import ChebyshevGrid, chebyshev_grid
 
 
 @dataclass(frozen=True)

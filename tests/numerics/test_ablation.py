@@ -3,7 +3,7 @@
 from films import film
 
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
-from verification.ablation import ablation
+from squeezefilm_workflow.verification.ablation import ablation
 
 
 def test_what_is_put_back_changes_no_force_and_is_solved_on_that_device(

@@ -19,8 +19,12 @@ from squeezefilm.quantities.model_error import (
 )
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.solver import solve
-from verification.all_effects import Effects, force_on_grid, forces_on_grid
-from verification.modelling_errors import included_effects, interval_percent, random_film
+from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, forces_on_grid
+from squeezefilm_workflow.verification.modelling_errors import (
+    included_effects,
+    interval_percent,
+    random_film,
+)
 
 # The command is in the file.
 STORED = pd.read_csv(Path(__file__).parent / "data" / "all_effects.csv", comment="#")

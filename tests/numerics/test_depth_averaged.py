@@ -16,7 +16,7 @@ from squeezefilm.quantities.model_error import (
     depth_averaging_percent,
 )
 from squeezefilm.reynolds import solve
-from verification.second_order import averaged_force, resolved_force, rows
+from squeezefilm_workflow.verification.second_order import averaged_force, resolved_force, rows
 
 
 def film(scene: Scene, reynolds: float, sigma: float, epsilon: float = 0.1, **gas: str) -> Scene:
@@ -47,7 +47,7 @@ def test_the_tables_nodes_come_back(scene):
 
 @pytest.mark.parametrize("row", [0, 18, 33])
 def test_a_row_of_the_table_is_found_again(row):
-    """``python -m verification depth-averaged``; stored averages with heat are of ε 0.005."""
+    """``squeezefilm-verification depth-averaged``; stored averages with heat are of ε 0.005."""
     thermal, reynolds, sigma = rows()[row]
     stored = pd.read_csv(TABLE).loc[row]
     assert tuple(stored[["thermal", "reynolds", "sigma"]]) == (thermal, reynolds, sigma)

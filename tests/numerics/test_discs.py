@@ -21,9 +21,9 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.solver import solve
-from verification.all_effects import Effects, force_on_grid
-from verification.disc import resolved_second_order
-from verification.published.linear_film import depth_averaged, disc_response
+from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid
+from squeezefilm_workflow.verification.disc import resolved_second_order
+from squeezefilm_workflow.verification.published.linear_film import depth_averaged, disc_response
 
 BOTH = {"inertia": "included", "thermal": "included"}
 

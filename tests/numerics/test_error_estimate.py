@@ -13,7 +13,7 @@ from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import refinement
-from verification.estimates import film_of, read_films, without
+from squeezefilm_workflow.verification.estimates import film_of, read_films, without
 
 JUDGED = read_films(Path(__file__).parent / "data" / "judged_films.csv")
 # Films and the guards that they need, which stand behind the colon of a name.

@@ -1,4 +1,4 @@
-"""The programs that examine error estimates: ``python -m verification estimates`` and others."""
+"""The programs that examine error estimates: ``squeezefilm-verification estimates`` and others."""
 
 from pathlib import Path
 
@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
-from verification.__main__ import GROUPS
-from verification.estimates import judged, read_films
+from squeezefilm_workflow.verification.__main__ import GROUPS
+from squeezefilm_workflow.verification.estimates import judged, read_films
 
 STORED = Path(__file__).parent / "data" / "judged_films.csv"
 

@@ -19,7 +19,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.spectral import axis
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from squeezefilm.reynolds.terms.thermal import Thermal
-from verification.numpy_periodic import chebyshev_grid
+from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
 
 def moving(reynolds: float, **numbers: object) -> Scene:

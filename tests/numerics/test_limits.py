@@ -20,8 +20,8 @@ from squeezefilm.reynolds.asymptotics.composite import (
 )
 from squeezefilm.reynolds.asymptotics.films import expansion_axis
 from squeezefilm.reynolds.needs import needs_of
-from verification.edge_layers import excursions, layer
-from verification.estimates import film_of, read_films
+from squeezefilm_workflow.verification.edge_layers import excursions, layer
+from squeezefilm_workflow.verification.estimates import film_of, read_films
 
 STORED = read_films(Path(__file__).parent / "data" / "expanded_films.csv")
 EXPANSIONS = {
@@ -45,7 +45,7 @@ def test_boundary_layer_functions_at_known_excursions(a, d, g):
 
 @pytest.mark.parametrize("row", [0, 3, 20])
 def test_the_layer_of_a_row_of_the_table_is_found_again(row):
-    """``python -m verification edge-layers``."""
+    """``squeezefilm-verification edge-layers``."""
     table = np.loadtxt(edge_layer.TABLE, delimiter=",", skiprows=1)
     a = excursions()[row]
     assert (a, *layer(a)) == pytest.approx(table[row], rel=1e-8)

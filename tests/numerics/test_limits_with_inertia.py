@@ -19,7 +19,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
 )
 from squeezefilm.reynolds.asymptotics.edge_layer import INERTIA_ROWS
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
-from verification.edge_layers import (
+from squeezefilm_workflow.verification.edge_layers import (
     excursions_with_inertia,
     layers_with_inertia,
     reynolds_numbers,
@@ -91,7 +91,7 @@ def test_table_between_its_rows(a: float, reynolds: float) -> None:
 
 
 def test_the_layer_of_a_row_of_the_table_is_found_again() -> None:
-    """``python -m verification edge-layers``."""
+    """``squeezefilm-verification edge-layers``."""
     table = np.loadtxt(edge_layer.TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
     reynolds = reynolds_numbers()[2]
     found = layers_with_inertia(reynolds, excursions_with_inertia(reynolds)[:1])

@@ -12,9 +12,9 @@ from physics_facts import ASIDE_N, CENTRED_N
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
-from verification import chebyshev_march, finite_elements, numpy_periodic
-from verification.films import film
-from verification.marching import FloatArray, periods_to_settle
+from squeezefilm_workflow.verification import chebyshev_march, finite_elements, numpy_periodic
+from squeezefilm_workflow.verification.films import film
+from squeezefilm_workflow.verification.marching import FloatArray, periods_to_settle
 
 ANDERSON = {"tolerance": 1e-7, "anderson_depth": 10}
 SQUEEZE_5UM = 12 * 1.81e-5 * 2 * math.pi * 43_270 * 0.01**2 / (101_325 * 5e-6**2)

@@ -23,7 +23,7 @@ from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.solution import cartesian
-from verification import finite_elements
+from squeezefilm_workflow.verification import finite_elements
 
 TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, crown_m=-0.2e-6)
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)

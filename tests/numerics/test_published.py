@@ -13,9 +13,9 @@ from physics_facts import (
 from physics_facts import piston_response as double_series
 
 from squeezefilm.errors import RunError
-from verification.numpy_periodic import chebyshev_grid
-from verification.published import comparison
-from verification.published.linear_film import (
+from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
+from squeezefilm_workflow.verification.published import comparison
+from squeezefilm_workflow.verification.published.linear_film import (
     Factors,
     depth_averaged,
     exact,

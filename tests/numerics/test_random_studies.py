@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from verification import comparisons
-from verification.comparisons import Comparison, compared
-from verification.random_studies import coverages, statements, summary
-from verification.study_generator import KINDS, drawn, random_study
+from squeezefilm_workflow.verification import comparisons
+from squeezefilm_workflow.verification.comparisons import Comparison, compared
+from squeezefilm_workflow.verification.random_studies import coverages, statements, summary
+from squeezefilm_workflow.verification.study_generator import KINDS, drawn, random_study
 
 # Of those that take a second or two: plates, discs, pistons, small pads, every flow model.
 SEEDS = (2, 3, 11, 22, 24, 29, 36, 38, 43, 46, 57)

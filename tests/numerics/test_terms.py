@@ -23,7 +23,7 @@ from squeezefilm.reynolds.terms.rarefaction import (
     slip_flow,
     slip_growth,
 )
-from verification.rarefied_flow import poiseuille_flow
+from squeezefilm_workflow.verification.rarefied_flow import poiseuille_flow
 
 KINETIC, NARROW = {"rarefaction": "fukui-kaneko"}, 67 / 60
 """The flow factor, and the Knudsen number of air in a gap of 60 nm."""

@@ -11,10 +11,10 @@ from physics_facts import SINC_CONVERGED, SPRING_AT_20
 
 from squeezefilm.reynolds import problems, solve
 from squeezefilm.reynolds.device import choose_device
-from verification.films import PISTON, SAMPLE, beyond, cases, film
-from verification.reference import reference_force
-from verification.stability import check_state, stability
-from verification.work_precision import (
+from squeezefilm_workflow.verification.films import PISTON, SAMPLE, beyond, cases, film
+from squeezefilm_workflow.verification.reference import reference_force
+from squeezefilm_workflow.verification.stability import check_state, stability
+from squeezefilm_workflow.verification.work_precision import (
     BATCH,
     FILMS,
     METHODS,

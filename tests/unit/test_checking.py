@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reporting import check
-from reporting.check import (
+from squeezefilm.cli import main as cli
+from squeezefilm_workflow.reporting import check
+from squeezefilm_workflow.reporting.check import (
     PASSED,
     PLACE_OF_PICTURES,
     SAME,
@@ -17,8 +18,7 @@ from reporting.check import (
     read_reference,
     write_reference,
 )
-from reporting.figures.style import PLAIN
-from squeezefilm.cli import main as cli
+from squeezefilm_workflow.reporting.figures.style import PLAIN
 
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reporting.cross_section import cross_section
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm_workflow.reporting.cross_section import cross_section
 
 DEVICE = choose_device()
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
-PACKAGES = ("squeezefilm", "verification", "reporting", "paper", "squeezefilm_workflow")
+PACKAGES = ("squeezefilm", "squeezefilm_workflow")
 DISTRIBUTION = {
     "markdown_it": "markdown-it-py",
     "mpl_toolkits": "matplotlib",

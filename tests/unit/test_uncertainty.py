@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from physics_facts import CENTRED_N
 
-from paper.uncertainty import compare
-from reporting.pages import readable
 from squeezefilm.film.scene import Scene
+from squeezefilm_workflow.paper.uncertainty import compare
+from squeezefilm_workflow.reporting.pages import readable
 
 
 def film_like(scenes: list[Scene]) -> np.ndarray:

@@ -9,7 +9,7 @@ import pytest
 
 # What the extras bring: the library must do without.
 EXTRAS = ("matplotlib", "markdown_it", "plotly", "pyarrow", "pygments", "pymoo", "skfem", "xarray")
-PACKAGES = ("paper", "reporting", "squeezefilm", "squeezefilm_workflow", "verification")
+PACKAGES = ("squeezefilm", "squeezefilm_workflow")
 SUFFIXES = {".py", ".pyi", ".typed", ".cl", ".csv", ".in", ".yaml"}
 ALONE = f"""
 import sys

@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reporting.results import Results
+from squeezefilm_workflow.reporting.results import Results
 
 HERE = Path(__file__).resolve().parent
 PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")

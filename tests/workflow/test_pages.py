@@ -9,17 +9,17 @@ import pandas as pd
 import pytest
 from matplotlib.text import Text
 
-from paper.figures import FIGURES as OF_THE_PAPER
-from reporting.explorer import explorer_page
-from reporting.figures import FIGURES as OF_ANY_STUDY
-from reporting.figures import save, style
-from reporting.figures.curve import curve
-from reporting.pages import body_of, render
-from reporting.results import Results
-from reporting.summary import headline_values, summary_values
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.models.fit_file import read_fit
+from squeezefilm_workflow.paper.figures import FIGURES as OF_THE_PAPER
+from squeezefilm_workflow.reporting.explorer import explorer_page
+from squeezefilm_workflow.reporting.figures import FIGURES as OF_ANY_STUDY
+from squeezefilm_workflow.reporting.figures import save, style
+from squeezefilm_workflow.reporting.figures.curve import curve
+from squeezefilm_workflow.reporting.pages import body_of, render
+from squeezefilm_workflow.reporting.results import Results
+from squeezefilm_workflow.reporting.summary import headline_values, summary_values
 
 FIGURES = OF_ANY_STUDY | OF_THE_PAPER
 OPTIONAL = ("figures/profile", "figures/measurements")

@@ -8,9 +8,6 @@ import pandas as pd
 import pytest
 from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
-from paper.claims import CLAIMS, COLUMNS, judge
-from paper.equations import CONDITIONS, FITS, compare, conditions
-from reporting import models
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.designs.paper_design import d_efficiency
@@ -20,6 +17,9 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import fit_of, read_fit
 from squeezefilm.studies.tasks.fits import validated
 from squeezefilm.tables import FACTOR_COLUMNS, read_forces, unregistered
+from squeezefilm_workflow.paper.claims import CLAIMS, COLUMNS, judge
+from squeezefilm_workflow.paper.equations import CONDITIONS, FITS, compare, conditions
+from squeezefilm_workflow.reporting import models
 
 MORE = 1.02
 """Forces of the other study, over those of the first."""
@@ -92,7 +92,7 @@ def test_relative_errors_at_the_smallest_amplitude_are_of_both_fits(study, claim
     assert worst["two_factor_design"] < 15 < worst["screen"]
     shown = claims.loc["band_small", "ours"]
     assert all(f"{each:.2g}" in shown for each in worst.values())
-    monkeypatch.setattr("paper.claims.CLAIMS", CLAIMS.assign(needed=""))
+    monkeypatch.setattr("squeezefilm_workflow.paper.claims.CLAIMS", CLAIMS.assign(needed=""))
     decided = judge(study.results).set_index("claim_id")
     assert decided.loc["band_small", "verdict"].startswith("agrees")
 

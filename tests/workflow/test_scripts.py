@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from squeezefilm.provenance import WORKFLOW
-from verification.run_times import paper_times
+from squeezefilm_workflow.verification.run_times import paper_times
 
 from .conftest import snakemake
 

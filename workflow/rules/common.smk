@@ -131,7 +131,7 @@ def checked_study():
     check_study(CONFIG)
     check_models(CONFIG)
     if STYLE:
-        from reporting.figures.style import read_style
+        from squeezefilm_workflow.reporting.figures.style import read_style
 
         read_style(CONFIG.path.parent / STYLE)
     write_text(json.dumps(chunk_counts(CONFIG)), kept)

@@ -7,7 +7,7 @@ from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm_workflow.job import Job, Study, run
-from verification.ablation import ablation
+from squeezefilm_workflow.verification.ablation import ablation
 
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 

@@ -3,10 +3,10 @@
 from collections import defaultdict
 from pathlib import Path
 
-from paper.figures import FIGURES as OF_THE_PAPER
-from reporting.figures import FIGURES, save
 from squeezefilm_workflow.finished import results_of
 from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.paper.figures import FIGURES as OF_THE_PAPER
+from squeezefilm_workflow.reporting.figures import FIGURES, save
 
 
 def main(snakemake: Job, config: Study) -> None:

@@ -2,10 +2,10 @@
 
 from plotly.offline import get_plotlyjs
 
-from reporting.explorer import explorer_page
 from squeezefilm.files import write_text
 from squeezefilm_workflow.finished import results_of
 from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.reporting.explorer import explorer_page
 
 
 def main(snakemake: Job, config: Study) -> None:

@@ -30,7 +30,7 @@ def levitation_table(study: Film, forces_file: str) -> pd.DataFrame:
 
 def film_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFrame:
     """Gap and pressure along the middle of the pad over a period."""
-    from reporting.cross_section import cross_section
+    from squeezefilm_workflow.reporting.cross_section import cross_section
 
     resolved = settings.resolved(scenes)
     films = [cross_section(scene, device=settings.device) for scene in resolved]

@@ -2,18 +2,18 @@
 
 from importlib import import_module
 
-from reporting.pages import render, write_page
 from squeezefilm_workflow.finished import results_of
 from squeezefilm_workflow.job import Job, Study, run, write
+from squeezefilm_workflow.reporting.pages import render, write_page
 
 # Each has a function PAGE_page; what one needs takes others long to import.
 MODULES = {
-    "check": "reporting.check",
-    "equations": "paper.equations",
-    "models": "reporting.models",
-    "refine": "reporting.models",
-    "summary": "reporting.summary",
-    "uncertainty": "paper.uncertainty",
+    "check": "squeezefilm_workflow.reporting.check",
+    "equations": "squeezefilm_workflow.paper.equations",
+    "models": "squeezefilm_workflow.reporting.models",
+    "refine": "squeezefilm_workflow.reporting.models",
+    "summary": "squeezefilm_workflow.reporting.summary",
+    "uncertainty": "squeezefilm_workflow.paper.uncertainty",
 }
 
 

@@ -1,12 +1,12 @@
 """Write the paper's tables and its claims beside ours, each with a page."""
 
-from paper.claims import judge
-from paper.tables import TABLES
-from reporting.notes import verdicts
-from reporting.pages import render, write_page
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.finished import results_of
 from squeezefilm_workflow.job import Job, Study, run, write
+from squeezefilm_workflow.paper.claims import judge
+from squeezefilm_workflow.paper.tables import TABLES
+from squeezefilm_workflow.reporting.notes import verdicts
+from squeezefilm_workflow.reporting.pages import render, write_page
 
 
 def main(snakemake: Job, config: Study) -> None:

@@ -3,7 +3,7 @@
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.job import Job, Study, run
-from verification.published.comparison import published
+from squeezefilm_workflow.verification.published.comparison import published
 
 
 def main(snakemake: Job, config: Study) -> None:

@@ -1,9 +1,9 @@
 """Write the best model of each space, and the amplitude that it needs at each position."""
 
-from reporting.models import recommend
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.finished import results_of
 from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.reporting.models import recommend
 
 
 def main(snakemake: Job, config: Study) -> None:

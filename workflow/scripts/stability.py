@@ -4,8 +4,8 @@ from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.job import Job, Study, run
-from verification.films import SAMPLE, cases
-from verification.stability import stability
+from squeezefilm_workflow.verification.films import SAMPLE, cases
+from squeezefilm_workflow.verification.stability import stability
 
 
 def main(snakemake: Job, config: Study) -> None:

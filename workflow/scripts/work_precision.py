@@ -4,7 +4,7 @@ from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.job import Job, Study, run
-from verification.work_precision import FILMS, work_precision
+from squeezefilm_workflow.verification.work_precision import FILMS, work_precision
 
 BATCH = 100
 

@@ -33,8 +33,13 @@ SOLVER = [*_library("cli", "designs", "models"), "squeezefilm/designs/box.py"]
 SOURCES = {
     "solver": SOLVER,
     "models": MODELS,
-    "verification": [*MODELS, "verification"],
-    "figures": [*MODELS, "squeezefilm/columns.csv", "paper", "reporting"],
+    "verification": [*MODELS, "squeezefilm_workflow/verification"],
+    "figures": [
+        *MODELS,
+        "squeezefilm/columns.csv",
+        "squeezefilm_workflow/paper",
+        "squeezefilm_workflow/reporting",
+    ],
 }
 """The folders and files, below workflow/, that decide the numbers of a stage, but its scripts."""
 

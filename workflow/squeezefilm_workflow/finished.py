@@ -1,7 +1,7 @@
 """Results of a study, for scripts that show them."""
 
-from reporting.results import Results
 from squeezefilm_workflow.job import Job, Study, folder_of_results
+from squeezefilm_workflow.reporting.results import Results
 
 
 def results_of(snakemake: Job, config: Study) -> Results:

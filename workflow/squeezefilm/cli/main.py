@@ -33,7 +33,7 @@ GROUPS: Groups = {
         "squeezefilm.cli.study": "profile fit validate optimal",
     },
     "A finished study": {
-        "reporting.commands": "plot plot-pressure recommend check reference",
+        "squeezefilm_workflow.reporting.commands": "plot plot-pressure recommend check reference",
     },
 }
 """Commands by the titles of their groups and their modules, where ``a-b`` is ``a_b``."""

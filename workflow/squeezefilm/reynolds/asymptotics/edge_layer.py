@@ -13,7 +13,7 @@ Where the surface moves with two quadrature components the layer at a point is t
 a = ε √(s₁² + s₂²), at another instant; the gap's slope then has a part a quarter of a
 period from the motion itself, whose effect on the force is q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
 
-``python -m verification edge-layers`` computes them. They are stored as d/a², g/a and q/a at
+``squeezefilm-verification edge-layers`` computes them. They are stored as d/a², g/a and q/a at
 Chebyshev nodes in −ln(1 − a²), from where Chebyshev series give them.
 
 With the gas' inertia the core sees ψ² on the rim, the layer's own overpressure d, and the changes g

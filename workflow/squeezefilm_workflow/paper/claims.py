@@ -1,0 +1,238 @@
+"""The paper's claims beside ours, each with a verdict by a rule that is written down.
+
+papers_claims.csv has what the paper claims, which size of a plan decides it, in which interval our
+value agrees with it, how our value is shown, and what a reader should know of it: texts in which
+the names in braces are values of the results. The intervals were set from what the paper states and
+with how many digits, and reviewed; nothing was tuned to make a claim agree. The reasons in
+``because`` are what we know; a guess is called a guess.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.tables import read_timings
+from squeezefilm_workflow.reporting.results import Results
+
+COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation")
+CLAIMS = pd.read_csv(
+    Path(__file__).with_name("papers_claims.csv"),
+    dtype={"paper": str},
+    keep_default_na=False,
+    index_col="claim_id",
+)
+PAPERS_SPACE = {"hv_min": 0.2, "hv_max": 2.0, "h0_min": 5.0, "h0_max": 10.0}
+TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
+
+Values = dict[str, Any]
+"""Our value of each claim by its id, in the claim's unit, and others that texts name: lengths in
+µm, forces in N, errors in percent."""
+
+
+def judge(results: Results) -> pd.DataFrame:
+    """Every claim with our value and the verdict, as strings; columns COLUMNS.
+
+    Raises InputError naming a result that is missing or lacks what it must have.
+    """
+    values = (
+        _two_factor_values(results)
+        | _design_values(results)
+        | _extrapolated_values(results)
+        | _four_factor_values(results)
+    )
+    claims = CLAIMS.reset_index().apply(lambda claim: _judged(claim, values), axis="columns")
+    return claims[list(COLUMNS)]
+
+
+def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
+    """The claim with its texts filled in and the verdict."""
+    ours = values[claim["claim_id"]]
+    size, needed = claim["size"], int(claim["needed"] or 0)
+    if needed and values[size] < needed:
+        words = size.replace("_", " ")
+        claim["verdict"] = f"undecided with {values[size]} of the paper's {needed} {words}"
+    elif claim["lower"] <= ours <= claim["upper"]:
+        claim["verdict"] = f"agrees {claim['within']}"
+    else:
+        claim["verdict"] = f"differs because {claim['because']}"
+    for text in ("ours", "explanation"):
+        claim[text] = re.sub(r"-(?=\d)", "−", claim[text].format(value=ours, **values))
+    return claim
+
+
+def _two_factor_values(results: Results) -> Values:
+    """Return values of the screen, its fit, its forces and their times."""
+    screen, fit = _in_micrometres(results.forces("screen")), results.fit("screen")
+    limits = {
+        f"{name}_{end}": round(float(screen[f"{name}_um"].agg(end)), 6)
+        for name in ("hv", "h0")
+        for end in ("min", "max")
+    }
+    runs = results.table("fits/screen_runs.csv", "bound", "sum_of_squares")
+    bounds = sorted(runs["bound"].unique())
+    spread = float(runs["sum_of_squares"].max() / runs["sum_of_squares"].min() - 1)
+    same = "the same" if spread < 1e-6 else f"sum of squares up to {spread:.1g} apart"
+    smallest = screen.sort_values("force_n", kind="stable").iloc[0]
+    ppm = 1e6 * float(smallest["force_n"])
+    seconds = read_timings(results.folder / "simulations/screen/timings.csv")["solve_s"].max()
+    bound = next((f"below {name}" for limit, name in TIME_BOUNDS if seconds < limit), None)
+    return {
+        **limits,
+        "space": max(abs(limits[name] - value) for name, value in PAPERS_SPACE.items()),
+        "screen_points": len(screen),
+        "gaps": screen["h0_m"].nunique(),
+        "amplitudes": screen["hv_m"].nunique(),
+        "bounds": spread if len(bounds) > 1 else math.inf,
+        "search_bounds": len(bounds),
+        "bounds_shown": same if len(bounds) > 1 else "one bound only",
+        "bounds_tried": ", ".join(f"±{bound:g}" for bound in bounds),
+        "runs": len(runs),
+        "theta": math.log10(max(map(abs, fit.theta)) / 10),
+        "theta_shown": ", ".join(f"{value:.4g}" for value in fit.theta),
+        "screen_error": 100 * results.validation("screen", "screen")["global_error"],
+        "smallest_force": ppm,
+        "smallest": smallest,
+        "needed_um": smallest["hv_um"] * math.sqrt(90 / ppm) if ppm > 0 else math.nan,
+        "seconds": float(seconds) / 86400,
+        "seconds_shown": bound or "a day or more",
+    }
+
+
+def _design_values(results: Results) -> Values:
+    """Return values of the searches for a design, the design, and the fit to its points."""
+    screen, design = results.forces("screen"), results.design("two_factor")
+    fit = results.fit("two_factor_design")
+    judged = results.validation("two_factor_design", "screen")
+    summary = results.summary("designs/two_factor.json")
+    scalings, own = summary["scalings"], summary["scaling"]
+    patterns = scalings[own]
+    excess = max(pattern["objective_excess"] for pattern in patterns)
+    return {
+        **_errors_of_fits(results),
+        "design_error": 100 * judged["global_error"],
+        "fitted": fit.points,
+        "judged": round(judged["points"]),
+        "sum_of_squares": judged["sum_of_squares"] / results.fit("screen").sum_of_squares,
+        "patterns": len(patterns),
+        "searches": summary["searches"],
+        "counts": "; ".join(
+            name.replace("unit", "scaled to [0, 1]")
+            + ": "
+            + ", ".join(f"{pattern['pattern']} {pattern['count']}" for pattern in each)
+            for name, each in sorted(scalings.items(), key=lambda item: item[0] != own)
+        ),
+        "behind": excess / patterns[0]["objective"],
+        "union": int((design["origin"] != "augmentation").sum()),
+        "reduction": len(screen) / len(design),
+        "design": len(design),
+        "saved": len(screen) - len(design),
+        "together": len(screen) + len(design),
+        "smallest_of_design": int((design["hv_m"] <= screen["hv_m"].min() * (1 + 1e-9)).sum()),
+    }
+
+
+def _errors_of_fits(results: Results) -> Values:
+    """Return the larger of both fits' errors on the screen, and the values of each.
+
+    Values of the fit to five points end in ``_five``, those of the fit to all points in ``_all``.
+    """
+    values: Values = {}
+    for name, end in (("two_factor_design", "five"), ("screen", "all")):
+        errors = _in_micrometres(results.errors(name, "screen"))
+        smallest = np.isclose(errors["hv_um"], errors["hv_um"].min(), rtol=1e-9)
+        percent = 100 * errors["relative_error"].abs()
+        values |= {
+            "least_um": errors["hv_um"].min(),
+            f"band_{end}": percent[~smallest].max(),
+            f"band_small_{end}": percent[smallest].max(),
+            f"outside_{end}": int((percent > CLAIMS["upper"]["band"]).sum()),
+            f"limit_{end}": _expected_n(results.fit(name), h0_m=1.0, hv_m=0.0),
+        }
+    for name in ("band", "band_small", "limit"):
+        values[name] = max(values[f"{name}_five"], values[f"{name}_all"], key=abs)
+    return values
+
+
+def _extrapolated_values(results: Results) -> Values:
+    """Return values of the forces and neglected effects at the paper's operating point."""
+    file = "simulations/extrapolation/forces.csv"
+    table = _in_micrometres(results.forces("extrapolation")).set_index("point_id")
+    point = results.row(table, "operating_point", file)
+    wanted = results.row(table, "two_factor_design", file)
+    fit = results.fit("two_factor_design")
+    expected_n = _expected_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
+    effects = ("point_id", "edge_loss_percent", "edge_loss_upper_percent")
+    budgets = results.budget("extrapolation", *effects).set_index("point_id")
+    budget = results.row(budgets, "operating_point", "simulations/extrapolation/error_budget.csv")
+    present = [name for name in budget["included_effects"].split("; ") if name]
+    included = f"With {' and '.join(present)} in it, which eq. (1) neglects; still neglected are"
+    return {
+        "model_at_2.2": expected_n,
+        "model_all": _expected_n(results.fit("screen"), h0_m=point["h0_m"], hv_m=point["hv_m"]),
+        "amplitude_all": results.row(table, "screen", file)["hv_um"],
+        "of_ours": 100 * expected_n / point["force_n"],
+        "simulation_at_2.2": point["force_n"],
+        "of_paper": 100 * point["force_n"] / 0.99,
+        "point": point,
+        "wanted": wanted,
+        "budget": budget,
+        "equation": included if present else "Eq. (1) neglects",
+        "effects": ", ".join(
+            f"{name} {budget[f'{name}_percent']:+.1f} %"
+            for name in ("inertia", "slip", "thermal")
+            if name not in present
+        ),
+        "low": point["force_n"] * (1 + budget["modelling_error_lower_percent"] / 100),
+        "high": point["force_n"] * (1 + budget["modelling_error_upper_percent"] / 100),
+        "amplitude": wanted["hv_um"],
+    }
+
+
+def _four_factor_values(results: Results) -> Values:
+    """Return values of the plan, the designs and the fits with four factors.
+
+    locus: largest distance of hv/h0 of an optimum from the nearest of the two-factor design, in
+    percent of the largest hv/h0. The model knows h0 and hv by their ratio alone, so that all
+    points on a line of equal hv/h0 are as good.
+    """
+    plan = results.forces("four_factor")
+    designs = [results.design(name) for name in ("two_factor", "four_factor")]
+    two, four = ((design["hv_m"] / design["h0_m"]).to_numpy() for design in designs)
+    distance = np.abs(four[:, None] - two[None, :]).min(axis=1) / two.max()
+    judged = results.validation("four_factor_design", "four_factor")
+    distinct = results.validation("four_factor_design_distinct", "four_factor")
+    control = results.validation("four_factor_design_distinct", "four_factor_control")
+    return {
+        "four_factor_points": len(plan),
+        "positions": len(plan[["phi_r_m", "phi_deg"]].drop_duplicates()),
+        "locus": 100 * distance.max(),
+        "four": _ratios(four),
+        "two": _ratios(two),
+        "four_factor_error": 100 * judged["global_error"],
+        "distinct": 100 * distinct["global_error"],
+        "control": 100 * control["global_error"],
+        "random": round(control["points"]),
+        "four_factor_reduction": len(plan) / len(four),
+        "four_factor_design": len(four),
+        "four_factor_saved": len(plan) - len(four),
+    }
+
+
+def _in_micrometres(table: pd.DataFrame) -> pd.DataFrame:
+    return table.assign(h0_um=1e6 * table["h0_m"], hv_um=1e6 * table["hv_m"])
+
+
+def _expected_n(fit: FittedModel, *, h0_m: float, hv_m: float) -> float:
+    """The force that a fit expects with the pad centred."""
+    return float(fit.force_model.evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))[0])
+
+
+def _ratios(values: np.ndarray) -> str:
+    return ", ".join(f"{value:.3f}" for value in sorted(set(values.round(3))))

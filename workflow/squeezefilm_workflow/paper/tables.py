@@ -1,0 +1,87 @@
+"""Tables I to III of the paper, with our values: the paper's own are not legible to us."""
+
+from collections.abc import Callable, Sequence
+
+import pandas as pd
+
+from squeezefilm_workflow.reporting.notes import five_digits, simulations_note
+from squeezefilm_workflow.reporting.pages import Page
+from squeezefilm_workflow.reporting.results import Results
+
+SYMBOLS = {"theta0": "θ0", "theta1": "θ1", "theta2": "θ2", "theta3": "θ3", "theta4": "θ4"}
+UNITS = {"theta2": "N", "theta4": "1/m"}
+ASSUMED = "our assumption: the paper's table is not legible to us"
+
+
+def table1(results: Results) -> Page:
+    """Parameters of the two-factor model, from the screen and from the optimal design alone."""
+    fits = (("screen", "screen"), ("optimal design", "two_factor_design"))
+    title = "Table I. Parameters of the two-factor model"
+    return _parameters(results, fits, plan="screen", title=title)
+
+
+def table2(results: Results) -> Page:
+    """The space of four factors: gap and amplitude are the paper's, positions our assumption."""
+    screen, plan = results.scenes("screen"), results.scenes("four_factor")
+    rows = [
+        ("mean gap", "h0", "µm", 1e6 * screen["h0_m"], "paper"),
+        ("amplitude at the centre", "hv", "µm", 1e6 * screen["hv_m"], "paper"),
+        ("radial position", "φr", "mm", 1e3 * plan["phi_r_m"], ASSUMED),
+        ("angular position", "φφ", "°", plan["phi_deg"], ASSUMED),
+    ]
+    columns = ["factor", "symbol", "unit", "minimum", "maximum", "source"]
+    data = pd.DataFrame(
+        [(*about, values.min(), values.max(), source) for *about, values, source in rows],
+        columns=columns,
+    ).round(9)
+    positions = len(plan[["phi_r_m", "phi_deg"]].drop_duplicates())
+    limits = {name: data[name].map("{:g}".format) for name in ("minimum", "maximum")}
+    values = {
+        "title": "Table II. Space of the experiment with four factors",
+        "shown": data.assign(**limits),
+        "note": f"{len(plan)} simulations at {positions} positions of the pad's centre.",
+    }
+    return Page(values, {"csv": data})
+
+
+def table3(results: Results) -> Page:
+    """Parameters of the four-factor model, from the plan and from two optimal designs alone."""
+    fits = (
+        ("plan", "four_factor"),
+        ("optimal design, the paper's form", "four_factor_design"),
+        ("optimal design, distinct scenes", "four_factor_design_distinct"),
+    )
+    title = "Table III. Parameters of the four-factor model"
+    return _parameters(results, fits, plan="four_factor", title=title)
+
+
+TABLES: dict[str, Callable[[Results], Page]] = {"1": table1, "2": table2, "3": table3}
+
+
+def _parameters(
+    results: Results, fits: Sequence[tuple[str, str]], *, plan: str, title: str
+) -> Page:
+    """The parameters of fits and their errors on the points of a plan, to which the first is."""
+    rows = []
+    judged_on = f"{results.fit(fits[0][1]).points} points of the {fits[0][0]}"
+    for shown, name in fits:
+        fit = results.fit(name)
+        for key, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
+            rows.append((shown, fit.points, SYMBOLS[key], UNITS.get(key, "–"), value))
+        error = fit.global_error if name == plan else results.validation(name, plan)["global_error"]
+        rows.append((shown, fit.points, f"global error on the {judged_on}", "%", 100 * error))
+    data = pd.DataFrame(rows, columns=["fit", "points", "quantity", "unit", "value"])
+    note = simulations_note(results.forces(plan))
+    if plan == "four_factor":
+        note += " φφ in degrees, φr in metres."
+    return Page({"title": title, "shown": _side_by_side(data), "note": note}, {"csv": data})
+
+
+def _side_by_side(data: pd.DataFrame) -> pd.DataFrame:
+    """A row per quantity, a column per fit, five digits."""
+    table = data.assign(
+        fit=data["fit"] + " (" + data["points"].astype(str) + " points)",
+        value=data["value"].map(five_digits),
+    )
+    wide = table.set_index(["quantity", "unit", "fit"])["value"].unstack(sort=False)
+    return wide.reset_index()

@@ -1,0 +1,171 @@
+"""Changes of an assumption that would explain a difference from the paper.
+
+One assumption is changed at a time and the force simulated again. An assumption explains a
+difference if a plausible value of it brings the force to the paper's, as far as the paper's digits
+tell it. What is plausible was set from what the paper states, with how many digits, and from air.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import reduce
+from operator import getitem
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import yaml
+from scipy.optimize import brentq
+
+from squeezefilm.config.loading import with_changes
+from squeezefilm.config.study import Study
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds import solve
+from squeezefilm.studies.solver_settings import solver_settings
+from squeezefilm.studies.study import scene_of
+from squeezefilm_workflow.reporting.pages import Page, readable
+from squeezefilm_workflow.reporting.results import Results
+
+Forces = Callable[[Sequence[Scene]], np.ndarray]
+"""The mean force of each scene in newtons; NaN where it cannot be simulated."""
+
+SEARCH_POINTS = 13
+PLAUSIBLE_POINTS = 5
+
+
+Assumption = Mapping[str, Any]
+_TABLE = yaml.safe_load(Path(__file__).with_name("assumptions.yaml").read_text(encoding="utf-8"))
+ASSUMPTIONS = [{"plausible": None, "rest": None, "switch": {}} | entry for entry in _TABLE]
+
+
+def _differences(config: Study) -> Iterator[tuple[dict[str, Any], float, dict[str, float]]]:
+    """The forces in which the paper's simulations and ours differ.
+
+    For each how its rows begin, half a unit of the last digit of the paper's, and the point.
+    """
+    beyond, screen = config.extrapolation, config.screen
+    operating = {"h0_m": beyond.h0_m, "hv_m": beyond.hv_m}
+    smallest = {"h0_m": screen.h0_m.stop, "hv_m": screen.hv_m.start}
+    for claim_id, force, paper_n, half_digit_n, point in (
+        ("simulation_at_2.2", "force", 0.99, 0.005, operating),
+        ("smallest_force", "smallest force of the screen,", 90e-6, 5e-6, smallest),
+    ):
+        claim = f"{force} at h0 = {1e6 * point['h0_m']:g} µm, hv = {1e6 * point['hv_m']:g} µm"
+        yield {"claim_id": claim_id, "claim": claim, "paper_n": paper_n}, half_digit_n, point
+
+
+def uncertainty_page(results: Results) -> Page:
+    """The page of the study's differences from the paper; its forces are simulated for it."""
+    config = results.config
+    settings = solver_settings(config, outputs=())
+
+    def forces(scenes: Sequence[Scene]) -> np.ndarray:
+        return solve(settings.resolved(scenes), **settings.how).force_n
+
+    table = compare(config, forces=forces)
+    explaining = (table["verdict"] == "explains").groupby(table["claim"], sort=False).sum()
+    shown = readable(table.drop(columns="claim_id"))
+    return Page({"explaining": explaining, "shown": shown}, {"csv": table})
+
+
+def compare(config: Study, *, forces: Forces) -> pd.DataFrame:
+    """A row for each difference and assumption.
+
+    It has, in the assumption's unit, what is assumed and plausible; the forces over the
+    plausible values and over all that were tried; and ``needed``, the nearest value that gives the
+    paper's force, NaN if none was found.
+
+    Raises RunError when a film cannot be simulated even with everything as assumed.
+    """
+    rows: list[dict[str, Any]] = []
+    for claim, half_n, point in _differences(config):
+        (ours_n,) = forces([scene_of(config, **point)])
+        if not np.isfinite(ours_n):
+            raise RunError(f"{claim['claim_id']}: the film could not be simulated")
+        begin = {**claim, "ours_n": float(ours_n)}
+        for assumption in ASSUMPTIONS:
+            rows += _rows(config, point, begin, half_n, assumption, forces)
+    return pd.DataFrame(rows)
+
+
+def _rows(
+    config: Study,
+    point: Mapping[str, float],
+    begin: Mapping[str, Any],
+    half_n: float,
+    assumption: Assumption,
+    forces: Forces,
+) -> Iterator[dict[str, Any]]:
+    """The row; none where the study's film does not know the assumption.
+
+    Args:
+        point: the operating point, which ``point`` in the assumption's places stands for.
+        begin: how the row begins, the paper's and our force in it.
+        half_n: rounding error of the paper's force, by its digits.
+    """
+    sections: Any = {**config.model_dump(exclude_none=True, by_alias=True), "point": point}
+    paper_n, assumed = begin["paper_n"], assumption["rest"]
+    if assumed is None:
+        section, key = assumption["places"][0].rsplit(".", 1)
+        values = reduce(getitem, section.split("."), sections)
+        if key not in values:
+            return
+        assumed = float(values[key])
+
+    def forces_n(values: np.ndarray) -> np.ndarray:
+        """The forces with other values of the assumption; NaN where there is no such film."""
+        scenes = {}
+        for k, value in enumerate(values.tolist()):
+            changed = dict.fromkeys(assumption["places"], value) | assumption["switch"]
+            if value == assumption["rest"]:
+                changed = {}
+            at = {key: changed.pop(f"point.{key}", point[key]) for key in point}
+            with suppress(InputError):
+                scenes[k] = scene_of(with_changes(config, changed), **at)
+        found = np.full(len(values), np.nan)
+        found[list(scenes)] = forces(list(scenes.values()))
+        return found
+
+    def excess_n(value: float) -> float:
+        return float(forces_n(np.array([value]))[0] - paper_n)
+
+    low, high = assumption["plausible"] or _rounding(assumed, assumption["scale"])
+    values = np.linspace(low, high, PLAUSIBLE_POINTS if high > low else 1)
+    plausible = np.append(forces_n(values), begin["ours_n"])
+    low_n, high_n = np.nanmin(plausible), np.nanmax(plausible)
+    # From small to large, with that assumed among them.
+    least, most = assumption["search"]
+    values = np.linspace(least, most, SEARCH_POINTS)
+    if assumption["rest"] is None:
+        tried = assumed * np.geomspace(least, most, SEARCH_POINTS)
+        values = np.unique(np.append(tried, assumed))
+    reached = forces_n(values)
+    off = reached - paper_n
+    between = np.flatnonzero(off[:-1] * off[1:] <= 0)
+    needed = [brentq(excess_n, *values[i : i + 2], rtol=1e-6) for i in between]
+    nearest = min(needed, key=lambda value: abs(value - assumed), default=np.nan)
+    explains = low_n <= paper_n + half_n and high_n >= paper_n - half_n
+    yield {
+        **begin,
+        "assumption": assumption["name"],
+        "unit": assumption["unit"],
+        "assumed": assumed / assumption["scale"],
+        "plausible_lower": low / assumption["scale"],
+        "plausible_upper": high / assumption["scale"],
+        "force_lower_n": low_n,
+        "force_upper_n": high_n,
+        "needed": nearest / assumption["scale"],
+        "needed_change_percent": 100 * (nearest / assumed - 1) if assumed else np.nan,
+        "reached_lower_n": np.nanmin([*reached, *plausible]),
+        "reached_upper_n": np.nanmax([*reached, *plausible]),
+        "verdict": "explains" if explains else "cannot explain",
+        "because": assumption["because"],
+    }
+
+
+def _rounding(value: float, scale: float) -> tuple[float, float]:
+    """Least and largest value that rounds to the digits of one in its unit."""
+    shown = value / scale
+    half = 0.5 * 10.0 ** -len(f"{shown:g}".partition(".")[2])
+    return (shown - half) * scale, (shown + half) * scale

@@ -1,0 +1,418 @@
+"""Comparison of a finished study with a small stored reference.
+
+A study's quantities are listed in one place, each with its numbers as texts and its tolerance; a
+reference holds the same, thinned out. Figures' data stand before what they are made from, for they
+are what a reviewer looks at. How close a number must be follows from the tolerance that the solver
+was asked for. On any machine and device a force lies within it of the truth, so that two machines
+differ by no more than twice as much. What follows from forces differs in proportion
+(docs/explanation/paper.md).
+"""
+
+import math
+import re
+import shutil
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.testing.compare import compare_images
+from matplotlib.testing.exceptions import ImageComparisonFailure
+
+from squeezefilm.errors import InputError
+from squeezefilm.models.data import factors_of
+from squeezefilm.solution import form_of
+from squeezefilm.tables import write_table
+from squeezefilm_workflow.reporting.figures.style import PLAIN
+from squeezefilm_workflow.reporting.pages import Page
+from squeezefilm_workflow.reporting.results import Results
+
+PASSED, FAILED = "passed", "failed"
+COLUMNS = (
+    *("part", "item", "quantity", "expected", "got", "tolerance", "verdict", "worst"),
+    "of_tolerance",
+)
+REFERENCE_COLUMNS = ("item", "quantity", "cell", "value")
+WIDEST = 40
+"""Characters of a cell on the screen; all of it is in the table."""
+PICTURES, PLACE_OF_PICTURES = "pictures", "check/figures"
+BY_CHANCE = "fig09"
+"""The figure of many searches: which of them ended where is chance."""
+RMS = 1.5
+"""Of the pixels (0 to 255) between two pictures. In the paper's figures a dropped curve makes 2.4
+to 30, a line of the band 3.5, the zero line of Figure 14 3.5, forces off by 1e-4 0.1. A line of the
+small film in `overview` makes 0.2 and is not seen, nor is one that others hide."""
+PIXELS = "RMS of the pixels"
+_NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−+]?\d+)?")
+
+SAMPLE = 25
+"""Rows of a table that a reference keeps; least, mean and largest stand for the others."""
+FIT_OF_DESIGN = {
+    "two_factor": "screen",
+    "four_factor": "four_factor",
+    "four_factor_distinct": "four_factor",
+}
+BUDGET = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
+RESULTS = {
+    "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET}",
+    "simulations/four_factor/error_budget": BUDGET,
+    "simulations/screen/response": "h0_m|hv_m|corner_hz|instantaneous_fraction|error",
+    "simulations/screen/gains": "h0_m|hv_m|frequency_hz|gain|phase_deg",
+    "simulations/screen/levitation": "load_n|hv_m|h0_m|stiffness_n_per_m|modified_reynolds",
+    "simulations/extrapolation/film": "phase_deg|x_mm|surface_um|pad_um|gauge_pressure_kpa",
+    "validation/two_factor_design_on_error_map": "h0_m|hv_m|relative_error",
+    "tables/uncertainty": "assumption|force_(lower|upper)_n|ours_n|verdict",
+}
+"""Tables that the study's figures are drawn from, and their columns that are compared."""
+GIVEN_PLAN = "(screen|error_map|four_factor_control)"
+CLOSENESS = {
+    rf"{GIVEN_PLAN} force_n": "force",
+    rf"{GIVEN_PLAN} (h0_m|hv_m|phi_r_m|phi_deg|x_m|y_m)": "given",
+    r"\w+ (phi_r_m|phi_deg|x_m|y_m)|[a-z]\w+ (h0_m|hv_m)": "place",
+    r".*/levitation h0_m": "force",
+    r".* (h0_m|hv_m|minimum|maximum)": "given",
+    r"fig1[01236] (epsilon|h0_um|hv_um|phi_r_mm|phi_deg)": "place",
+    r"fig.. (epsilon|\w+_(um|mm|deg)|amplitude_ratio|points|band_percent)": "given",
+    r".* force_n": "model",
+    r".* relative_error(_all)?(_percent)?": "relative error",
+    r".* value": "parameters",
+}
+"""How close a column of numbers is, by its table and name; the first that fits, else derived."""
+
+Key = tuple[str, str, str]
+Cells = Mapping[str, str]
+Reference = dict[Key, dict[str, str]]
+"""The cells of every quantity, by part, item and name."""
+
+
+@dataclass(frozen=True)
+class Close:
+    """Texts of equal words, and numbers in them within the sum of what is given.
+
+    Attributes:
+        relative: a share of each value.
+        of_largest: a share of the largest magnitude in the column.
+        absolute: an amount.
+        digits: units of the last digit that is shown.
+    """
+
+    relative: float = 0.0
+    of_largest: float = 0.0
+    absolute: float = 0.0
+    digits: float = 0.0
+
+    def __str__(self) -> str:
+        parts = [f"{size:.2g} {name}" for name, size in vars(self).items() if size]
+        return " + ".join(parts).replace("_", " ") or "equal"
+
+    def distances(self, expected: Cells, got: Cells) -> dict[str, float]:
+        """The difference of each cell over what is allowed there: at most one passes."""
+        sizes = [abs(_numbers(text)[0]) for text in expected.values() if _NUMBER.fullmatch(text)]
+        amount = self.absolute + self.of_largest * float(max(sizes, default=0))
+        cells = dict.fromkeys([*expected, *got])
+        return {cell: self._distance(expected.get(cell), got.get(cell), amount) for cell in cells}
+
+    def _distance(self, expected: str | None, got: str | None, amount: float) -> float:
+        if expected == got:
+            return 0.0
+        if expected is None or got is None or _NUMBER.sub("#", expected) != _NUMBER.sub("#", got):
+            return math.inf
+        largest = 0.0
+        for want, have in zip(_numbers(expected), _numbers(got), strict=True):
+            unit = 10.0 ** max(int(each.as_tuple().exponent) for each in (want, have))
+            allowed = amount + self.relative * abs(float(want)) + self.digits * unit
+            if off := abs(float(want) - float(have)):  # just over one by rounding counts as one
+                largest = max(largest, round(off / allowed, 6) if allowed else math.inf)
+        return largest
+
+
+SAME = Close()
+
+
+def _numbers(text: str) -> list[Decimal]:
+    """The numbers in a text, with their digits."""
+    return [Decimal(number.replace("−", "-")) for number in _NUMBER.findall(text)]
+
+
+class Quantity(NamedTuple):
+    """One column, list or text of a study: its cells by name, as text, and how close they must be.
+
+    part and item say where it belongs: figure data, fig08. The first three are its key.
+    """
+
+    part: str
+    item: str
+    name: str
+    cells: Cells
+    tolerance: Close = SAME
+
+
+def check_page(results: Results, *, reference: str) -> Page:
+    """Every quantity of a study beside those of the reference in a folder."""
+    table = check_table(results, Path(reference))
+    shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
+    values = {"summary": summary(table), "table": shown}
+    return Page(values, {"csv": table, "text": f"{on_screen(table)}\n"})
+
+
+def check_table(results: Results, reference: Path) -> pd.DataFrame:
+    """Return ``compare`` of a study's quantities and those of the reference in a folder."""
+    return compare(study_quantities(results, reference), read_reference(reference))
+
+
+def compare(quantities: Iterable[Quantity], reference: Mapping[Key, Cells]) -> pd.DataFrame:
+    """A row for every quantity, then one for each that the reference has and the study lacks.
+
+    A quantity that the reference does not have fails as well: it was never reviewed.
+    """
+    quantities = list(quantities)
+    keys = {each[:3] for each in quantities}
+    quantities += [Quantity(*key, {}) for key in reference if key not in keys]
+    rows = []
+    for each in quantities:
+        expected = reference.get(each[:3], {})
+        distances = each.tolerance.distances(expected, each.cells) or {"": math.inf}
+        worst = max(distances, key=lambda cell: distances[cell])
+        verdict = PASSED if distances[worst] <= 1 else FAILED
+        values = expected.get(worst, "–"), each.cells.get(worst, "missing")
+        rows.append((*each[:3], *values, str(each.tolerance), verdict, worst, distances[worst]))
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def read_reference(folder: Path) -> Reference:
+    """Read the cells of every quantity, one file for each part.
+
+    Raises InputError where there is no reference, or a file of it that is none.
+    """
+    paths = sorted(folder.glob("*.csv"))
+    if not paths:
+        raise InputError(f"{folder}: there is no reference; `make reference` makes one")
+    reference: Reference = {}
+    for path in paths:
+        try:
+            table = pd.read_csv(path, dtype=str, keep_default_na=False)
+        except ValueError as error:
+            raise InputError(f"{path}: {error}") from error
+        if tuple(table) != REFERENCE_COLUMNS or not table["cell"].all():
+            raise InputError(f"{path}: each line has {', '.join(REFERENCE_COLUMNS)}")
+        part = path.stem.replace("_", " ")
+        for item, quantity, cell, value in table.itertuples(index=False, name=None):
+            reference.setdefault((part, item, quantity), {})[cell] = value
+    return reference | pictures_of(folder)
+
+
+def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path) -> None:
+    """Write a study's quantities and pictures in the place of an old reference.
+
+    Raises InputError where a file cannot be written.
+    """
+    rows = [
+        (*each[:3], *cell)
+        for each in quantities
+        if each.part != PICTURES
+        for cell in each.cells.items()
+    ]
+    for path in (*folder.glob("*.csv"), *folder.glob(f"*{PLAIN}")):
+        path.unlink()
+    table = pd.DataFrame(rows, columns=["part", *REFERENCE_COLUMNS])
+    for part, cells in table.groupby("part"):
+        write_table(cells.drop(columns="part"), folder / f"{str(part).replace(' ', '_')}.csv")
+    for _, name, _ in pictures_of(results / PLACE_OF_PICTURES):
+        shutil.copy(results / PLACE_OF_PICTURES / f"{name}{PLAIN}", folder)
+
+
+def pictures_of(folder: Path) -> Reference:
+    """Return the zero difference of each plain figure of a folder from itself."""
+    names = sorted(path.name.removesuffix(PLAIN) for path in folder.glob(f"*{PLAIN}"))
+    return {(PICTURES, name, "difference"): {PIXELS: "0"} for name in names if name != BY_CHANCE}
+
+
+def picture_quantities(pictures: Path, reference: Path) -> Iterator[Quantity]:
+    """Compare each figure's picture with the one in a reference's folder.
+
+    Fonts change a picture by more than a dropped curve does, hence no texts. Where it is too far
+    off, the difference is drawn beside it.
+    """
+    for key in sorted(pictures_of(pictures) | pictures_of(reference)):
+        expected, got = (folder / f"{key[1]}{PLAIN}" for folder in (reference, pictures))
+        apart = "one of the two is missing"
+        if expected.exists() and got.exists():
+            got.with_name(f"{got.stem}-failed-diff.png").unlink(missing_ok=True)
+            try:
+                found = compare_images(str(expected), str(got), tol=RMS, in_decorator=True)
+                apart = f"{found['rms']:.3g}" if found else "0"
+            except (ImageComparisonFailure, OSError, SyntaxError) as error:
+                apart = " ".join(str(error).split())
+        yield Quantity(*key, {PIXELS: apart}, Close(absolute=RMS))
+
+
+def summary(table: pd.DataFrame) -> str:
+    """Return a sentence with the number of quantities that passed or failed."""
+    failed = int((table["verdict"] != PASSED).sum())
+    if failed:
+        return f"{failed} of {len(table)} quantities failed."
+    return f"All {len(table)} quantities passed."
+
+
+def on_screen(table: pd.DataFrame) -> str:
+    """Return each part's worst quantity, all that failed, and the summary."""
+    failed = table["verdict"] != PASSED
+    worst = table.loc[table.groupby("part", sort=False)["of_tolerance"].idxmax()]
+    kinds = {"Worst of each part": worst[["part", "item", "quantity", "of_tolerance"]]}
+    if failed.any():
+        kinds["Failed"] = table[failed]
+    how: dict[str, Any] = {"index": False, "max_colwidth": WIDEST, "float_format": "{:.2g}".format}
+    shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items()]
+    return "".join([*shown, summary(table)])
+
+
+def tolerances(solver: float) -> dict[str, Close]:
+    """Return the tolerance of each kind of quantity for a solver tolerance."""
+    return {
+        # What the configuration gives, through plain arithmetic.
+        "given": Close(relative=1e-9, of_largest=1e-12),
+        # Derived in several steps, and local pressures, which the solver's tolerance is not of.
+        "derived": Close(of_largest=0.01),
+        # An optimum is flat: its place is known to the root of its value's accuracy.
+        "place": Close(of_largest=1e-3),
+        "design": Close(relative=1e-3),
+        "force": Close(relative=2 * solver),
+        # Errors of forces pass to fitted ones about one to one, also from five points.
+        "model": Close(of_largest=4 * solver + 1e-7),
+        # Norms of residuals over those of the forces move no more than the forces do.
+        "residual": Close(absolute=4 * solver + 1e-7),
+        # Errors of forces reach parameters sevenfold, and more in combination.
+        "parameters": Close(relative=100 * solver + 1e-4, of_largest=100 * solver + 1e-6),
+        # As a text shows it: where the digits shown are more than are known, those.
+        "shown": Close(relative=20 * solver, digits=1),
+        # A plan's smallest forces are hundreds of times smaller than the largest.
+        "relative error": Close(of_largest=min(0.05, 1e4 * solver)),
+    }
+
+
+def study_quantities(results: Results, reference: Path) -> list[Quantity]:
+    """All quantities of a finished study, in the order in which they are checked.
+
+    A file that is missing has none; those that a reference has of it then fail.
+
+    Raises InputError naming a file that cannot be read or lacks what it must have.
+
+    Args:
+        reference: the folder with the pictures to compare the study's with.
+    """
+    config, folder = results.config, results.folder
+
+    def names(pattern: str) -> list[str]:
+        return sorted(path.stem for path in folder.glob(pattern))
+
+    close = tolerances(float(config.solver.tolerance))
+    plans = sorted(path.parent.name for path in folder.glob("simulations/*/forces.csv"))
+    items = [
+        *(("figure data", name, _table) for name in names("figures/fig*.csv") if name != BY_CHANCE),
+        *(("results", name, _table) for name in RESULTS if results.exists(f"{name}.csv")),
+        *(("tables", name, _table) for name in names("tables/table*.csv")),
+        *(("claims", name, _claims) for name in names("claims.csv")),
+        *(("simulations", plan, _simulations) for plan in plans if plan[:10] != "validation"),
+        *(("fits", name, _fit) for name in names("fits/*.json")),
+        *(("designs", name, _design) for name in FIT_OF_DESIGN),
+    ]
+    # A reference has a sample of the films; all of them take minutes.
+    if config.numerics.extent == "sample" and results.exists("numerics/stability.csv"):
+        items.append(("numerics", "stability", _stability))
+    quantities = [each for part, item, make in items for each in make(results, close, part, item)]
+    return [*quantities, *picture_quantities(folder / PLACE_OF_PICTURES, reference)]
+
+
+def text_of(value: Any) -> str:
+    """A cell's text: twelve digits of a number, so that 7e-06 reads so."""
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
+        return str(value)
+    return f"{float(value):.12g}"
+
+
+def column_quantities(
+    table: pd.DataFrame, close: Mapping[str, Close], part: str, item: str
+) -> Iterator[Quantity]:
+    """A table's number of rows, then its columns thinned out, each as close as in CLOSENESS.
+
+    Of a longer table, SAMPLE rows evenly spaced are kept, and of its columns of numbers the
+    least, the mean and the largest value.
+    """
+    yield Quantity(part, item, "rows", {"rows": str(len(table))})
+    for name in map(str, table):
+        column, place = table[name], f"{item} {name}"
+        kinds = (kind for pattern, kind in CLOSENESS.items() if re.fullmatch(pattern, place))
+        kind = next(kinds, "derived" if column.dtype == float else None)
+        cells = _sample(column)
+        if kind and len(table) > SAMPLE:
+            extremes = column.agg(["min", "mean", "max"]).set_axis(["least", "mean", "largest"])
+            cells |= {str(name): text_of(value) for name, value in extremes.items()}
+        yield Quantity(part, item, name, cells, close[kind] if kind else SAME)
+
+
+def _sample(column: pd.Series) -> dict[str, str]:
+    kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, SAMPLE)})
+    return {f"row {row + 1}": text_of(column.iloc[row]) for row in kept}
+
+
+Made = Iterator[Quantity]
+Kinds = Mapping[str, Close]
+
+
+def _table(results: Results, close: Kinds, part: str, item: str) -> Made:
+    """A table of the paper, or one that a figure draws."""
+    folder = {"figure data": "figures/", "tables": "tables/"}.get(part, "")
+    table = results.table(f"{folder}{item}.csv")
+    chosen = [name for name in table if re.fullmatch(RESULTS.get(item, ".*"), str(name))]
+    return column_quantities(table[chosen], close, part, item)
+
+
+def _claims(results: Results, close: Kinds, part: str, item: str) -> Made:
+    """Every claim's verdict and our value; of the run time, the verdict alone."""
+    table = results.table(f"{item}.csv", "claim_id", "claim", "paper", "ours", "unit", "verdict")
+    for claim in table.fillna("").astype(str).to_dict("records"):
+        name = claim["claim_id"]
+        agrees = claim["verdict"].partition(" ")[0]
+        yield Quantity(part, name, "verdict", {claim["claim"]: agrees})
+        if name != "seconds":
+            cells = {f"ours, in {claim['unit']}; paper: {claim['paper']}": claim["ours"]}
+            yield Quantity(part, name, "ours", cells, close["shown"])
+
+
+def _simulations(results: Results, close: Kinds, part: str, item: str) -> Made:
+    """The points of a plan, their forces, and whether error estimates keep the tolerance."""
+    forces = results.forces(item)
+    shown = forces[["point_id", "h0_m", "hv_m", *form_of(forces), "force_n"]]
+    yield from column_quantities(shown, close, part, item)
+    largest = (forces["force_error_n"] / forces["force_n"].abs()).max()
+    kept = {"of all points": str(largest <= results.config.solver.tolerance)}
+    yield Quantity(part, item, "estimated errors within the tolerance", kept)
+
+
+def _fit(results: Results, close: Kinds, part: str, item: str) -> Made:
+    """A fit's objective, and what it predicts at the points of its plan."""
+    fit = results.fit(item)
+    objective = {"|y − η|/|y|": f"{fit.global_error:.9g}"}
+    yield Quantity(part, item, "objective", objective, close["residual"])
+    forces = fit.force_model.evaluate(fit.theta, factors_of(results.scenes(item)))
+    yield Quantity(part, item, "predicted forces", _sample(pd.Series(forces)), close["model"])
+
+
+def _design(results: Results, close: Kinds, part: str, item: str) -> Made:
+    """D-efficiency of a design for the model that it was made for, times that of the best
+    design."""
+    fit, design = results.fit(FIT_OF_DESIGN[item]), results.design(item)
+    slopes = fit.force_model.gradient(fit.theta, factors_of(design))
+    sign, logarithm = np.linalg.slogdet(slopes.T @ slopes / len(slopes))
+    worth = {"det(F'F/N)^(1/p)": text_of(sign * np.exp(logarithm / len(fit.theta)))}
+    yield Quantity(part, item, "D-efficiency", worth, close["design"])
+
+
+def _stability(results: Results, close: Kinds, part: str, item: str) -> Made:
+    """The verdict on every stiff or extreme film."""
+    table = results.table("numerics/stability.csv", "case", "verdict").astype(str)
+    verdicts = dict(zip(table["case"], table["verdict"], strict=True))
+    yield Quantity(part, item, "verdicts", verdicts)

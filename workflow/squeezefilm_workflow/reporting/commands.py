@@ -1,0 +1,140 @@
+"""Commands for a finished study: figures, the recommended model, the check."""
+
+import argparse
+from collections.abc import Sequence
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from squeezefilm.cli.options import OUTPUT, command, option, write_rows
+from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.tables import read_columns, write_table
+from squeezefilm_workflow.reporting.results import Results
+
+RESULTS = option("results", "RESULTS", "the study's results", type=Path)
+STUDY = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
+FILES = option("--output", "FILE", required=True, nargs="+", type=Path)
+PICTURES = (".png", ".svg", ".pdf")
+
+# matplotlib is imported where something is drawn or pictures are compared.
+
+
+@command(
+    option("figure", "FIGURE", "such as fig05 or models/two_factor_errors, or CURVE.csv"),
+    option("results", "RESULTS", "the study's results", type=Path, nargs="?"),
+    STUDY,
+    FILES,
+)
+def plot(options: argparse.Namespace) -> None:
+    """Draw a figure of a finished study, or its table, or a curve of forces.
+
+      squeezefilm plot fig08 results/paper --output fig08.pdf
+      squeezefilm simulate --h0 5um --hv 0.5:2.5:9um --output curve.csv
+      squeezefilm plot curve.csv --output curve.png
+
+    The format follows the name: .png, .svg or .pdf; .csv is the table that a numbered figure of the
+    paper draws. The same results give the same file, byte for byte.
+    """
+    if options.figure.endswith(".csv"):
+        from squeezefilm_workflow.reporting.figures import curve, style
+
+        check_formats(options.output, PICTURES)
+        table = read_columns(options.figure, columns=curve.COLUMNS)
+        with style.settings(), naming(options.figure):
+            return style.save(curve.curve(table), options.output)
+    check_formats(options.output, (*PICTURES, ".csv"))
+    if options.results is None:
+        raise InputError(f"{options.figure}: give the folder of the study's results too")
+    from squeezefilm_workflow.reporting.figures import FIGURES, save
+
+    figures = dict(FIGURES)
+    for point in entry_points(group="squeezefilm.figures"):
+        figures |= point.load()
+    place = options.figure if "/" in options.figure else f"figures/{options.figure}"
+    if place not in figures:
+        known = ", ".join(name.removeprefix("figures/") for name in figures)
+        raise InputError(f"there is no figure {options.figure!r}; the figures are {known}")
+    save(figures[place], Results.of(options.results, options.config), options.output)
+
+
+@command(option("field", "FIELD.nc", "by `squeezefilm pressure`"), FILES)
+def plot_pressure(options: argparse.Namespace) -> None:
+    """Pictures of a pressure field over the period, and an animation of it.
+
+      squeezefilm pressure --h0 5um --hv 2.2um --x 1mm --output field.nc
+      squeezefilm plot-pressure field.nc --output sheet.png film.gif
+
+    A name that ends in .gif makes the animation, one in .png, .svg or .pdf a sheet: the
+    gauge pressure at eight phases and in the mean, and its mean over the pad beside the gap there.
+    The same field gives the same files. Both need xarray: the extra `fields`.
+    """
+    check_formats(options.output, (*PICTURES, ".gif"))
+    from squeezefilm_workflow.reporting.pressure_pictures import draw
+
+    draw(options.field, options.output)
+
+
+def check_formats(files: Sequence[Path], formats: Sequence[str]) -> None:
+    """Raise InputError for a file whose name ends in no format that can be drawn."""
+    for path in files:
+        if path.suffix not in formats:
+            raise InputError(f"{path}: a picture's name ends in {', '.join(formats)}")
+
+
+@command(RESULTS, STUDY, OUTPUT)
+def recommend(options: argparse.Namespace) -> None:
+    """Recommend a model, pad centred and anywhere, with amplitudes for the target force.
+
+      squeezefilm recommend results/plate --output TABLE.csv
+
+    Recommended is the model with the least global error on the half of the validation sample that
+    ranks. `worst_error` is the largest relative error at any simulation of the validation samples
+    and the plan `four_factor`, fitted or not; that plan has the positions. The amplitude gives the
+    study's target force at its gap (section `extrapolation`), its errors are those of `squeezefilm
+    amplitude-for`. The study's candidates must be compared (`snakemake models`).
+    """
+    from squeezefilm_workflow.reporting.models import recommend
+
+    table = recommend(Results.of(options.results, options.config))
+    if table["model"].isna().all():
+        raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
+    write_rows(table, options)
+
+
+@command(
+    RESULTS,
+    STUDY,
+    option("--reference", "FOLDER", "made by `squeezefilm reference`", required=True, type=Path),
+    option("--output", "CHECK.csv", "the table, a row each quantity"),
+)
+def check(options: argparse.Namespace) -> int:
+    """Compare the results of a finished study with a small reference.
+
+      squeezefilm check results/paper --reference tests/reference/paper
+
+    Compared are figures' data, the paper's tables, claims, simulations, fits, designs, pictures and
+    the verdicts on stiff films, each as closely as the study's tolerance allows. Shown are each
+    part's worst quantity and every quantity that failed; all of them are in the table.
+    The exit status is 1 when anything failed.
+    """
+    from squeezefilm_workflow.reporting.check import FAILED, check_table, on_screen
+
+    table = check_table(Results.of(options.results, options.config), options.reference)
+    if options.output:
+        write_table(table, options.output)
+    print(on_screen(table))
+    return int((table["verdict"] == FAILED).any())
+
+
+@command(RESULTS, STUDY, option("--output", "FOLDER", "to write", required=True, type=Path))
+def reference(options: argparse.Namespace) -> None:
+    """Make the small reference that `squeezefilm check` compares a study with, from its results.
+
+      squeezefilm reference results/paper --output tests/reference/paper
+
+    An old reference in the folder is replaced: `git diff` shows what changed, cell by cell.
+    """
+    from squeezefilm_workflow.reporting.check import study_quantities, write_reference
+
+    quantities = study_quantities(Results.of(options.results, options.config), options.output)
+    write_reference(quantities, options.results, options.output)
+    print(f"{options.output}: written")

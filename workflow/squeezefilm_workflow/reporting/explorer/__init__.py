@@ -1,0 +1,130 @@
+"""The explorer: one page of HTML in which fitted models can be played with, and nothing else.
+
+The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
+server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
+model.js what ``squeezefilm.models.fit_file`` does with it, modulation.js reads what
+``squeezefilm response`` found, and formatting.js has numbers in words.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from squeezefilm.models.export import source
+from squeezefilm.models.fit_file import FittedModel, fit_of
+from squeezefilm.solution import as_in, form_of
+from squeezefilm.tables import FACTOR_COLUMNS, read_json
+from squeezefilm_workflow.reporting.notes import inertia
+from squeezefilm_workflow.reporting.pages import render
+from squeezefilm_workflow.reporting.results import Results
+
+FILM = ["h0_m", "hv_m"]
+KINDS = {"_distinct": "distinct points", "_design": "design points"}
+"""Points that a model is fitted to, by the end of their plan's name."""
+
+
+def explorer_page(
+    results: Results,
+    *,
+    fits: Sequence[str],
+    candidates: Sequence[str],
+    forces: Mapping[str, pd.DataFrame],
+    drawing_library: str,
+) -> str:
+    """The page as text.
+
+    Args:
+        fits: names of the study's fits, each of its plan; the first is shown first.
+        candidates: names of models with the pad anywhere.
+        forces: simulated forces, by the name of their plan, for the drawings.
+        drawing_library: plotly.js as text.
+
+    Raises InputError for a fit that is missing or that the page cannot compute with.
+    """
+    config, not_available = results.config, {}
+    models = {name: (results.fit(name), name) for name in fits}
+    for name in candidates:
+        path = results.folder / f"models/four_factor/{name}.json"
+        values = read_json(path)
+        if "not_supported" in values:
+            not_available[name] = str(values["not_supported"])
+        else:
+            models[f"{name} on four_factor"] = fit_of(values, place=path), "four_factor"
+    data = {
+        "fits": [_fit(name, fit, plan) for name, (fit, plan) in models.items()],
+        "not_available": not_available,
+        "plans": list(forces),
+        "simulations": [
+            [index, *row]
+            for index, table in enumerate(forces.values())
+            for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].to_numpy(float).tolist()
+        ],
+        "position": form_of(next(iter(forces.values()))),
+        "inertia": inertia(config),
+        "modulation": _modulation(results),
+        "start": config.extrapolation.model_dump(),
+    }
+    # In full double precision, and so that no text ends the script it stands in.
+    shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+    code = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
+    texts = {"library": drawing_library, "models": code, "data": shown}
+    return render("explorer.html", study=config.study, **texts)
+
+
+def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
+    model = fit.force_model
+    kind = next((kind for end, kind in KINDS.items() if plan.endswith(end)), "points")
+    return {
+        "name": name,
+        "label": f"{fit.model.replace('_factor', ' factors')}, "
+        + (f"{fit.points} {kind}" if fit.theta else "nothing fitted"),
+        "plan": plan,
+        "factors": list(model.factor_names),
+        "moves": not model.is_centred,
+        "interval": None if fit.interval is None else fit.interval.model_dump(mode="json"),
+        "statement": fit.statement,
+        "gaps_m": fit.ranges["h0_m"] if fit.interval is None else fit.interval.ranges["h0_m"],
+    }
+
+
+def _code(name: str, fit: FittedModel) -> str:
+    """The model as a script's line that puts it among MODELS."""
+    code = source(fit, "javascript").replace("</", "<\\/")
+    return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
+
+
+def _modulation(results: Results) -> dict[str, Any]:
+    """Return the force's response to a modulated amplitude: films on a grid of gap and amplitude.
+
+    From the two tables of ``squeezefilm response`` for the screen. The page shows, at a point, what
+    lies between the films around it.
+    """
+    response = results.table("simulations/screen/response.csv", *FILM, "status")
+    gains = results.table("simulations/screen/gains.csv", *FILM, "frequency_hz", "gain")
+    by_film: dict[Any, pd.DataFrame] = dict(iter(gains.groupby(FILM)))
+    films = [
+        {name: row[name] for name in FILM} | _film(row, by_film[row["h0_m"], row["hv_m"]])
+        for row in response.to_dict(orient="records")
+    ]
+    return {
+        **{name: sorted(set(response[name])) for name in FILM},
+        "frequency_hz": sorted(set(gains["frequency_hz"])),
+        "films": films,
+    }
+
+
+def _film(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
+    """One film's numbers, None where a modulation is too fast, or why it has none."""
+    if row["status"] != "ok":
+        return {"why": row["status"]}
+    if gains["gain"].isna().all():
+        return {"why": gains["status"].iloc[0]}
+    lines = gains[["gain", "phase_deg"]]
+    known: dict[Any, Any] = lines.astype(object).where(lines.notna(), None).to_dict("list")
+    return {
+        **{name: row[name] for name in ("corner_hz", "static_gain", "instantaneous_gain")},
+        "error": float(gains["error"].max()),
+        **known,
+    }

@@ -1,0 +1,213 @@
+"""Figures of a film: effects that the equation neglects, loads, modulation."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from squeezefilm.formatting import label_of
+from squeezefilm.solution import form_of
+from squeezefilm_workflow.reporting.figures import parts, style
+from squeezefilm_workflow.reporting.notes import percent, reynolds_limit, signed
+from squeezefilm_workflow.reporting.results import MODELLING_ERROR, Results
+
+EFFECTS = {
+    "inertia": style.BLUE,
+    "slip": style.VERMILLION,
+    "thermal": style.ORANGE,
+    "edge_loss": style.GREEN,
+    "total": style.GREY,
+}
+EDGE = 0.04
+"""Contours nearer to the least or the largest value, as a share of the range, have no room."""
+LABEL_SHARE = 0.065
+"""Height of a label, as a share of the axes."""
+COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
+MOST_ERROR = 0.03
+"""Of a gain that is drawn."""
+MOST_REYNOLDS = reynolds_limit("inertia neglected").not_above
+
+
+def error_budget(results: Results) -> Figure:
+    """A map for each effect and for their sum, and lines over the position."""
+    screen = _budgets(results, "screen")
+    positions = _budgets(results, "four_factor")
+    largest = positions["hv_um"] / positions["h0_um"]
+    along = positions[largest >= largest.max() * (1 - 1e-9)]
+    figure, grid = style.subplots(2, 3, wide=True, height_in=4.3)
+    *panels, last = grid.flat
+    for letter, axes, (name, colour) in zip("abcde", panels, EFFECTS.items(), strict=True):
+        look: dict[str, Any] = {"colors": colour, "linestyles": "solid"}
+        look["levels"] = _inner_levels(screen[f"{name}_percent"])
+        title = f"({letter}) {label_of(name)} (%)"
+        _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
+    shown = _draw_effects(last, along)
+    present = screen["included_effects"].iloc[0]
+    first = "Differences of solved forces; total: middle of the interval."
+    place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
+    notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
+    included = f"Included in the forces: {present}." if present else ""
+    style.add_note(figure, *notes, included, results.beyond)
+    return figure
+
+
+def _budgets(results: Results, plan: str) -> pd.DataFrame:
+    table = results.budget(plan)
+    lengths = [name for name in form_of(table) if name.endswith("_m")]
+    return parts.in_micrometres(table).assign(
+        **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
+        total_percent=table[MODELLING_ERROR].mean(axis="columns", skipna=False),
+    )
+
+
+def _inner_levels(values: pd.Series) -> list[float]:
+    """Levels of contours with room for them between the least and the largest value."""
+    low, high = values.min(), values.max()
+    edge = EDGE * (high - low)
+    ticks = MaxNLocator(nbins=8).tick_values(low, high) if len(values.dropna()) else []
+    return [level for level in ticks if low + edge <= level <= high - edge] or [low]
+
+
+def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
+    """Draw each effect over the first coordinate, for the least of the other and the largest.
+
+    Returns what the markers mean.
+    """
+    on_disc = "phi_deg" in rows
+    place, other = ("phi_r_mm", "phi_deg") if on_disc else ("x_mm", "y_mm")
+    rows = rows.drop_duplicates([place, other]).sort_values(place)
+    off = rows[rows[place] != 0]
+    least, farthest = min(0.0, float(rows[place].min())), float(rows[place].max())
+    ends: list[tuple[float, str, str]] = []
+    hollow: dict[str, Any] = {"marker": "o", "mfc": "white", "ms": 6}
+    full: dict[str, Any] = {"marker": "s", "ms": 3}
+    for look, value in ((hollow, off[other].min()), (full, off[other].max())):
+        centre = on_disc & (rows[place] == 0)
+        along = rows[centre | (rows[other] == value)].drop_duplicates(place)
+        for name, colour in EFFECTS.items():
+            values = along[f"{name}_percent"]
+            axes.plot(along[place], values, color=colour, **look)
+            if look is full and np.isfinite(values.iloc[-1]):
+                ends.append((float(values.iloc[-1]), label_of(name), colour))
+    # From the lowest up and none over another.
+    low, high = axes.get_ylim()
+    last = -np.inf
+    for value, text, colour in sorted(ends):
+        last = max(value, last + LABEL_SHARE * (high - low))
+        parts.beside(axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6)
+    axes.set_xlim(least - 0.05 * farthest, farthest + 0.7 * (farthest - least) or 1.0)
+    axes.axhline(0, color="black", linewidth=0.5)
+    label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
+    axes.set(xlabel=label, ylabel="change of the force (%)")
+    axes.set_title(f"(f) along {'the radius' if on_disc else 'x'}")
+    axes.grid(True)
+    name, unit = (r"$\phi_\varphi$", "°") if on_disc else ("$y$", " mm")
+    least, largest = off[other].min(), off[other].max()
+    return f"circles: {name} = {least:g}{unit}, squares: {name} = {largest:g}{unit}."
+
+
+def response(results: Results) -> Figure:
+    """Two maps of gap and amplitude above lines over the frequency of modulation."""
+    table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "corner_hz")
+    table["instantaneous_percent"] = 100 * table["instantaneous_fraction"]
+    maps = parts.in_micrometres(table)
+    columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
+    lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
+    lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
+    figure, ((corner, prompt), (gain, phase)) = style.subplots(2, 2, wide=True, height_in=4.6)
+    _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
+    _draw_map(prompt, maps, "instantaneous_percent", "(b) fraction present at start (%)")
+    _draw_lines(gain, lines, "gain", "(c) gain")
+    gain.set_ylabel("relative force change over\nrelative amplitude change (–)")
+    _draw_lines(phase, lines, "phase_deg", "(d) phase")
+    phase.set_ylabel("phase of the force (°)")
+    unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.removeprefix("not supported: ")
+    notes = [f"(a, b): {parts.interpolation_note(maps)}"]
+    if len(lines):
+        notes[0] += f" (c, d): hv = {lines['hv_um'].iloc[0]:.3g} µm; negative: the force lags."
+    if len(unknown):
+        reason = unknown.iloc[0].split(" (")[0]
+        notes.append(f"Not available for {len(unknown)} of {len(maps)} films: {reason}.")
+    style.add_note(figure, *notes, results.beyond)
+    return figure
+
+
+def _draw_map(
+    axes: Axes, maps: pd.DataFrame, name: str, title: str, *, form: Any = "%.4g", **look: Any
+) -> None:
+    """Contour lines of a quantity of the films; numbers where lines would have no room."""
+    grid = parts.grid_of(maps, name)
+    axes.set(**parts.PLANE, title=title)
+    parts.show_grid(axes, grid)
+    known = maps[maps[name].notna()]
+    if known.empty:
+        parts.not_known(axes)
+        return
+    if min(known["h0_um"].nunique(), known["hv_um"].nunique()) < 2:  # no lines between films
+        axes.plot(known["h0_um"], known["hv_um"], "k.", markersize=3)
+        for h0_um, hv_um, value in known[["h0_um", "hv_um", name]].to_numpy():
+            axes.text(h0_um, hv_um, f"  {value:.3g}", fontsize=6, va="center")
+        axes.margins(0.05)
+        axes.autoscale()
+        return
+    usual: dict[str, Any] = {"colors": "black", "levels": 7, "linewidths": 0.9}
+    lines = axes.contour(*grid[:2], np.ma.masked_invalid(grid[2]), **usual | look)
+    axes.clabel(lines, fontsize=6, fmt=form)
+
+
+def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
+    """One line for each of three gaps, named in a legend beside the gain."""
+    axes.set_title(title)
+    gaps = sorted(lines["h0_um"].unique())
+    if not gaps:
+        parts.not_known(axes)
+        return
+    axes.set(xscale="log", xlabel="frequency of modulation (Hz)")
+    axes.grid(True)
+    chosen = dict.fromkeys(gaps[index] for index in (0, len(gaps) // 2, -1))
+    for gap, colour in zip(chosen, COLOURS, strict=False):
+        line = lines[lines["h0_um"] == gap].sort_values("frequency_hz")
+        axes.plot(line["frequency_hz"], line[name], color=colour, label=f"{gap:.3g} µm")
+    if name == "gain":
+        axes.legend(title="$h_0$", fontsize=6, title_fontsize=6)
+
+
+def levitation(results: Results) -> Figure:
+    """Gap and stiffness over the load, for each amplitude; hollow beyond Re 10."""
+    table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
+    gaps_um = parts.micrometres(results.scenes("screen")["h0_m"])
+    data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
+    figure, (gap, stiffness) = style.subplots(1, 2, wide=True, height_in=2.6)
+    gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
+    amplitudes = sorted(data["hv_um"].unique())
+    for amplitude, colour in zip(amplitudes, COLOURS[: len(amplitudes)], strict=True):
+        rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")
+        within = rows["modified_reynolds"] <= MOST_REYNOLDS
+        label = f"$h_v$ = {amplitude:.3g} µm"
+        for axes, name in ((gap, "h0_um"), (stiffness, "stiffness_n_per_um")):
+            axes.plot(rows["load_n"], rows[name], color=colour, label=label)
+            for fill, some in ((colour, rows[within]), ("white", rows[~within])):
+                axes.plot(some["load_n"], some[name], "o", color=colour, markerfacecolor=fill, ms=4)
+        gap.axhline(amplitude, color=colour, linestyle=":", linewidth=0.8)
+    gap.set(title="(a) gap", ylabel="gap $h_0$ (µm)")
+    stiffness.set(title="(b) stiffness", ylabel="stiffness (N/µm)")
+    for axes in (gap, stiffness):
+        axes.set(xscale="log", yscale="log", xlabel="load (N)")
+        style.plain_numbers(axes.xaxis)
+        style.plain_numbers(axes.yaxis)
+        axes.grid(True)
+    stiffness.legend(fontsize=6)
+    known = table[table["h0_m"].notna()]
+    note = f"A gap is given for {len(known)} of {len(table)} pairs of load and amplitude"
+    ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
+    if (shares := (ends / known["h0_m"]).dropna()).size:
+        note += f"; modelling error up to {percent(float(shares.max()))} of a gap"
+    marks = "Dotted: contact; grey: gaps of the study"
+    if (known["modified_reynolds"] > MOST_REYNOLDS).any():
+        marks += f"; hollow: Re above {MOST_REYNOLDS:g}"
+    style.add_note(figure, f"{note}.", f"{marks}.", results.beyond)
+    return figure

@@ -1,0 +1,207 @@
+"""Maps: error of the five-point model, force, amplitude for a force, and the profile."""
+
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator
+
+from squeezefilm.models.data import factors_of
+from squeezefilm_workflow.reporting.figures import parts, style
+from squeezefilm_workflow.reporting.notes import percent, simulations_note
+from squeezefilm_workflow.reporting.results import Results
+
+DECADE = 10.0
+"""Forces that span more than this are drawn on a logarithmic scale."""
+FEW = 100
+"""Simulations of a map, at most, that are drawn as dots."""
+MARKERS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
+"""Of positions: whether a model has an amplitude there, and whether it is validated."""
+LINES = 101
+"""Of the grid along each side on which a vibration is drawn."""
+
+
+def error_map(results: Results) -> Figure:
+    """Relative error of the model fitted to the design, over the whole space."""
+    design = parts.plane_table(results.forces("two_factor_design"), layer="design")
+    figure, axes = style.subplots(height_in=3.2)
+    filled, lines = parts.error_contours(
+        axes, results, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
+    )
+    axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
+    look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
+    parts.dots(axes, design, fill="black", markersize=6, label="design point", **look)
+    axes.set(**parts.PLANE)
+    figure.colorbar(filled, ax=axes, pad=0.02, label="relative error (%)")
+    figure.legend(loc="outside upper center", ncols=2, handletextpad=0.4)
+    simulated = results.forces("error_map")
+    notes = parts.interpolation_note(simulated), simulations_note(simulated)
+    note = parts.error_note(results, "two_factor_design", "error_map")
+    style.add_note(figure, f"Fit on the design; on {note}.", *notes, results.beyond)
+    return figure
+
+
+def forces(results: Results) -> Figure:
+    """Mean force with the pad centred over gap and amplitude; the target force is a thick line."""
+    rows = parts.plane_table(results.forces("error_map"), layer="map")
+    target_n = results.config.extrapolation.force_n
+    grid = parts.grid_of(rows, "force_n")
+    low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
+    wide = low > 0 and high > DECADE * low
+    ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
+    levels = np.asarray(ticks.tick_values(low, high))
+    levels = levels[(levels > low / 3) & (levels < 3 * high)]
+    figure, axes = style.subplots(height_in=3.2)
+    figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
+    norm = "log" if wide else None
+    drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm, extend="both")
+    axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
+    if len(rows) <= FEW:
+        parts.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
+    parts.show_grid(axes, grid)
+    axes.set(**parts.PLANE)
+    bar = figure.colorbar(drawn, ax=axes, pad=0.02, format="%g", label="mean force (N)")
+    bar.ax.minorticks_off()
+    if low < target_n < high:
+        axes.contour(*grid, levels=[target_n], colors="black", linewidths=2.0)
+        axes.plot([], [], "k", linewidth=2.0, label=f"target force, {target_n:g} N")
+        figure.legend(loc="outside upper center")
+    notes = parts.interpolation_note(rows), simulations_note(results.forces("error_map"))
+    style.add_note(figure, *notes, results.beyond)
+    return figure
+
+
+def amplitudes(results: Results) -> Figure:
+    """Amplitude for the target force at each position, by the recommended model.
+
+    A square where the model is not validated, a white cross where no amplitude gives the force.
+    """
+    table = results.table("models/recommended.csv", "space", "model", "h0_m", "force_n")
+    table = table[table["model"].notna()]
+    figure, axes = style.subplots(height_in=3.2)
+    if table.empty:
+        parts.not_known(axes)
+        return figure
+    table = table[table["space"] == table["space"].iloc[-1]]
+    at = factors_of(table.assign(hv_m=0.0))
+    rows = pd.DataFrame({"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m})
+    rows["hv_um"] = parts.micrometres(table["hv_m"])
+    known, validated = rows["hv_um"].notna(), table["error_95_percent"].notna()
+    rows["mark"] = np.select([~known, validated], ["no amplitude", "validated"], "not validated")
+    norm, cmap = Normalize(), mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
+    norm.autoscale_None(rows.loc[known, "hv_um"])
+    look: dict[str, Any] = {"norm": norm, "cmap": cmap, "plotnonfinite": True, "s": 26}
+    look |= {"edgecolors": "black", "linewidths": 0.6, "x": "x_mm", "y": "y_mm"}
+    for mark, some in rows.groupby("mark"):
+        look |= {"marker": MARKERS[str(mark)], "label": mark}
+        dots = parts.coloured_dots(axes, some, "hv_um", **look)
+    if known.any():
+        figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE["ylabel"])
+    axes.margins(0.15)
+    axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="pad's centre, $y$ (mm)")
+    axes.grid(True)
+    figure.legend(loc="outside upper center", ncols=3, handletextpad=0.2)
+    first = table.iloc[0]
+    where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
+    errors = f"Largest error of the model: {percent(float(first['worst_error']))}."
+    style.add_note(figure, f"By {first['model']} for {where}.", errors, results.beyond)
+    return figure
+
+
+def vibration(results: Results) -> Figure:
+    """Amplitude of the vibration over the surface, as a fraction of its maximum, and the pad."""
+    surface, pad = results.config.actuator.surface, results.config.read_pad()
+    x_m, y_m = np.meshgrid(*(np.linspace(-half, half, LINES) for half in surface.half_m))
+    s = np.minimum(np.abs(results.config.read_profile().amplitude(x_m=x_m, y_m=y_m)), 1.0)
+    figure, axes = style.subplots(height_in=3.2)
+    look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL}
+    filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, **look)
+    outside = surface.reach(x_m, y_m)
+    axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")
+    rim_mm = 1e3 * pad.edge_m()
+    axes.fill(*rim_mm.T, fill=False, edgecolor="black", label="pad, centred")
+    axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
+    label = "amplitude over its maximum (–)"
+    figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)
+    figure.legend(loc="outside upper center")
+    note = "Colours: interpolated linearly between computed points."
+    style.add_note(figure, f"Surface: {surface.text}.", note, results.beyond)
+    return figure
+
+
+def profile(results: Results) -> Figure:
+    """Amplitude and residual, over the distance from the centre of a disc, or as maps."""
+    data = results.table("figures/profile.csv", "layer", "noise_um")
+    figure, (amplitude, residual) = style.subplots(1, 2, wide=True, height_in=3.0)
+    residual.set_title("(b) residuals")
+    if "map" in set(data["layer"]):
+        _draw_profile(figure, amplitude, residual, data)
+    else:
+        _draw_over_radius(amplitude, residual, data)
+    noise = results.summary("profile/summary.json").get("largest_force_noise_fraction")
+    note = (
+        f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
+    )
+    style.add_note(figure, note, results.beyond)
+    return figure
+
+
+def _draw_profile(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
+    """The profile's contours with the points' amplitudes; the points' residuals."""
+    grid = parts.grid_of(style.rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
+    points, noise = style.rows(data, "points"), float(data["noise_um"].iloc[0])
+    outliers = style.rows(data, "outliers")
+    largest = float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max()))
+    levels = MaxNLocator(nbins=16, symmetric=True).tick_values(-largest, largest)
+    largest_residual = float(max(3 * noise, points["residual_um"].abs().max()))
+    amplitude.contourf(*grid, levels=levels, cmap=style.DIVERGING)
+    amplitude.contour(*grid, levels=[0.0], colors="black", linewidths=1.6)
+    amplitude.set_title("(a) measured (dots) and smoothed")
+    for axes, column, label, limit in (
+        (amplitude, "amplitude_um", "amplitude (µm)", float(levels[-1])),
+        (residual, "residual_um", "residual (µm)", largest_residual),
+    ):
+        look: dict[str, Any] = {"cmap": style.DIVERGING, "vmin": -limit, "vmax": limit, "s": 9}
+        look |= {"edgecolor": "0.3", "linewidths": 0.3, "clip_on": False}
+        drawn = parts.coloured_dots(axes, points, column, x="x_mm", y="y_mm", **look)
+        if len(outliers):
+            count = f"outliers ({len(outliers)})"
+            x, y = outliers["x_mm"], outliers["y_mm"]
+            axes.plot(x, y, "x", color=style.VERMILLION, label=count)
+            axes.legend(loc="upper right")
+        parts.show_grid(axes, grid)
+        axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
+        figure.colorbar(drawn, ax=axes, orientation="horizontal", shrink=0.9, label=label)
+
+
+def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
+    """Amplitude and residual over the distance from the centre."""
+    profile, noise = style.rows(data, "profile"), float(data["noise_um"].iloc[0])
+    for axes, column in ((amplitude, "amplitude_um"), (residual, "residual_um")):
+        for layer, colour in (("points", style.BLUE), ("outliers", style.VERMILLION)):
+            points = style.rows(data, layer)
+            if len(points):
+                x, y, label = points["r_mm"], points[column], f"{layer} ({len(points)})"
+                axes.plot(x, y, ".", color=colour, markersize=2.5, label=label)
+        axes.axhline(0, color="black", linewidth=0.6)
+        axes.set_xlabel("distance from the centre $r$ (mm)")
+        axes.set_xlim(0, 1.02 * float(profile["r_mm"].max()))
+    r_mm, lowest, highest = (profile[name] for name in ("r_mm", "profile_min_um", "profile_max_um"))
+    names = ("range ± 2 standard errors", "profile, least and largest")
+    if lowest.equals(highest):
+        names = ("± 2 standard errors", "profile")
+    band = (lowest - 2 * profile["error_um"], highest + 2 * profile["error_um"])
+    look: dict[str, Any] = {"color": style.ORANGE, "alpha": 0.4, "linewidth": 0}
+    amplitude.fill_between(r_mm, *band, label=names[0], **look)
+    amplitude.plot(r_mm, highest, color="black", label=names[1])
+    amplitude.plot(r_mm, lowest, color="black")
+    amplitude.set(title="(a) measured and smoothed", ylabel="amplitude (µm)")
+    amplitude.legend(loc="upper right")
+    residual.axhspan(-2 * noise, 2 * noise, color="0.9", zorder=0, label="± 2 σ of the noise")
+    reach = max(3.5 * noise, 1.3 * float(data["residual_um"].abs().max()))
+    residual.set(ylim=(-reach, 1.25 * reach), ylabel="residual (µm)")
+    residual.legend(loc="upper right")

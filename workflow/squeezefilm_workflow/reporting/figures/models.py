@@ -1,0 +1,224 @@
+"""Fitted models, D-optimal designs, models compared and refined."""
+
+from math import ceil
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm, SymLogNorm
+from matplotlib.figure import Figure
+
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.tables import ROUND_COLUMNS, WHERE_COLUMNS
+from squeezefilm_workflow.reporting.figures import parts, style
+from squeezefilm_workflow.reporting.notes import VERDICTS, percent, simulations_note
+from squeezefilm_workflow.reporting.results import Results
+
+LAYERS: dict[str, dict[str, Any]] = {
+    "simulation": {"color": style.VERMILLION, "label": "simulation"},
+    "control": {"color": "white", "label": "control point"},
+    "design": {"color": "black", "label": "design point", "s": 26},
+}
+"""Looks of simulations beside a model's mesh."""
+ACROSS = 4
+DECADES = 5
+LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
+LARGEST_DOT = 140
+"""Area in points² of a design point with all the weight."""
+PLANES = {
+    "gap": (("h0_um", "hv_um"), parts.PLANE),
+    "position": (("x_mm", "y_mm"), {"xlabel": "pad x (mm)", "ylabel": "pad y (mm)"}),
+}
+"""Layers of a design's sensitivity; their columns and labels."""
+LINEAR = 0.02
+"""Share of the largest error, at least, up to which a map's colours are linear."""
+
+
+def fitted_model(results: Results) -> tuple[Figure, pd.DataFrame]:
+    """The model fitted to the screen (mesh) and the simulations (dots)."""
+    fit = results.fit("screen")
+    note = f"Fit on {fit.points} points: global error {percent(fit.global_error)}."
+    return model_and_points(results, fit, note, simulation="screen")
+
+
+def design(results: Results) -> tuple[Figure, pd.DataFrame]:
+    """The design (black, with the letters of its patterns, + if added) on the screen (white)."""
+    screen = results.scenes("screen")
+    optimal = results.design("two_factor")
+    labels = optimal["origin"].str.replace(" and ", ", ").replace("augmentation", "+")
+    points = parts.plane_table(optimal, layer="design").assign(label=labels)
+    data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
+    figure, axes = style.subplots()
+    label = f"screen, {len(screen)} points"
+    white = style.rows(data, "screen")
+    parts.dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
+    label = f"optimal design, {len(optimal)} points"
+    parts.dots(axes, points, fill="black", markersize=6, label=label)
+    parts.set_up_plane(axes, screen)
+    parts.label_points(axes, points, labels=points["label"])
+    figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
+    note = "Letters: a point's locally optimal patterns; +: added by augmentation."
+    style.add_note(figure, note, results.beyond)
+    return figure, data
+
+
+def model_and_points(
+    results: Results, fit: FittedModel, note: str, **plans: str
+) -> tuple[Figure, pd.DataFrame]:
+    """A fit as a mesh, and the simulations of plans as dots, each a layer with its look."""
+    tables = [parts.model_mesh(fit, results.scenes("screen"))]
+    forces = [results.forces(plan) for plan in plans.values()]
+    figure = style.new_figure(height_in=3.1)
+    notes = (note, simulations_note(*forces), results.beyond)
+    axes = parts.add_space(figure, bottom=style.add_note(figure, *notes))
+    parts.force_mesh(axes, tables[0])
+    for layer, simulated in zip(plans, forces, strict=True):
+        tables.append(parts.plane_table(simulated, layer=layer))
+        parts.force_points(axes, tables[-1], **LAYERS[layer])
+    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
+    return figure, pd.concat(tables, ignore_index=True)
+
+
+def _without_anything(text: str) -> Figure:
+    """A figure of words alone."""
+    figure = style.new_figure(wide=True, height_in=1.0)
+    figure.text(0.5, 0.6, text, ha="center")
+    return figure
+
+
+def model_errors(results: Results, space: str) -> Figure:
+    """A panel for each model: errors on the validation sample, larger ones over smaller ones."""
+    table = results.table(f"models/{space}.csv", "model", "parameters", "validation_error")
+    judged = table.dropna(subset="validation_error").sort_values("validation_error", kind="stable")
+    if judged.empty:
+        return _without_anything("no model has an error on these points")
+    data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
+    data = parts.in_micrometres(data).assign(size=100 * data["relative_error"].abs())
+    across = min(ACROSS, len(judged))
+    down = ceil(len(judged) / across)
+    figure = style.new_figure(wide=True, height_in=0.5 + 1.85 * down)
+    panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
+    top = max(float(data["size"].max()), 1e-10)
+    norm = LogNorm(top * 10.0**-DECADES, top, clip=True)
+    for axes in panels[len(judged) :]:
+        axes.set_visible(False)
+    for number, (axes, model) in enumerate(zip(panels, judged.to_dict("records"), strict=False)):
+        rows = data[data["model"] == model["model"]].sort_values("size", kind="stable")
+        dots = parts.coloured_dots(axes, rows, "size", s=5, norm=norm, cmap=style.SEQUENTIAL)
+        share = percent(model["validation_error"])
+        axes.set_title(f"{model['model']} ({model['parameters']:.0f})\n{share}", fontsize=7)
+        lowest_of_column = number >= len(judged) - across
+        axes.set(**parts.PLANE)
+        axes.yaxis.label.set_visible(number % across == 0)
+        axes.xaxis.label.set_visible(lowest_of_column)
+        axes.tick_params(labelsize=6, labelbottom=lowest_of_column)
+    label = "|relative error| (%)"
+    figure.colorbar(dots, ax=list(panels), pad=0.02, extend="min", label=label)
+    note = "One dot a simulation; above each panel: number of parameters, global error."
+    style.add_note(figure, note, results.beyond)
+    return figure
+
+
+def sensitivity(results: Results, space: str) -> Figure:
+    """d(x)/p over gap and amplitude, and over the pad's position where it moves."""
+    data = results.table(f"designs/optimal_{space}_sensitivity.csv", "layer", "sensitivity")
+    moved = bool((data["layer"] == "position").any())
+    figure, (panels,) = style.subplots(1, 1 + moved, wide=moved, height_in=3.2, squeeze=False)
+    for axes, (layer, (names, labels)) in zip(panels, PLANES.items(), strict=False):
+        colours = _draw_sensitivity(axes, data, layer, names)
+        axes.set(**labels)
+    figure.colorbar(colours, ax=list(panels), pad=0.02, label="sensitivity d/p (–)")
+    notes = "Circles: design points, their area the weight.", "Colours: interpolated linearly."
+    style.add_note(figure, *notes, results.beyond)
+    return figure
+
+
+def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[str, str]) -> Any:
+    rows, points = style.rows(data, layer), style.rows(data, "design")
+    x, y, level = (rows[name].to_numpy(dtype=float) for name in (*names, "sensitivity"))
+    shading: dict[str, Any] = {"cmap": style.SEQUENTIAL, "vmin": 0.0, "vmax": 1.0}
+    colours = axes.tripcolor(x, y, level, shading="gouraud", rasterized=True, **shading)
+    reached = [each for each in LEVELS if level.min() < each < level.max()]
+    if reached:
+        axes.tricontour(x, y, level, levels=reached, colors="white", linewidths=0.5)
+    *place, weight = (points[name].to_numpy(dtype=float) for name in (*names, "weight"))
+    look: dict[str, Any] = {"edgecolor": style.VERMILLION, "linewidths": 1.4, "clip_on": False}
+    axes.scatter(place[0], place[1], LARGEST_DOT * weight, facecolor="none", zorder=3, **look)
+    return colours
+
+
+def refined(results: Results, space: str) -> Figure:
+    """A row for each refined model: errors against simulations, maps of gap and of position."""
+    table = results.table(f"refine/{space}.csv", "model", "verdict", "simulations")
+    table = table[table["verdict"] != "not supported"]
+    if table.empty:
+        return _without_anything("no model of this space was refined")
+    simulated = {
+        model: _places(results.table(f"refine/{space}/{model}/forces.csv", "h0_m", "hv_m"))
+        for model in table["model"]
+    }
+    moved = any(bool(places["x_mm"].abs().max() > 0) for places in simulated.values())
+    figure = style.new_figure(wide=True, height_in=0.5 + 2.1 * len(table))
+    panels = figure.subplots(len(table), 2 + moved, squeeze=False)
+    for row, (_, model) in zip(panels, table.iterrows(), strict=True):
+        folder = f"refine/{space}/{model['model']}"
+        verdict = results.summary(f"{folder}/verdict.json")
+        rounds = results.table(f"{folder}/rounds.csv", *ROUND_COLUMNS)
+        _draw_rounds(row[0], rounds, required=verdict["required"], truth=model)
+        row[0].set_title(f"{model['model']}: {VERDICTS[model['verdict']]}")
+        sample = style.rows(results.table(f"{folder}/where.csv", *WHERE_COLUMNS), "sample")
+        error_percent = 100 * sample["error_n"].astype(float) / verdict["mean_force_n"]
+        places = _places(sample).assign(error_percent=error_percent)
+        points = simulated[model["model"]]
+        for axes, (names, labels) in zip(row[1:], PLANES.values(), strict=False):
+            dots = _draw_errors(axes, places, points, *names)
+            axes.set(**labels)
+        bar = figure.colorbar(dots, ax=row[-1], pad=0.02, label="error (%)")
+        bar.ax.tick_params(labelsize=6)
+    panels[0][0].legend(loc="best")
+    note = "Dashed: target; stars: errors on unused simulations; bars: 95 % limits."
+    style.add_note(figure, note, results.beyond)
+    return figure
+
+
+def _places(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with the four factors in the figures' units."""
+    at = factors_of(table)
+    return parts.in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
+
+
+def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, required: Any, truth: pd.Series) -> None:
+    """Estimates with their limits, the required errors dashed, the truth as stars."""
+    rounds = rounds.assign(**{name: 100 * rounds[name] for name in ROUND_COLUMNS if "_" in name})
+    for name, colour, label in (
+        ("worst_error", style.VERMILLION, "worst"),
+        ("global_error", style.BLUE, "global"),
+    ):
+        known = rounds[np.isfinite(rounds[name])]
+        axes.plot(known["simulations"], known[name], "o-", color=colour, markersize=3, label=label)
+        axes.axhline(100 * required[name], color=colour, linestyle="--", linewidth=0.6)
+        star = 100 * truth[f"held_out_{name}"]
+        axes.plot(truth["simulations"], star, "*", color=colour, markersize=8, mec="black")
+    limits = rounds[["global_lower", "global_upper"]].sub(rounds["global_error"], axis=0).abs()
+    bars = {"fmt": "none", "color": style.BLUE, "linewidth": 0.8, "capsize": 2}
+    axes.errorbar(rounds["simulations"], rounds["global_error"], yerr=limits.T, **bars)
+    axes.set_yscale("log")
+    axes.set_xlim(rounds["simulations"].min() - 1, rounds["simulations"].max() + 1)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set(xlabel="simulations (–)", ylabel="error (%)")
+    axes.grid(axis="y")
+
+
+def _draw_errors(axes: Axes, sample: pd.DataFrame, simulated: pd.DataFrame, x: str, y: str) -> Any:
+    """The error at a fair sample of the space, the largest on top; simulated points circled."""
+    sample = sample.sort_values("error_percent", key=np.abs)
+    top = max(float(sample["error_percent"].abs().max()), 1e-12)
+    # Linear up to a power of ten, so that the ticks keep apart.
+    norm = SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR * top)), vmin=-top, vmax=top)
+    look: dict[str, Any] = {"norm": norm, "cmap": style.DIVERGING, "s": 6}
+    dots = parts.coloured_dots(axes, sample, "error_percent", x=x, y=y, **look)
+    axes.plot(simulated[x], simulated[y], "o", mfc="none", mec="black", mew=0.6, markersize=4)
+    axes.tick_params(labelsize=6)
+    return dots

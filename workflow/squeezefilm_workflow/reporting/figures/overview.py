@@ -1,0 +1,132 @@
+"""The whole study at a glance: a film, the model, its design, its error."""
+
+from typing import Any
+
+import matplotlib as mpl
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from squeezefilm_workflow.reporting.figures import parts, style
+from squeezefilm_workflow.reporting.notes import percent, rounded_up
+from squeezefilm_workflow.reporting.results import Results
+
+FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "pad_um", "gauge_pressure_kpa")
+# Left edge and width of each step's axes, as shares of the figure's width.
+PLACES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
+TOP = 0.82
+Rectangle = tuple[float, float, float, float]
+"""Left, bottom, width and height, as shares of the figure's."""
+LABEL_SIZE, TICK_SIZE = 6.5, 6
+DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
+PLANE = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
+
+
+def overview(results: Results) -> Figure:
+    """Simulate, fit, design, validate: a step each, with what came of it above."""
+    film = results.table("simulations/extrapolation/film.csv", "point_id", *FILM_COLUMNS)
+    film = film[film["point_id"] == film["point_id"].iloc[0]]
+    screen, design = results.forces("screen"), results.forces("two_factor_design")
+    fit = results.fit("screen")
+    simulated = results.forces("extrapolation").set_index("point_id").loc[film["point_id"].iloc[0]]
+    errors = results.validation("two_factor_design", "error_map")
+    force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
+    captions = {
+        "Simulate": f"{force_n:.3f} N, numerical error {rounded_up(error_n / force_n)} of it",
+        "Fit": f"{len(screen)} simulations, error {percent(fit.global_error)}",
+        "Design": f"{len(design)} points instead of {len(screen)}",
+        "Validate": f"{errors['points']:.0f} simulations, largest error "
+        f"{percent(abs(errors['worst_relative_error']))}",
+    }
+    figure = style.new_figure(wide=True, height_in=2.8)
+    figure.set_layout_engine("none")
+    notes = (
+        f"1: pressure and gap at h0 = {1e6 * simulated['h0_m']:g} µm, hv = "
+        f"{1e6 * simulated['hv_m']:g} µm; red: surface up, blue: down, black: mean pressure. "
+        "2: model (mesh) fitted to the screen (dots).",
+        "3: screen (white), D-optimal points (black). 4: error of the model fitted to the black "
+        f"points, interpolated linearly; thick line, if any: ±{100 * errors['band']:g} %.",
+    )
+    bottom = style.add_note(figure, *notes, results.beyond) + 0.135
+    for order, ((left, width), step) in enumerate(zip(PLACES, captions, strict=True), start=1):
+        middle = left + width / 2
+        figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
+        figure.text(middle, 0.87, captions[step], ha="center", fontsize=LABEL_SIZE, color="0.25")
+    first, second, third, fourth = ((left, bottom, width, TOP - bottom) for left, width in PLACES)
+    points, few = (parts.plane_table(table, layer="") for table in (screen, design))
+    _film(figure, film, first)
+    _model(figure, parts.model_mesh(fit, screen), points, second)
+    axes = figure.add_axes(third)
+    parts.dots(axes, points, fill="white", **DOTS | {"markeredgecolor": "0.55", "markersize": 2.6})
+    parts.dots(axes, few, fill="black", **DOTS, markersize=6)
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+    _label(axes, *PLANE)
+    axes = figure.add_axes(fourth)
+    filled, _ = parts.error_contours(axes, results, bins=12, colors="0.3", linewidths=0.3)
+    parts.dots(axes, few, fill="black", **DOTS, markersize=4.5)
+    _label(axes, *PLANE)
+    box = axes.get_position()
+    bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
+    bar.ax.tick_params(labelsize=TICK_SIZE, direction="out", pad=1, length=2)
+    bar.set_label("error (%)", fontsize=LABEL_SIZE, labelpad=0)
+    return figure
+
+
+def _curves(axes: Axes, film: pd.DataFrame, column: str) -> None:
+    """One line for each time of the period, red while the surface is up."""
+    highest = film["surface_um"].abs().max()
+    for _, row in film.groupby("phase_deg"):
+        height = max(row["surface_um"], key=abs)
+        colour = mpl.colormaps["coolwarm"](0.5 + 0.5 * height / highest)
+        axes.plot(row["x_mm"], row[column], color=colour, linewidth=0.5)
+    axes.set_xlim(film["x_mm"].min(), film["x_mm"].max())
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
+
+
+def _label(axes: Axes, x: str, y: str) -> None:
+    axes.set_xlabel(x, fontsize=LABEL_SIZE)
+    axes.set_ylabel(y, fontsize=LABEL_SIZE, labelpad=1)
+    axes.tick_params(labelsize=TICK_SIZE)
+
+
+def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
+    """Above, the pressure at times of the period and its mean, if it is known; below, the gap."""
+    left, bottom, width, height = rectangle
+    if film["gauge_pressure_kpa"].notna().all():
+        height = (height - 0.04) / 2
+        above = figure.add_axes((left, bottom + height + 0.04, width, height))
+        _curves(above, film, "gauge_pressure_kpa")
+        mean = film.groupby("x_mm", as_index=False)["gauge_pressure_kpa"].mean()
+        above.plot(mean["x_mm"], mean["gauge_pressure_kpa"], color="black", linewidth=1.6)
+        above.axhline(0, color="0.5", linewidth=0.4)
+        above.tick_params(labelbottom=False)
+        _label(above, "", "p − p₀ (kPa)")
+    below = figure.add_axes((left, bottom, width, height))
+    _curves(below, film, "surface_um")
+    pad = film.groupby("x_mm")["pad_um"].mean()
+    lowest = film.groupby("x_mm")["surface_um"].min()
+    top = 1.35 * pad.max()
+    below.fill_between(pad.index, lowest, pad, color="#e3eff7", linewidth=0)
+    below.fill_between(pad.index, pad, top, color="#e8c4ac", linewidth=0)
+    below.plot(pad.index, pad, color="#9c5b36")
+    look: dict[str, Any] = {"ha": "center", "va": "center", "size": TICK_SIZE}
+    below.text(0, (pad.max() + top) / 2, "pad", **look)
+    below.text(0, pad.min() * 0.73, "gas film", **look)
+    below.set_ylim(-1.3 * film["surface_um"].abs().max(), top)
+    _label(below, "position under the pad (mm)", "height (µm)")
+
+
+def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, place: Rectangle) -> None:
+    """The model's mesh and the simulations, without room for the name of the force's axis."""
+    labels = (r"$h_0$ (µm)", r"$h_v$ (µm)", "")
+    axes = parts.add_space(figure, labels=labels, pads=(-9, -4), ticks=3)
+    left, bottom, width, height = place
+    axes.set_position((left, bottom - 0.12, width, height + 0.14))
+    axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
+    axes.tick_params(labelsize=TICK_SIZE)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.label.set_fontsize(LABEL_SIZE)
+    figure.text(left - 0.005, bottom + 0.76 * height - 0.0136, "force (N)", fontsize=LABEL_SIZE)
+    parts.force_mesh(axes, model)
+    parts.force_points(axes, points, color=style.VERMILLION, s=5)

@@ -1,0 +1,274 @@
+"""The candidates for the force model side by side, the one that is recommended, those refined.
+
+One half of a space's validation sample ranks the models, the other calibrated their prediction
+intervals (``squeezefilm fit``). Points that have no force are excluded from the errors and counted.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from squeezefilm.designs.optimal import sensitivity
+from squeezefilm.errors import InputError
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read_fit
+from squeezefilm.models.fitting import local_fit, parameter_ranges
+from squeezefilm.models.force_model import SPACES, check_columns
+from squeezefilm.models.prediction_interval import (
+    QUANTITIES,
+    error_sizes,
+    ranking_half,
+    relative_errors,
+)
+from squeezefilm.solution import as_in, form_of
+from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
+from squeezefilm_workflow.reporting.notes import VERDICTS
+from squeezefilm_workflow.reporting.pages import Page, readable
+from squeezefilm_workflow.reporting.results import Results
+
+COLUMNS = (
+    *("model", "parameters", "fit_points", "fit_error", "cv_error", "validation_points"),
+    *("validation_failed", "validation_error", "validation_worst_relative", "validation_worst_n"),
+    *("error_95_percent", "coverage", "coverage_min", "coverage_min_region", "expression"),
+    *("about", "note"),
+)
+COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
+RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in SPACES))
+"""The plans that the recommended model is judged by; the first has the positions."""
+RECOMMENDED = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
+"""Columns of a table with one empty row: no model can be judged."""
+
+
+def models_page(results: Results, *, space: str) -> Page:
+    """The page of a space's candidates (see ``compare``), the best on the sample first."""
+    table, errors = compare(results, space)
+    judged = table[table["validation_error"].notna()].sort_values("validation_error", kind="stable")
+    fits = [read_fit(results.candidate(space, model)) for model in judged["model"]]
+    values = {
+        "space": space,
+        "shown": readable(judged.drop(columns=["expression", "about", "note"])),
+        "statement": next((fit.statement for fit in fits), ""),
+        "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
+        "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),
+        "parameters": readable(_parameters(results, space, fits)),
+        "results": results.folder,
+        "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
+    }
+    return Page(values, {"table": table, "errors": errors})
+
+
+def _parameters(results: Results, space: str, fits: Sequence[FittedModel]) -> pd.DataFrame:
+    """Return the parameters of fits with their intervals; missing where an end is open."""
+    plan = results.folder / f"simulations/{'screen' if space == 'two_factor' else space}"
+    forces, rows = read_ok_forces(plan / "forces.csv"), []
+    factors, force_n = factors_of(forces, limits=plan / "limits.csv"), forces["force_n"].to_numpy()
+    for fit in fits:
+        if 0 < len(fit.theta) < len(factors):
+            theta = local_fit(fit.force_model, factors, force_n, fit.theta)
+            found = parameter_ranges(fit.force_model, factors, force_n, theta)
+            rows += [{"model": fit.model} | each.to_dict() for each in found]
+    table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
+    table["unit"] = table["unit"].str.replace("**", "^")
+    return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
+
+
+def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The candidates of a space, columns COLUMNS, and their errors at each ranking point.
+
+    A model that cannot be validated keeps its row, with the reason in ``note``.
+
+    Raises InputError for a file that is missing or lacks what it must have.
+    """
+    sample, factors = results.sample(space)
+    half = ranking_half(len(sample))
+    known = half & (sample["status"] == "ok").to_numpy()
+    factors, forces = factors.take(known), sample[known].reset_index(drop=True)
+    scenes, no_force = forces[as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
+    rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
+    for name in results.config.comparison.of(space):
+        path = results.candidate(space, name)
+        values = read_json(path)
+        try:
+            row, relative = _judged(fit_of(values, place=path), factors, forces)
+        except InputError as error:
+            rows.append({"model": name, "note": str(values.get("not_supported", error))})
+            continue
+        rows.append(row | {"validation_failed": no_force})
+        errors.append(scenes.assign(model=name, relative_error=relative))
+    table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(COUNTS, "Int64"))
+    return table, pd.concat(errors[1:] or errors, ignore_index=True)
+
+
+def _judged(
+    fit: FittedModel, factors: Factors, forces: pd.DataFrame
+) -> tuple[dict[str, Any], np.ndarray]:
+    """A model's row, and its relative error at each point.
+
+    Raises InputError where it cannot be validated.
+    """
+    model = fit.force_model
+    if fit.interval is None:
+        raise InputError("not validated: fit it with a validation sample")
+    check_columns(model, factors)
+    predicted = model.evaluate(fit.theta, factors)
+    if undefined := int(np.sum(~np.isfinite(predicted))):
+        raise InputError(f"undefined at {undefined} points of the validation sample")
+    sizes = error_sizes(model_n=predicted, simulation_n=forces["force_n"])
+    least = min(fit.interval.coverage, key=lambda region: region["coverage"])
+    cross = fit.cross_validation
+    row = {
+        "model": fit.model,
+        "parameters": len(fit.theta),
+        "fit_points": fit.points,
+        "fit_error": fit.global_error,
+        "cv_error": np.nan if cross is None else cross["global_error"],
+        "validation_points": len(forces),
+        "validation_error": sizes["global_error"],
+        "validation_worst_relative": sizes["largest_relative"],
+        "validation_worst_n": sizes["largest_n"],
+        "error_95_percent": 100 * np.median(fit.interval.error_n(predicted) / np.abs(predicted)),
+        "coverage": fit.interval.mean_coverage,
+        "coverage_min": least["coverage"],
+        "coverage_min_region": f"{least['third']} third of the {QUANTITIES[least['quantity']]}",
+        "expression": model.expression,
+        "about": model.about or getattr(fit, "about", ""),
+        "note": "",
+    }
+    return row, relative_errors(model_n=predicted, simulation_n=forces["force_n"])
+
+
+def recommend(results: Results) -> pd.DataFrame:
+    """The best model of each space, and the amplitude that it needs at each position.
+
+    Recommended is the model with the least global error on the half of the validation sample that
+    ranks, that with fewer parameters where two are the same. ``worst_error`` is the largest
+    relative error at any simulation of RECOMMENDED_BY, fitted or not. The amplitude gives the
+    study's target force at its gap (section ``extrapolation``). One empty row where no model can be
+    validated.
+    """
+    forces = {
+        plan: read_forces(results.folder / f"simulations/{plan}/forces.csv").query("status == 'ok'")
+        for plan in RECOMMENDED_BY
+    }
+    rows = [row for space in SPACES for row in _recommended(results, space, forces)]
+    return pd.DataFrame(rows or [dict.fromkeys(RECOMMENDED)])
+
+
+def _recommended(
+    results: Results, space: str, forces: dict[str, pd.DataFrame]
+) -> Iterator[dict[str, Any]]:
+    """A space's model at its positions; nothing where none can be validated."""
+    names = ("model", "parameters", "validation_points", "validation_error")
+    table = results.table(f"models/{space}.csv", *names)
+    judged = table[table["validation_error"].notna()]
+    if judged.empty:
+        return
+    best = judged.sort_values(["validation_error", "parameters"], kind="stable").iloc[0]
+    fit = read_fit(results.candidate(space, best["model"]))
+    every = pd.concat(list(forces.values()), ignore_index=True)
+    known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
+    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(known)))
+    errors = ((model_n - known["force_n"]) / known["force_n"]).to_numpy()
+    about = {
+        "space": space,
+        **{name: best[name] for name in names},
+        "simulations": len(known),
+        "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
+    }
+    target = results.config.extrapolation
+    positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
+    if space == "two_factor":  # the centre alone: models know no other
+        positions = pd.DataFrame([dict.fromkeys(form_of(every), 0.0)])
+    for row in positions.sort_values(list(positions.columns)).to_dict("records"):
+        place = {str(name): float(value) for name, value in row.items()}
+        at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **place)
+        found = amplitude_for(fit, at, force_n=target.force_n)
+        yield {**about, "h0_m": target.h0_m, **place, **found}
+
+
+def refine_page(results: Results, *, space: str) -> Page:
+    """A row for each model that was refined, and what its refinement ended with.
+
+    The held-out points are the space's validation sample.
+
+    Raises InputError for a file that is missing or lacks what it must have.
+    """
+    sample, factors = results.sample(space)
+    known = (sample["status"] == "ok").to_numpy()
+    force_n, factors = sample["force_n"].to_numpy()[known], factors.take(known)
+    rows, reasons, profile_uncertainty = [], {}, 0.0
+    for name in results.config.refine.of(space):
+        folder = f"refine/{space}/{name}"
+        verdict = results.summary(f"{folder}/verdict.json")
+        if "not_supported" in verdict:
+            unknown = {"parameters": None, "verdict": "not supported", "simulations": None}
+            rows.append({"model": verdict["model"], **unknown})
+            reasons[verdict["model"]] = ("not supported", f"{verdict['not_supported']}.")
+            continue
+        fit = read_fit(results.folder / folder / "fit.json")
+        profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
+        rows.append(_refined(results.folder / folder, verdict, fit, factors, force_n))
+        reasons[verdict["model"]] = (
+            VERDICTS[verdict["verdict"]],
+            f"{verdict['reason']}. {verdict['error_by_region_text']} "
+            f"(by {verdict['errors_mapped_by']}).",
+        )
+    table = pd.DataFrame(rows)
+    refined = table[table["verdict"] != "not supported"]
+    values = {
+        "points": len(force_n),
+        "reasons": reasons,
+        "profile_uncertainty": profile_uncertainty,
+        "shown": readable(refined.assign(verdict=refined["verdict"].map(VERDICTS))),
+    }
+    return Page(values, {"table": table})
+
+
+def _refined(
+    folder: Path,
+    verdict: Mapping[str, Any],
+    fit: FittedModel,
+    factors: Factors,
+    force_n: np.ndarray,
+) -> dict[str, Any]:
+    """Return the estimates of a refinement and the errors at held-out points."""
+    model, estimated = fit.force_model, verdict["estimated"]
+    check_columns(model, factors)
+    error = model.evaluate(fit.theta, factors) - force_n
+    best = model.evaluate(np.array(verdict["theta_of_all_points"]), factors) - force_n
+    size_n = np.linalg.norm(force_n)
+    share = np.nan  # no interval: the design does not settle the parameters
+    if (lack_of_fit_n := verdict["lack_of_fit_n"]) is not None:
+        quantile = float(scipy.special.stdtrit(verdict["verification_points"], 0.975))
+        allowed_n = quantile * lack_of_fit_n * np.sqrt(1 + _spread(folder, fit, factors))
+        share = float(np.mean(np.abs(error) <= allowed_n))
+    return {
+        "model": model.name,
+        "parameters": len(fit.theta),
+        "verdict": verdict["verdict"],
+        "simulations": verdict["simulations"],
+        "estimated_global_error": estimated["global_error"],
+        "estimated_global_upper": estimated["global_upper"],
+        "held_out_global_error": float(np.linalg.norm(error) / size_n),
+        "held_out_global_error_all_points": float(np.linalg.norm(best) / size_n),
+        "estimated_worst_error": estimated["worst_error"],
+        "held_out_worst_error": float(np.abs(error).max() / np.sqrt(np.mean(force_n**2))),
+        "held_out_points": len(force_n),
+        "fraction_in_interval": share,
+    }
+
+
+def _spread(folder: Path, fit: FittedModel, held_out: Factors) -> Any:
+    """Variance of a refined model's force at held-out points over that of its lack of fit."""
+    if not fit.theta:
+        return 0.0
+    own = read_ok_forces(folder / "forces.csv")
+    at = factors_of(own, limits=folder / "limits.csv")
+    design = at.take(own["point_id"].str.startswith("design").to_numpy())
+    slopes = (fit.force_model.gradient(fit.theta, points) for points in (design, held_out))
+    # The sensitivity is f' (F'F/n)^-1 f / p.
+    return sensitivity(*slopes) * len(fit.theta) / len(design)

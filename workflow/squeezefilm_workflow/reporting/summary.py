@@ -1,0 +1,207 @@
+"""Results of a study, as values: for its page (summary.md) and its report's first page."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.pad import net
+from squeezefilm.film.scene import Gas
+from squeezefilm.formatting import label_of
+from squeezefilm.models.prediction_interval import FACTOR_WORDS
+from squeezefilm.provenance import provenance
+from squeezefilm.solution import POLAR, form_of
+from squeezefilm.units import error_text, to_its_error
+from squeezefilm_workflow.reporting.notes import (
+    CLAIM,
+    largest_error,
+    percent,
+    rounded_up,
+    signed,
+    verdicts,
+)
+from squeezefilm_workflow.reporting.pages import Page, body_of, render
+from squeezefilm_workflow.reporting.results import MODELLING_ERROR, Results
+
+EFFECTS = (
+    *("inertia", "slip", "thermal", "edge_loss"),
+    *("modelling_error_lower", "modelling_error_upper"),
+)
+NOTHING = 1e-3
+"""Share of a range's largest value below which its least is as good as 0."""
+
+
+def summary_page(results: Results, *, pictures: Mapping[str, str], **about: Sequence[str]) -> Page:
+    """The study on one page, the first page of its report, and what made them.
+
+    Args:
+        pictures: the figures with which both open, by what they show.
+    """
+    values = summary_values(results, **about) | {"pictures": pictures}
+    guide = "paper_guide.rst" if results.config.paper else "study_guide.rst"
+    body = body_of(render("in_short.md", **values), folder=results.folder)
+    front = render("front.rst", study=results.config.study, body=body, guide=guide)
+    device = results.summary("simulations/device.json")
+    facts = provenance(results.config.sections(), device=device)
+    return Page(values, {"front": front, "provenance": facts})
+
+
+def summary_values(
+    results: Results, *, plans: Sequence[str], fits: Sequence[str], pairs: Sequence[str]
+) -> dict[str, Any]:
+    """Return the values of the template ``summary.md`` and its ``in_short.md``.
+
+    Args:
+        pairs: validations, each ``FIT_on_PLAN``.
+
+    Raises InputError for a result that is missing or lacks what it must have.
+    """
+    config = results.config
+    tables = {plan: results.forces(plan) for plan in plans}
+    sections = config.sections("gas", "actuator", "pad", "solver")
+    settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting)
+    on_disc = form_of(next(iter(tables.values()))) == POLAR
+    return {
+        **headline_values(results),
+        "frequency_khz": f"{config.actuator.frequency_hz / 1e3:g}",
+        "terms": list(_terms(config.gas, tables)),
+        "position": "radius φr and angle φφ" if on_disc else "x and y from the surface's centre",
+        "total": sum(len(table) for table in tables.values()),
+        "plans": pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]),
+        "settings": settings.rename_axis("setting").reset_index(name="value"),
+        "tolerance": f"{config.solver.tolerance:g}",
+        "largest_error": max(map(largest_error, tables.values())),
+        "methods": sorted({method for table in tables.values() for method in table["method"]}),
+        "device": results.summary("simulations/device.json").get("device", "unknown"),
+        "profile_uncertainty": max(results.fit(fit).profile_uncertainty for fit in fits),
+        "errors": pd.DataFrame([_errors(results, pair) for pair in pairs]),
+        "effects": _effects(results),
+    }
+
+
+def headline_values(results: Results) -> dict[str, Any]:
+    """Return the values of the template ``in_short.md``.
+
+    Raises InputError for a result that is missing or lacks what it must have.
+    """
+    config, noise, recommended = results.config, 0.0, None
+    film, mapped = config.read_film(), results.forces("error_map").sort_values("force_n")
+    file = "simulations/extrapolation/forces.csv"
+    forces = results.forces("extrapolation").set_index("point_id")
+    point = results.row(forces, "operating_point", file)
+    if results.exists("profile/summary.json"):
+        noise = results.summary("profile/summary.json").get("largest_force_noise_fraction", 0.0)
+    if not config.paper:
+        columns = ("space", "model", "validation_error", "force_n")
+        recommended = results.table("models/recommended.csv", *columns).dropna(subset="model")
+    return {
+        "study": config.study,
+        "point": point,
+        "force": "{} N ± {} N".format(*to_its_error(point["force_n"], point["force_error_n"])),
+        "noise": noise,
+        "under": np.abs(film.pad_profile.amplitude(*net(film.pad), x_m=0.0, y_m=0.0)),
+        "extremes": list(mapped.iloc[[-1, 0]].itertuples()),
+        "full": results.fit("screen"),
+        "on_screen": results.validation("screen", "screen"),
+        "on_map": results.validation("two_factor_design", "error_map"),
+        "fitted": results.fit("two_factor_design").points,
+        "judged": results.validation("two_factor_design", "screen"),
+        "claims": verdicts(results.table("claims.csv", *CLAIM)) if config.paper else None,
+        "recommended": recommended,
+        "measured": config.measurements and results.summary("measurements/summary.json"),
+        "amplitudes": _amplitudes,
+        "target": config.extrapolation,
+        "neglected": _neglected(results),
+        "beyond": results.beyond,
+    }
+
+
+def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
+    """The amplitude for the target force at each position, and the error of that force."""
+    amplitudes = zip(1e6 * table["hv_m"], 1e6 * table["hv_error_95_m"], strict=True)
+    shown = [to_its_error(*each)[0] if np.isfinite(each[0]) else "none" for each in amplitudes]
+    error = table["error_95_percent"].map(lambda each: f"{error_text(each)} %")
+    return pd.DataFrame(
+        {
+            "model": table["model"],
+            **{name: values.map("{:.4g}".format) for name, values in _positions(table).items()},
+            "hv (µm)": shown,
+            "95 % error": error.where(table["error_95_percent"].notna(), table["note"]),
+        }
+    )
+
+
+def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
+    """The pad's positions by name and unit."""
+    shown = {FACTOR_WORDS[name]: table[name] for name in form_of(table)}
+    return {f"{name} ({unit})": scale * values for (name, unit, scale, _), values in shown.items()}
+
+
+def _neglected(results: Results) -> dict[str, Any] | None:
+    """Return the bounds of the modelling error over the screen; None where they are not known."""
+    table = results.budget("screen")
+    ends = table[MODELLING_ERROR].to_numpy(dtype=float)
+    if not np.isfinite(ends).all():
+        return None
+    return {"lower": signed(ends.min()), "upper": signed(ends.max())}
+
+
+def _effects(results: Results) -> pd.DataFrame:
+    """Each effect at the screen's least and largest gap, at its largest amplitude."""
+    table = results.budget("screen")
+    table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
+    shown: dict[str, Any] = {"effect": list(map(label_of, EFFECTS))}
+    for _, row in table.iloc[[0, -1]].iterrows():
+        present = row["included_effects"].split("; ")
+        shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
+            "in the forces" if name in present else signed(row[f"{name}_percent"])
+            for name in EFFECTS
+        ]
+    return pd.DataFrame(shown)
+
+
+def _terms(gas: Gas, tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
+    """Terms of the study's equation beyond the paper's, as in the simulations if there are any."""
+    absent = [row for each in tables.values() for row in each["absent_terms"].dropna()]
+    for name, chosen in (("inertia", gas.inertia), ("thermal", gas.thermal)):
+        if chosen != "none" and not all(name in each for each in absent):
+            where = "" if chosen == "included" else " where needed"
+            yield f"{label_of(name)}{where}"
+
+
+def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
+    columns = {"h0 (µm)": 1e6 * table["h0_m"], "hv (µm)": 1e6 * table["hv_m"]}
+    columns |= _positions(table) | {"F (N)": table["force_n"]}
+    return {
+        "plan": plan,
+        "simulations": str(len(table)),
+        **{name: _range(values) for name, values in columns.items()},
+        "largest relative error of F, estimated": rounded_up(largest_error(table)),
+    }
+
+
+def _errors(results: Results, pair: str) -> dict[str, str]:
+    fit, _, plan = pair.partition("_on_")
+    errors = results.validation(fit, plan)
+    inside, band = 100 * errors["fraction_within_band"], 100 * errors["band"]
+    return {
+        "model fitted on": f"{fit} ({results.fit(fit).points} points)",
+        "validated on": f"{plan} ({errors['points']:g} points)",
+        "global error": percent(errors["global_error"]),
+        "worst": percent(errors["worst_relative_error"]),
+        "within the band": f"{inside:.3g} % within ±{band:g} %",
+    }
+
+
+def _range(column: pd.Series) -> str:
+    """Range from the least to the largest; values that are negligible beside the largest are 0."""
+    low, high = float(column.min()), float(column.max())
+    low = 0.0 if abs(low) < NOTHING * abs(high) else low
+    return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} – {high:.3g}"
+
+
+def _setting(value: Any) -> str:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(map(str, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)

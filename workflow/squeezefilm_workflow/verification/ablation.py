@@ -1,0 +1,133 @@
+"""Savings by each simplification, and its effect on accuracy: each is removed in turn.
+
+Scenes of the study's space are solved as they need, and again with one simplification disabled:
+the mirror halves, a term that is zero, more modes than wanted, time where a limit would do. Of a
+term so little is re-enabled that it changes nothing but has to be computed. Last, the same
+algorithm in NumPy.
+"""
+
+from collections import ChainMap
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.refinement import solve_periodic
+from squeezefilm.reynolds.terms import TERMS
+from squeezefilm.solution import Solutions
+from squeezefilm_workflow.verification.numpy_periodic import periodic_state
+from squeezefilm_workflow.verification.work_precision import measure
+
+# A grid that is fine enough for every scene of the paper's space, and the one it is checked with.
+ONE_FOR_ALL = (
+    Grid(nx=28, ny=28, nt=16, fold_x=False, fold_y=False),
+    Grid(nx=32, ny=32, nt=20, fold_x=False, fold_y=False),
+)
+AS_NEEDED = "nothing"
+# What puts a term back, by its name: numbers of the scene's pad, gap or gas.
+NEGLIGIBLE = 1e-14
+PUT_BACK: dict[str, dict[str, Any]] = {
+    "any_gap": {"crown_m": NEGLIGIBLE * 1e-6},
+    "bearing": {"speed_x_m_per_s": NEGLIGIBLE},
+    "rarefaction": {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE * 1e-6},
+    "polytropic": {"polytropic_exponent": 1 + NEGLIGIBLE},
+    "inertia": {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE},
+    "thermal": {"thermal": "included", "prandtl": NEGLIGIBLE},
+}
+REFERENCE_TOLERANCE = 1e-9
+
+
+def ablation(
+    scenes: Sequence[Scene], *, tolerances: Sequence[float], repeats: int, device: Device
+) -> pd.DataFrame:
+    """Table with a row for each tolerance and each simplification that is disabled.
+
+    Columns: what is re-enabled, seconds of all scenes in one call, processor time over that of the
+    scenes as they need, worst relative error, share of scenes within their error estimate; NumPy
+    has none, nor the points that tight tolerances ask for.
+    """
+    periodic = partial(solve, method="periodic", device=device)
+    one_grid = partial(_on_one_grid, device=device)
+    with_all = _with(scenes, dict(ChainMap(*PUT_BACK.values())))
+    ways: dict[str, tuple[Callable[..., Forces | Solutions], Sequence[Scene]]] = {
+        AS_NEEDED: (partial(solve, device=device), scenes),
+        "time (always periodic)": (periodic, scenes),
+        "symmetry": (partial(_on_whole_pads, device=device), scenes),
+        **{
+            kind.ABSENT.name: (periodic, _with(scenes, PUT_BACK[kind.NAME]))
+            for kind in TERMS
+            if kind.ABSENT
+        },
+        "finest modes for all": (one_grid, scenes),
+        "everything": (one_grid, with_all),
+        "everything, in NumPy": (_in_numpy, scenes),
+    }
+    exact = periodic(scenes, tolerance=REFERENCE_TOLERANCE).force_n
+    rows = []
+    for tolerance, (re_enabled, (way, changed)) in product(tolerances, ways.items()):
+        call = partial(way, changed, tolerance=tolerance)
+        found, (_, cpu_s, _) = measure(call, repeats=repeats, long_seconds=np.inf)
+        error, stated = np.abs(found.force_n - exact), found.force_error_n
+        row = {
+            "re_enabled": re_enabled,
+            "tolerance": tolerance,
+            "cpu_s": cpu_s,
+            "worst_error": np.max(error / np.abs(exact)),
+            "coverage": np.mean(error <= stated) if np.isfinite(stated).all() else np.nan,
+        }
+        rows.append(row)
+    table = pd.DataFrame(rows)
+    needed = table[table["re_enabled"] == AS_NEEDED].set_index("tolerance")["cpu_s"]
+    ratio = table["cpu_s"] / table["tolerance"].map(needed)
+    return table.assign(cpu_ratio=ratio, scenes=len(scenes))
+
+
+def _with(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
+    """Scenes with other numbers."""
+
+    def changed(whole: Any) -> Any:
+        return replace(whole, **{name: changes[name] for name in changes if hasattr(whole, name)})
+
+    pads = [replace(changed(each.pad), gap=changed(each.pad.gap)) for each in scenes]
+    pairs = zip(scenes, pads, strict=True)
+    return [replace(scene, pad=pad, gas=changed(scene.gas)) for scene, pad in pairs]
+
+
+class Forces(NamedTuple):
+    """Forces of scenes and what is stated of their errors."""
+
+    force_n: np.ndarray
+    force_error_n: np.ndarray
+
+
+def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
+    whole = np.zeros(len(scenes), dtype=bool)
+    needs = replace(needs_of(scenes), fold_x=whole, fold_y=whole)
+    return solve_periodic(needs, tolerance=tolerance, device=device)
+
+
+def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
+    """Every scene on the same two grids over the whole pad, each solved from rest."""
+    coarse, fine = (
+        solve_batch(scenes, grid, tolerance=ITERATION_SHARE * tolerance, device=device)
+        for grid in ONE_FOR_ALL
+    )
+    scale, stated = Scenes.of(scenes).force_scale_n, 2 * np.abs(fine.mean - coarse.mean)
+    return Forces(scale * fine.mean, scale * (stated + fine.said["residual"]))
+
+
+def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
+    """Forces of the uniform-gap equation on 24 × 24 × 16 points of the whole pad."""
+    means = np.array([periodic_state(each, tolerance=1e-4 * tolerance) for each in scenes])
+    return Forces(Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan))

@@ -1,0 +1,344 @@
+"""Statements of commands about a random study, compared with direct solutions.
+
+A comparison is an interval that a command states and a value of the same quantity that is solved
+for directly: at a tolerance that is a hundredth of the study's or less, in another discretisation,
+with the terms that the film's equation neglects, or by differences of such forces. *Sure and wrong*
+is a statement that is given as valid and whose interval does not hold the direct value.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from math import inf, isfinite, nan, sqrt
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import newton
+from scipy.stats import betabinom
+
+from squeezefilm.api.forces import Force, forces_of
+from squeezefilm.api.models import Study
+from squeezefilm.dynamics.levitation import levitate
+from squeezefilm.dynamics.response import response
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.film.scene import Scene
+from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
+from squeezefilm.quantities.model_error import ErrorBudget
+from squeezefilm.reynolds import solve
+from squeezefilm.studies.space import Space
+from squeezefilm_workflow.verification.reference import reference_force
+
+# Tolerances of direct solutions; the second with inertia or thermal effects, and under ellipses.
+TIGHT, LESS_TIGHT = 1e-7, 1e-5
+# What the flow factor adds to first-order slip, relative to the flow, for each unit of Kn.
+KINETIC = 1.5
+# Of films that the spectral elements resolve in seconds.
+REFERENCE_EPSILON, REFERENCE_SIGMA = 0.6, (1.0, 2e4)
+# Relative distance of the forces in difference quotients of fourth order.
+STEP = 0.004
+# Gaps beyond one that levitates, at which the force must stay below the load.
+WIDER, WIDER_GAPS = 4.0, 12
+# Points outside the declared space, which no prediction interval may claim.
+BEYOND = 20
+# Of the fresh points of the study of seed 0.
+FRESH_SEED = 10_000
+OUTCOMES = ("within", "sure and wrong", "outside, not stated as valid", "no direct solution")
+
+
+def _over_limits(scene: Scene) -> dict[str, float]:
+    """Numbers of a scene over values beyond which a force is not to be given without reserve.
+
+    Flow around the edge is of the order of the gap over the pad; gas neither slips nor flows as a
+    viscous fluid from Kn 0.18 on, and the flow factor ends at Kn 89; inertia changes forces
+    severalfold at Re 10, and its depth-averaged term is unchecked above Re 20; pressure differs
+    across a gap by a fifth at a tenth of the sound's wavelength.
+    """
+    gas, pad = scene.gas, scene.pad
+    sound_m_per_s = sqrt(gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3)
+    wavelength_m = sound_m_per_s / scene.actuator.frequency_hz
+    return {
+        "gap over pad": scene.h0_m / min(pad.length_x_m, pad.length_y_m) / 0.1,
+        "Knudsen number": scene.knudsen / (89.0 if gas.rarefaction == "fukui-kaneko" else 0.178),
+        "Reynolds number": scene.modified_reynolds / (20.0 if gas.inertia == "included" else 10.0),
+        "gap over sound's wavelength": scene.h0_m / wavelength_m / 0.1,
+        "excursion over gap": scene.closure() / 0.95,
+    }
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A stated interval and the direct value of the same quantity.
+
+    Attributes:
+        command: that states it.
+        quantity: what it is, with its unit.
+        lower, upper: the stated interval.
+        direct, direct_error: the value solved for directly; NaN where there is none.
+        valid: the command states the interval without reserve.
+        note: what is stated beside it, or of which scene it is.
+    """
+
+    command: str
+    quantity: str
+    lower: float
+    upper: float
+    direct: float
+    direct_error: float = 0.0
+    valid: bool = True
+    note: str = ""
+
+    @property
+    def outcome(self) -> str:
+        """One of OUTCOMES."""
+        if not isfinite(self.direct):
+            return OUTCOMES[3]
+        low, high = self.lower - self.direct_error, self.upper + self.direct_error
+        if low <= self.direct <= high:
+            return OUTCOMES[0]
+        return OUTCOMES[1] if self.valid else OUTCOMES[2]
+
+
+def _around(value: float, off: float) -> tuple[float, float]:
+    """The interval of a value and by how much it may be off."""
+    return value - off, value + off
+
+
+def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
+    """All comparisons of a study but those of its models.
+
+    Args:
+        points: scenes of the study's space that are simulated.
+        seed: of their draw.
+    """
+    settings = study.solver(outputs=())
+    space = Space.of(study.config, centred=False)
+    scenes = study.scenes(space.table(space.independent_sample(points, seed=seed)))
+    forces = forces_of(scenes, settings=settings, smoothed=None, budget=True)
+    for force in forces:
+        yield from _of_force(force, study, valid=force.status == force.validity == "ok")
+    for scene, force in zip(scenes, forces, strict=True):
+        if force.status == "ok" and force.force_n > 0:
+            yield from _of_elements(force.scene, study)
+            yield from _of_levitation(scene, force.force_n, study)
+            yield from _of_response(force.scene, study)
+            break
+
+
+def _where(scene: Scene) -> str:
+    return (
+        f"h0 {1e6 * scene.h0_m:.5g} µm, hv {1e6 * scene.hv_m:.5g} µm, x {1e3 * scene.x_m:.5g} mm, "
+        f"y {1e3 * scene.y_m:.5g} mm; Re {scene.modified_reynolds:.2g}, Kn {scene.knudsen:.2g}"
+    )
+
+
+def forces_and_errors(
+    scenes: Sequence[Scene], study: Study, *, tolerance: float | None = None
+) -> np.ndarray:
+    """Forces and their errors, NaN where there is none, shape (2, n)."""
+    settings = study.solver(tolerance=tolerance, outputs=())
+    found = solve(settings.resolved(scenes), **settings.how)
+    return np.array([(each.force_n, each.force_error_n) for each in found]).T
+
+
+def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
+    """The same far within what is stated of them, as far as that can be had."""
+    gas = scenes[0].gas
+    plain = gas.inertia == gas.thermal == "none" and scenes[0].pad.shape == "rectangle"
+    found = forces_and_errors(scenes, study, tolerance=TIGHT if plain else LESS_TIGHT)
+    if plain and not np.isfinite(found).all():
+        return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
+    return found
+
+
+def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
+    """The direct force, its error, its derivative to a number of the scene, and that one's error.
+
+    By five values, of fourth order.
+    """
+    unit = getattr(scene, name)
+    around: list[dict[str, Any]] = [{name: unit * (1 + STEP * k)} for k in range(-2, 3)]
+    values, errors = _direct([replace(scene, **each) for each in around], study)
+    narrow, wide = (values[3] - values[1]) / 2, (values[4] - values[0]) / 4
+    noise = (8 * (errors[1] + errors[3]) + errors[0] + errors[4]) / 12
+    slope, off = (4 * narrow - wide) / 3, noise + (4 * STEP) ** 2 * abs(wide - narrow)
+    return np.array([values[2], errors[2], slope / (STEP * unit), off / (STEP * unit)])
+
+
+def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
+    """The force and its numerical error, then what the equation neglects."""
+    scene, stated = force.scene, force.force_n
+    worst, number = max(_over_limits(scene).items(), key=itemgetter(1))
+    simulate = partial(Comparison, "simulate", note=_where(scene))
+    what, note = "numbers over limits of validity", f"{worst}; {_where(scene)}"
+    yield simulate(what, -inf, 1.0, number, valid=valid, note=note)
+    if not isfinite(stated):
+        return
+    ((direct,), (error,)) = _direct([scene], study)
+    yield simulate("force / N", *_around(stated, force.error_n), direct, error, valid)
+    for name, with_them, change, off, usable in _neglected(scene, force.budget):
+        if with_them.gas.rarefaction != "none" and with_them.gas.inertia == "included":
+            # Inertia is derived for first-order slip: its relative part is taken from there.
+            full, error = _change_with_slip(scene, with_them, stated, study)
+        else:
+            ((full,), (error,)) = _direct([with_them], study)
+        ends = _around(change * stated, off * abs(stated) + 2 * force.error_n)
+        yield simulate(f"{name} / N", *ends, full - stated, error, valid and usable)
+
+
+def _change_with_slip(
+    scene: Scene, with_them: Scene, stated: float, study: Study
+) -> tuple[float, float]:
+    """A force times what terms do to it in a film of first-order slip, and the error."""
+    slipping = [each.with_gas(rarefaction="slip") for each in (scene, with_them)]
+    ((before,), (error,)), ((after,), (other,)) = (_direct([each], study) for each in slipping)
+    part = after / before - 1
+    kinetic = 0.0 if scene.gas.rarefaction == "slip" else KINETIC * scene.knudsen
+    off = abs(stated) * (abs(part) * kinetic + (error + other) / abs(before))
+    return float(stated * (1 + part)), float(off)
+
+
+def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
+    """The isothermal film without inertia, against spectral elements of other equations."""
+    scene = scene.viscous().with_gas(rarefaction="none")
+    low, high = REFERENCE_SIGMA
+    square = scene.pad.shape == "rectangle" and scene.aspect == 1
+    if not (square and scene.epsilon <= REFERENCE_EPSILON and low <= scene.sigma <= high):
+        return
+    ((stated,), (error,)) = forces_and_errors([scene], study)
+    found = reference_force(scene, degree=14)
+    direct_n, off_n = scene.force_scale_n * found.force, scene.force_scale_n * found.uncertainty
+    simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_where(scene))
+    yield simulate("force by elements / N", *_around(stated, error), direct_n, off_n)
+
+
+def _neglected(
+    scene: Scene, budget: ErrorBudget
+) -> Iterator[tuple[str, Scene, float, float, bool]]:
+    """Effects that a force does not have and the solver knows: the scene that has one, what it
+    changes of the force, by how much that may be off, and whether it is known.
+
+    The loss of pressure where gas flows in, of no equation here, is not among them.
+    """
+    gas = scene.gas
+    slips = gas.rarefaction == "none" and gas.inertia == gas.thermal == "none"
+    choices = {"inertia": {"inertia": "included"}, "thermal": {"thermal": "included"}}
+    rarefied = {"rarefaction": "fukui-kaneko"}
+    for name, effects, having in (
+        *((name, (name,), choices[name]) for name in choices),
+        ("rarefaction", ("slip", "flow_factor") if slips else (), rarefied),
+    ):
+        lacking = {each: budget.neglected[each] for each in effects if each in budget.neglected}
+        if lacking:
+            change = sum(effect.percent for effect in lacking.values()) / 100
+            off = sum(effect.error_percent for effect in lacking.values()) / 100
+            known = budget.status == "ok" and not {*budget.unknown} & lacking.keys()
+            yield name, scene.with_gas(**having), change, off, known
+
+
+def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
+    """Gap, stiffness and modelling error under a load."""
+    settings = study.solver()
+    how = settings.how | {"model_tolerance": settings.model_tolerance}
+    try:
+        found = levitate(scene, load_n=load_n, **how)
+    except (InputError, RunError):
+        return
+    scene, h0_m, stiffness = found.scene, found.scene.h0_m, found.stiffness_n_per_m
+    stated = partial(Comparison, "levitate", note=f"load {load_n:.5g} N; {_where(scene)}")
+    direct_n, error_n, slope, slope_error = _derivative(scene, "h0_m", study)
+    gap_m = h0_m - (direct_n - load_n) / slope
+    ends = _around(h0_m, found.h0_error_m)
+    yield stated("gap / m", *ends, gap_m, error_n / abs(slope))
+    ends = _around(stiffness, found.stiffness_error_n_per_m)
+    yield stated("stiffness / (N/m)", *ends, -slope, slope_error)
+    wider = np.geomspace(1.02 * h0_m, min(WIDER * h0_m, 1e-3), WIDER_GAPS)
+    there = [replace(scene, h0_m=float(gap)) for gap in wider]
+    most = float(np.nanmax(forces_and_errors(there, study, tolerance=1e-3)[0], initial=-inf))
+    yield stated("force at wider gaps / N", -inf, load_n, most)
+    for name, with_them, change, off, usable in _neglected(scene, found.budget):
+        change_m = load_n / stiffness * change
+        off_m = load_n / abs(stiffness) * off + found.second_order_m(change_m)
+        ends = _around(h0_m + change_m, off_m + 2 * found.h0_error_m)
+        numbers = *ends, _gap_under(with_them, load_n, study), 2 * LESS_TIGHT * h0_m
+        yield stated(f"gap with {name} / m", *numbers, usable)
+
+
+def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
+    """The gap near a scene's at which the force is the load; NaN where it is not found."""
+
+    def excess(gap_m: float) -> float:
+        force_n = float(_direct([replace(scene, h0_m=float(gap_m))], study)[0, 0])
+        if not isfinite(force_n):
+            raise RunError("no force")
+        return force_n - load_n
+
+    try:
+        near_m = scene.h0_m
+        return float(newton(excess, near_m, x1=1.02 * near_m, tol=LESS_TIGHT * near_m, maxiter=12))
+    except (RunError, InputError, RuntimeError):
+        return nan
+
+
+def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
+    """The gain of slow modulation against d ln F / d ln hv of direct forces."""
+    scene = scene.viscous()
+    try:
+        stated = response(scene)
+    except (InputError, RunError):
+        return
+    force_n, error_n, slope, slope_error = _derivative(scene, "hv_m", study)
+    gain = slope * scene.hv_m / force_n
+    error = abs(gain) * (abs(slope_error / slope) + error_n / abs(force_n))
+    ends = _around(stated.static_gain, stated.error * abs(stated.static_gain))
+    yield Comparison("response", "static gain", *ends, gain, error, note=_where(scene))
+
+
+def coverage(
+    study: Study, *, models: Sequence[str], fresh: int, seed: int, level_of_test: float
+) -> Iterator[Comparison]:
+    """Compare the number of new points inside the models' prediction intervals with theory.
+
+    Args:
+        fresh: independent points, uniform over the declared space, for each model.
+        seed: of the study; their draw has another.
+        level_of_test: probability that the number of points inside lies outside the stated
+            interval, if the prediction interval is what it says.
+    """
+
+    @cache
+    def solved(centred: bool) -> tuple[pd.DataFrame, np.ndarray]:
+        space = Space.of(study.config, centred=centred)
+        points = space.table(space.independent_sample(fresh, seed=FRESH_SEED + seed))
+        return points, forces_and_errors(study.scenes(points), study)
+
+    for name in models:
+        try:
+            fit = study.fit(name)
+            interval, centred = fit.model.interval, fit.model.force_model.is_centred
+            if interval is None or interval.error_95 is None:
+                continue
+            points, (force_n, error_n) = solved(centred)
+            stated = fit.predict_at(points)
+        except (InputError, RunError):
+            continue  # not a model of this study, or its physics does not hold all over the space
+        off = np.abs(stated["force_n"] - force_n) + error_n
+        beyond = points.head(BEYOND).assign(h0_m=1.5 * points["h0_m"].max())
+        claimed = float(fit.predict_at(beyond)["error_95_n"].notna().sum())
+        what = "points outside the space that have an error"
+        yield Comparison("predict", what, 0.0, 0.0, claimed, note=fit.name)
+        for level, quantile in NORMAL.items():
+            half = stated[f"error_{100 * level:.0f}_n"].to_numpy()
+            # A scan's part comes on top of what the sample measures.
+            scan = interval.profile_uncertainty * quantile / NORMAL[SCAN_LEVEL]
+            inside = int(np.sum(off <= half - scan * np.abs(stated["force_n"])))
+            count = interval.calibration_points
+            rank = int(np.ceil((count + 1) * level))
+            if rank > count or np.isnan(half).all():
+                continue  # such an interval is not stated
+            law = betabinom(fresh, rank, count + 1 - rank)
+            ends = float(law.ppf(level_of_test / 2)), float(law.isf(level_of_test / 2))
+            what = f"points of {fresh} within {100 * level:.0f} %"
+            note = f"{fit.name}, {'centred' if centred else 'all factors'}"
+            yield Comparison("predict", what, *ends, inside, note=note)

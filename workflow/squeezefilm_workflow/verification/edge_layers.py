@@ -1,0 +1,321 @@
+"""Tables of the edge layer, computed: what ``asymptotics/edge_layer.py`` interpolates.
+
+Its docstring has the equations. Without inertia the layer's mass is solved for by Newton's method
+with GMRES, with inertia a stream function of ξ and T by dense matrices. Collocation is Chebyshev's
+on 0 ≤ ξ ≤ DEPTH, crowded at the rim: ξ = DEPTH (exp(k z) − 1)/(exp(k) − 1).
+"""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import log, sqrt
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.linalg import lu_factor, lu_solve
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from squeezefilm.cli.options import command, option
+from squeezefilm.errors import RunError
+from squeezefilm.files import write_text
+from squeezefilm.parallel import say
+from squeezefilm.reynolds.asymptotics import edge_layer
+from squeezefilm.reynolds.asymptotics.edge_layer import (
+    INERTIA_ROWS,
+    LARGEST,
+    MOST_REYNOLDS,
+    REYNOLDS_ROWS,
+    ROWS,
+    all_weights,
+    largest,
+)
+from squeezefilm.reynolds.spectral import axis, period
+
+COLUMNS = ("a", "d_over_a_squared", "g_over_a", "q_over_a")
+INERTIA_COLUMNS = (
+    *("reynolds", "a", "rise_over_a_squared"),
+    *("d_over_a_squared", "g_over_a", "h_over_a_squared"),
+)
+DEPTH = 60.0
+# k of the nodes; with inertia waves reach farther, and it is smaller.
+STRETCH, STRETCH_PER_REYNOLDS = 6.0, 0.2
+NODES, NODES_WITH_INERTIA = 112, 88
+# Instants with inertia, from small excursions to the largest.
+INSTANTS = 12, 48
+MOST_STEPS = 40
+# Share of the shortest waves in time from which on a state is not resolved.
+MOST_UNRESOLVED = 5e-3
+
+
+@command(option("--output", "FOLDER", "for the two tables", required=True, type=Path))
+def edge_layers(options: argparse.Namespace) -> None:
+    """Compute both tables of the edge layer again, in half an hour of one core.
+
+    squeezefilm-verification edge-layers --output workflow/squeezefilm/reynolds/asymptotics
+    """
+    rows: list[tuple[float, ...]] = []
+    for a in excursions():
+        say(f"a {a:.4g}")
+        rows.append((a, *layer(a)))
+    write_text(_text(COLUMNS, rows), options.output / edge_layer.TABLE.name)
+    rows = []
+    for reynolds in reynolds_numbers():
+        say(f"Re {reynolds:.4g}")
+        rows += layers_with_inertia(reynolds, excursions_with_inertia(reynolds))
+    write_text(_text(INERTIA_COLUMNS, rows), options.output / edge_layer.TABLE_WITH_INERTIA.name)
+
+
+def _text(columns: tuple[str, ...], rows: list[tuple[float, ...]]) -> str:
+    return "".join(",".join(map(str, line)) + "\n" for line in [columns, *rows])
+
+
+def excursions() -> list[float]:
+    """Excursion ratios of the table's rows, rising from 0 to LARGEST."""
+    return _unstretched(edge_layer.stretched(LARGEST) * axis(ROWS - 2, False).all_nodes)
+
+
+def reynolds_numbers() -> list[float]:
+    """Reynolds numbers of the table with inertia."""
+    return (MOST_REYNOLDS * (chebyshev.chebpts1(REYNOLDS_ROWS) + 1) / 2).tolist()
+
+
+def excursions_with_inertia(reynolds: float) -> list[float]:
+    """Excursion ratios of the table with inertia at one of its Reynolds numbers."""
+    share = (chebyshev.chebpts1(INERTIA_ROWS) + 1) / 2
+    return _unstretched(edge_layer.stretched(largest(reynolds)) * share)
+
+
+def _unstretched(places: np.ndarray) -> list[float]:
+    return np.sqrt(-np.expm1(-places)).tolist()
+
+
+class HalfLine(NamedTuple):
+    """Nodes ξ from the rim inwards, d/dξ on them, and weights of the integral over ξ."""
+
+    xi: np.ndarray
+    first: np.ndarray
+    weights: np.ndarray
+
+
+def half_line(nodes: int, stretch: float) -> HalfLine:
+    """Collocation on the layer, ends included."""
+    line = axis(nodes, False)
+    z, unit = line.all_nodes, DEPTH / np.expm1(stretch)
+    slope = unit * stretch * np.exp(stretch * z)
+    return HalfLine(
+        xi=unit * np.expm1(stretch * z),
+        first=line.derivative / slope[:, None],
+        weights=all_weights(line) * slope,
+    )
+
+
+def layer(a: float) -> tuple[float, float, float]:
+    """d/a², g/a and q/a at one excursion ratio 0 ≤ a < 1, without inertia.
+
+    At a = 0 the linear layer gives −5√2/8, 3/√2 and −3/√2.
+
+    Raises RunError where Newton's method does not converge.
+    """
+    if a == 0:
+        return -5 * sqrt(2) / 8, 3 / sqrt(2), -3 / sqrt(2)
+    # Powers of 1/H have harmonics that fall like ρ^k.
+    ratio = a / (1 + sqrt(1 - a**2))
+    time = period(4 * max(6, round(1.2 * log(1e-14) / log(ratio) / 4)))
+    gap, core = 1 + a * np.sin(time.nodes), sqrt(1 + 1.5 * a**2)
+    line = half_line(NODES, STRETCH)
+    second = (line.first @ line.first)[1:-1]
+    inner, shape = second[:, 1:-1], (NODES, time.points)
+    mass = np.full((NODES + 2, time.points), core)
+    mass[0] = gap
+    # In the time ∫H dT the layer is ∂²(M²/2) = ∂M: with M replaced by its value inside, the
+    # linear operator is diagonal in the eigenvectors of both directions.
+    root = 1 / np.sqrt(gap)
+    rates, vectors = np.linalg.eigh(1j * root[:, None] * time.derivative * root)
+    across, shapes = np.linalg.eig(inner)
+    back, divisor = np.linalg.inv(shapes), core * across[:, None] + 1j * rates
+
+    def precondition(field: np.ndarray) -> np.ndarray:
+        modes = back @ ((field * root) @ vectors.conj()) / divisor
+        return np.asarray(((shapes @ modes @ vectors.T).real * root).ravel())
+
+    def linear(diffusivity: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        def apply(change: np.ndarray) -> np.ndarray:
+            change = change.reshape(shape)
+            return precondition(inner @ (diffusivity * change) - change @ time.derivative.T)
+
+        return apply
+
+    for _ in range(MOST_STEPS):
+        residual = second @ (gap * mass**2 / 2) - mass[1:-1] @ time.derivative.T
+        target = -precondition(residual)
+        if np.abs(target).max() < 1e-12:
+            break
+        size = target.size
+        operator = LinearOperator((size, size), matvec=linear(gap * mass[1:-1]), dtype=float)
+        change, _ = gmres(operator, target, rtol=1e-5, restart=150, maxiter=3)
+        change = change.reshape(shape)
+        share = 1.0
+        while np.min(mass[1:-1] + share * change) <= 0.1 * np.min(mass[1:-1]):
+            share /= 2
+        mass[1:-1] += share * change
+    else:
+        raise RunError(f"the edge layer at a = {a:g} did not converge")
+    d = line.weights @ np.mean((mass - core) / gap, axis=1)
+    square = line.weights @ (mass**2 - core**2) * 3 / time.points
+    g, q = square @ np.sin(time.nodes), square @ np.cos(time.nodes)
+    return float(d / a**2), float(g / a), float(q / a)
+
+
+def layers_with_inertia(reynolds: float, rising: list[float]) -> list[tuple[float, ...]]:
+    """Rows of INERTIA_COLUMNS at one Reynolds number and rising excursion ratios 0 < a < 1.
+
+    Raises RunError where no state is found, as where a shock forms, or it is not resolved.
+    """
+    rows: list[tuple[float, ...]] = []
+    last: tuple[InertiaLayer, np.ndarray] | None = None
+    for a in rising:
+        share = (a / float(largest(reynolds))) ** 2
+        instants = 2 * round((INSTANTS[0] + (INSTANTS[1] - INSTANTS[0]) * share) / 2)
+        state = InertiaLayer(a, reynolds, instants)
+        stream, factors = state.solve(last)
+        last = state, stream
+        rise, d, g, h = state.rim_values(stream, factors)
+        rows.append((reynolds, a, rise / a**2, d / a**2, g / a, h / a**2))
+    return rows
+
+
+@dataclass(frozen=True)
+class InertiaLayer:
+    """The layer with inertia at one excursion ratio; fields are (nodes, instants), rim first.
+
+    The unknown, ``stream``, is X less the linear part of a layer without inertia.
+    """
+
+    a: float
+    reynolds: float
+    instants: int
+
+    @cached_property
+    def line(self) -> HalfLine:
+        return half_line(NODES_WITH_INERTIA, STRETCH - STRETCH_PER_REYNOLDS * self.reynolds)
+
+    @cached_property
+    def second(self) -> np.ndarray:
+        return self.line.first @ self.line.first
+
+    @property
+    def rate(self) -> np.ndarray:
+        """d/dT."""
+        return period(self.instants).derivative
+
+    @cached_property
+    def gap(self) -> np.ndarray:
+        return 1 + self.a * np.sin(period(self.instants).nodes)
+
+    def mass(self, stream: np.ndarray) -> np.ndarray:
+        return np.asarray(sqrt(1 + 1.5 * self.a**2) + self.line.first @ stream)
+
+    def solve(self, nearby: "tuple[InertiaLayer, np.ndarray] | None" = None) -> tuple:
+        """Return the stream and the factors of the last step's matrix, from a nearby stream."""
+        stream = np.zeros((NODES_WITH_INERTIA + 2, self.instants))
+        if nearby is not None:
+            other, known = nearby
+            carried = period(other.instants).at(period(self.instants).nodes)
+            stream = known @ carried.T * (self.a / other.a)
+        for _ in range(MOST_STEPS):
+            factors = lu_factor(self._jacobian(stream), overwrite_a=True, check_finite=False)
+            change = self._solved(factors, -self._residual(stream))
+            least, share = self.mass(stream).min(), 1.0
+            while self.mass(stream + share * change).min() <= 0.1 * least:
+                share /= 2
+            stream = stream + share * change
+            if np.abs(self.line.first @ change).max() < 1e-9:
+                break
+        else:
+            raise RunError(f"no edge layer at a = {self.a:g}, Re = {self.reynolds:g}")
+        half = self.instants // 2
+        waves = np.abs(period(self.instants).fourier @ self.mass(stream).T)
+        if waves[half - 1 : half + 1].max() > MOST_UNRESOLVED:
+            raise RunError(f"a = {self.a:g}, Re = {self.reynolds:g}: the layer is not resolved")
+        return stream, factors
+
+    def rim_values(self, stream: np.ndarray, factors: tuple) -> tuple[float, float, float, float]:
+        """ψ² − 1, d, g and h of a state."""
+        mass, xi = self.mass(stream), self.line.xi[:, None]
+        psi = float(mass[-1].mean())
+        d = float(self.line.weights @ np.mean((mass - psi) / self.gap, axis=1))
+        flux, sine = -stream @ self.rate.T, np.sin(period(self.instants).nodes)
+        # Far inside the core's own flux goes on: −ψ (A ∂ψ/∂n − ψ B ∂a/∂n).
+        rates = np.diag(1 / self.gap) + self.reynolds / 10 * psi * self.rate
+        mobility = np.linalg.solve(rates, np.ones(self.instants))
+        by_slope = self._linear(stream, 0.0, 0.0, psi**2 * (mobility - 1) / self.a)
+        by_slope = by_slope - xi * sine * flux / self.gap - mass**2 * sine
+        by_core = self._linear(stream, xi, 1.0, -psi * mobility)
+        changes = []
+        for forcing in (by_slope, by_core):
+            forcing[0] = 0.0  # P = 1 on the rim
+            answer = self.line.first @ self._solved(factors, -forcing[:-1])
+            changes.append(float(answer[-1].mean()))
+        return psi**2 - 1, d, 2 * psi * changes[0], changes[1]
+
+    def _residual(self, stream: np.ndarray) -> np.ndarray:
+        """On all nodes but the last, where X = 0; on the rim w − H."""
+        mass, flux, rate = self.mass(stream), -stream @ self.rate.T, self.rate
+        slope = self.second @ stream
+        inertia = (
+            mass * (flux @ rate.T)
+            - 17 / 7 * flux * (mass @ rate.T)
+            - 9 / 7 * flux**2 / mass * slope
+        )
+        residual = flux + self.gap * (self.reynolds / 10 * inertia + mass * slope)
+        residual[0] = mass[0] - self.gap
+        return np.asarray(residual[:-1])
+
+    def _coefficients(self, stream: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Coefficients of w, ∂w/∂ξ, ∂w/∂T, q and ∂q/∂T in the linear equation."""
+        mass, flux, rate = self.mass(stream), -stream @ self.rate.T, self.rate
+        slope, weight = self.second @ stream, self.reynolds / 10 * self.gap
+        return (
+            weight * (flux @ rate.T + 9 / 7 * (flux / mass) ** 2 * slope) + self.gap * slope,
+            -9 / 7 * weight * flux**2 / mass + self.gap * mass,
+            -17 / 7 * weight * flux,
+            1 - weight * (17 / 7 * (mass @ rate.T) + 18 / 7 * flux * slope / mass),
+            weight * mass,
+        )
+
+    def _linear(
+        self,
+        stream: np.ndarray,
+        mass: np.ndarray | float,
+        slope: np.ndarray | float,
+        flux: np.ndarray,
+    ) -> np.ndarray:
+        """The linear equation applied to a steady mass and its slope, and an even flux q(T)."""
+        of_mass, of_slope, _, of_flux, of_rate = self._coefficients(stream)
+        changes = of_flux * flux + of_rate * (flux @ self.rate.T)
+        return np.asarray(of_mass * mass + of_slope * slope + changes)
+
+    def _jacobian(self, stream: np.ndarray) -> np.ndarray:
+        """For X on all nodes but the last, rim's rows first."""
+        rate, count = self.rate, NODES_WITH_INERTIA + 1
+        first, second = self.line.first[:-1, :-1], self.second[:-1, :-1]
+        of_mass, of_slope, of_mass_rate, of_flux, of_flux_rate = (
+            each[:-1] for each in self._coefficients(stream)
+        )
+        matrix = of_mass_rate[:, :, None, None] * first[:, None, :, None] * rate[None, :, None, :]
+        at, now = np.arange(count), np.arange(self.instants)
+        same_time = of_mass[:, :, None] * first[:, None] + of_slope[:, :, None] * second[:, None]
+        matrix[:, now, :, now] += same_time.swapaxes(0, 1)
+        by_flux = of_flux[:, :, None] * rate + of_flux_rate[:, :, None] * (rate @ rate)
+        matrix[at, :, at, :] -= by_flux
+        matrix[0] = 0.0
+        matrix[0, now, :, now] = first[0]
+        return np.asarray(matrix.reshape(count * self.instants, count * self.instants))
+
+    def _solved(self, factors: tuple, right: np.ndarray) -> np.ndarray:
+        """The linear equation's X for a right-hand side on all nodes but the last."""
+        inner = lu_solve(factors, right.ravel(), check_finite=False).reshape(right.shape)
+        return np.concatenate([inner, np.zeros((1, right.shape[1]))])

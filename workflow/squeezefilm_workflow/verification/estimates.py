@@ -1,0 +1,359 @@
+"""Forces of random films compared with direct solutions: error over error estimate."""
+
+import argparse
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.cli.options import command, option
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.files import write_text
+from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.parallel import progress_of
+from squeezefilm.reynolds import error_estimate, solve
+from squeezefilm.reynolds.periodic import refinement, resolution
+from squeezefilm.reynolds.periodic.launch import SAID
+from squeezefilm.reynolds.periodic.resolution import least_fall
+from squeezefilm.reynolds.terms import inertia, terms_of_each
+from squeezefilm.reynolds.terms.thermal import Thermal
+from squeezefilm_workflow.verification.origin import origin
+from squeezefilm_workflow.verification.random_films import TOLERANCES, RandomFilm, random_film
+
+# Tolerance of a direct solution over that of the film, and the least.
+TIGHTER, TIGHTEST = 0.01, 1e-8
+# Unknowns of the finest grids: with more, one film of twenty takes most of the time of all.
+MOST_UNKNOWNS = 20_000
+# Films between two writings of the tables.
+BATCH = 40
+QUANTILES = (0.5, 0.9, 0.99, 0.999)
+OUTCOMES = ("within", "outside", "no force", "no direct solution")
+NUMBERS = [field.name for field in fields(RandomFilm)]
+# Guards of the error estimate, and the value with which each changes nothing.
+GUARDS: dict[str, tuple[Any, str, float]] = {
+    "SIZE_SHARE": (error_estimate, "SIZE_SHARE", 0.0),
+    "FALL_FACTOR": (error_estimate, "FALL_FACTOR", 1.0),
+    "UNKNOWN_FALL": (error_estimate, "UNKNOWN_FALL", 0.0),
+    "THIN_LAYER_FALL": (resolution, "THIN_LAYER_FALL", 0.0),
+    "SIZE_SHARE of inertia": (inertia, "SIZE_SHARE", 0.0),
+    "ESTIMATE_MARGIN of inertia": (inertia.Inertia, "ESTIMATE_MARGIN", 1.0 + 1e-9),
+    "ESTIMATE_MARGIN of heat": (Thermal, "ESTIMATE_MARGIN", 1.0 + 1e-9),
+}
+
+
+@command(
+    option("--output", "TABLE.csv", "table of forces to write or go on with", required=True),
+    option("--summary", "SUMMARY.csv", "its quantiles by term and tolerance", required=True),
+    option("--grids", "GRIDS.csv", "table of the forces on all grids to write or go on with"),
+    option("--films", "N", "default 100", type=int, default=100),
+    option("--seed", help="default 1", type=int, default=1),
+)
+def estimates(options: argparse.Namespace) -> None:
+    """Compare forces of random films with direct solutions: error over error estimate.
+
+      squeezefilm-verification estimates --films 5000 --output FORCES.csv --summary SUMMARY.csv
+
+    Films are drawn by their dimensionless numbers (verification/random_films.py states how) and
+    solved by the periodic method at the drawn tolerance, from 1e-2 to 1e-6, and at all looser ones,
+    on grids of at most 20 000 unknowns. The direct solution has a hundredth of the tolerance or
+    less. The error is the distance of both, the estimate that of both.
+    The tables grow film by film, and a run that was stopped goes on. The exit status is 1 where an
+    error is larger than its estimate.
+    """
+    output, numbers = Path(options.output), range(options.films)
+    table = _table_so_far(output, seed=options.seed)
+    missing = [number for number in numbers if number not in {*table["film"]}]
+    with progress_of(len(missing), unit="film", name="estimates") as bar:
+        for start in range(0, len(missing), BATCH):
+            some = missing[start : start + BATCH]
+            rows, grids = examined({n: random_film(n, seed=options.seed) for n in some})
+            if options.grids:
+                _append(pd.DataFrame(grids), Path(options.grids))
+            _append(pd.DataFrame(rows).assign(seed=options.seed), output)
+            bar.update(len(some))
+    table = _table_so_far(output, seed=options.seed)
+    table = judged(table[table["film"].isin(numbers)])
+    shown = summary(table)
+    call = f"estimates --films {options.films} --seed {options.seed} --output FORCES.csv"
+    head = origin(f"{call} --summary {Path(options.summary).name}")
+    write_text(head + shown.to_csv(index=False), options.summary)
+    print(shown.to_string(index=False))
+    outside = table.loc[table["outcome"] == "outside", "film"].unique()
+    if len(outside):
+        raise RunError(f"{output}: films outside their estimates: {', '.join(map(str, outside))}")
+
+
+def _append(table: pd.DataFrame, path: Path) -> None:
+    with path.open("a") as file:
+        table.to_csv(file, index=False, header=file.tell() == 0)
+
+
+def _table_so_far(path: Path, *, seed: int) -> pd.DataFrame:
+    """Raises InputError for a table of another seed, or another table."""
+    if not path.exists():
+        return pd.DataFrame({"film": []})
+    table = pd.read_csv(path)
+    if not {"film", "seed"} <= {*table} or set(table["seed"]) != {seed}:
+        raise InputError(f"{path}: no table of films of seed {seed}; name another --output")
+    return table
+
+
+def examined(
+    films: dict[int, RandomFilm],
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return rows of films' forces, a row a tolerance, and rows of the grids behind them."""
+    scenes = {number: replace(film.scene, point_id=str(number)) for number, film in films.items()}
+    ended: set[int] = set()
+    rows = []
+    with recorded_grids() as grids, patch.object(refinement, "MOST_UNKNOWNS", MOST_UNKNOWNS):
+        for tolerance in sorted({*TOLERANCES, *map(direct_tolerance, TOLERANCES)}, reverse=True):
+            some = [n for n in films if n not in ended and _needed(films[n], tolerance)]
+            forces = _forces([scenes[n] for n in some], tolerance)
+            for number, (force, error) in zip(some, forces, strict=True):
+                film = films[number]
+                head = {"film": number, "group": film.group}
+                head |= {"epsilon": film.epsilon, "sigma": film.sigma, "tolerance": tolerance}
+                rows.append(head | {"force": force, "estimate": error})
+                if np.isnan(force):  # nor is there one at a tighter tolerance
+                    ended.add(number)
+    return rows, grids
+
+
+def _needed(film: RandomFilm, tolerance: float) -> bool:
+    """Return whether a film is solved at a tolerance, to be examined or for the direct solution."""
+    own = tolerance in TOLERANCES and tolerance >= film.tolerance
+    return own or tolerance == direct_tolerance(film.tolerance)
+
+
+def direct_tolerance(tolerance: float) -> float:
+    """Return the tolerance of a direct solution."""
+    return float(f"{max(TIGHTER * tolerance, TIGHTEST):.0e}")
+
+
+def direct_forces(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
+    """Mean overpressures over p0 and their errors far within a tolerance, (n, 2)."""
+    return _forces(scenes, direct_tolerance(tolerance))
+
+
+def _forces(scenes: Sequence[Scene], tolerance: float) -> np.ndarray:
+    solved = solve(scenes, tolerance=tolerance, method="periodic") if scenes else []
+    pairs = zip(scenes, solved, strict=True)
+    return np.array(
+        [np.array([one.force_n, one.force_error_n]) / scene.force_scale_n for scene, one in pairs]
+    )
+
+
+@contextmanager
+def recorded_grids() -> Iterator[list[dict[str, Any]]]:
+    """Record what error estimates are made from, a row for each scene and pair of grids."""
+    rows: list[dict[str, Any]] = []
+    estimate = refinement.estimate
+
+    def recording(said: np.ndarray, before: np.ndarray, **given: Any) -> Any:
+        for k, film in enumerate(given["scenes"].point_id):
+            row = {"film": int(film), "tolerance": given["tolerance"]}
+            row["first"] = bool(np.isnan(before[1, k]))
+            row |= {name: said[name][k].item() for name in SAID.names or ()}
+            rows.append(row | {"of_profile": given["of_profile"][k]})
+        return estimate(said, before, **given)
+
+    with patch.object(refinement, "estimate", recording):
+        yield rows
+
+
+def judged(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table of forces with ``direct``, ``error_over_estimate`` and ``outcome``.
+
+    Direct is a film's force at the least tolerance, where that is at most a hundredth of the row's;
+    rows of forces that are direct alone are left away.
+    """
+    solved = table.dropna(subset="force").sort_values("tolerance").drop_duplicates("film")
+    columns = {"tolerance": "direct_tolerance", "force": "direct", "estimate": "direct_error"}
+    direct = solved.rename(columns=columns)[["film", *columns.values()]]
+    table = table[table["tolerance"].isin(TOLERANCES)].merge(direct, on="film", how="left")
+    known = table["direct_tolerance"] <= table["tolerance"].map(direct_tolerance) * (1 + 1e-9)
+    off = (table["force"] - table["direct"]).abs()
+    ratio = (off / (table["estimate"] + table["direct_error"])).where(known)
+    outcome = np.select(
+        [table["force"].isna(), ~known, ratio <= 1],
+        ["no force", "no direct solution", "within"],
+        "outside",
+    )
+    return table.assign(error_over_estimate=ratio, outcome=outcome)
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """Quantiles of error over estimate, the largest, and counts: by term, tolerance, and of all."""
+    parts: Iterable[tuple[str, pd.DataFrame]] = [
+        *((f"terms: {name}", part) for name, part in table.groupby("group", sort=False)),
+        *((f"tolerance: {value:g}", part) for value, part in table.groupby("tolerance")),
+        ("all", table),
+    ]
+    rows = []
+    for name, part in parts:
+        ratios, counts = part["error_over_estimate"], part["outcome"].value_counts()
+        quantiles = {f"{100 * q:g} %": f"{ratios.quantile(q):.2g}" for q in QUANTILES}
+        worst = {"largest error over estimate": f"{ratios.max():.2g}"}
+        rows.append(
+            {
+                "forces": name,
+                "films": part["film"].nunique(),
+                **{each: counts.get(each, 0) for each in OUTCOMES},
+                **quantiles,
+                **worst,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+@contextmanager
+def without(guard: str) -> Iterator[None]:
+    """Switch one of GUARDS off."""
+    owner, name, off = GUARDS[guard]
+    with patch.object(owner, name, off):
+        error_estimate.margin_of.cache_clear()
+        yield
+    error_estimate.margin_of.cache_clear()
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """Recorded grids of films with direct solutions, in the order of each film's way.
+
+    Attributes:
+        table: a row for each film, tolerance and pair of grids.
+        place: number of pairs of grids before that one whose changes are known, (n,).
+        said: of ``estimate``, (n,).
+        scenes: that of each row.
+    """
+
+    table: pd.DataFrame
+    place: np.ndarray
+    said: np.ndarray
+    scenes: Scenes
+
+    @classmethod
+    def of(cls, forces: pd.DataFrame, grids: pd.DataFrame) -> "Recorded":
+        """Join tables of ``estimates``; films without a direct solution have no row.
+
+        Raises InputError where no film has one.
+        """
+        known = judged(forces).dropna(subset="error_over_estimate")
+        if known.empty:
+            raise InputError("no film of the table has a direct solution; examine more films")
+        columns = ["film", "tolerance", "direct", "direct_error"]
+        table = grids.drop_duplicates().merge(known[columns], on=["film", "tolerance"])
+        table = table.sort_values(["film", "tolerance"], kind="stable", ignore_index=True)
+        place = np.arange(len(table))
+        place -= np.maximum.accumulate(np.where(table["first"], place, 0))
+        said = np.zeros(len(table), dtype=SAID)
+        for name in SAID.names or ():
+            said[name] = table[name]
+        seed = known["seed"].iloc[0]
+        drawn = {number: random_film(number, seed=seed).scene for number in {*table["film"]}}
+        scenes = Scenes.of([drawn[number] for number in table["film"]])
+        return cls(table, place, said, scenes)
+
+    def accepted(self) -> pd.Series:
+        """Return error over estimate on the first grid of each film whose estimate is enough."""
+        error, allowed = self._estimates()
+        enough = (error <= allowed) & (self.said["status"] == 0) & (self.said["lowest"] > 0)
+        off = np.abs(self.said["mean"] - self.table["direct"])
+        ratio = (off / (error + self.table["direct_error"])).set_axis(
+            pd.MultiIndex.from_frame(self.table[["film", "tolerance"]])
+        )
+        ratio = ratio[enough]
+        return ratio[~ratio.index.duplicated()]
+
+    def _estimates(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the errors that are estimated of all rows, and those that are allowed."""
+        error, allowed = np.empty((2, len(self.table)))
+        change = np.full((2, len(self.table) + 1), np.nan)
+        kinds, kind = terms_of_each(self.scenes)
+        keys = np.column_stack([self.place, kind, self.table["tolerance"]])
+        different, which = np.unique(keys, axis=0, return_inverse=True)
+        for group, (place, of_kind, tolerance) in enumerate(different):
+            at = np.flatnonzero(which == group)
+            scenes = self.scenes[at]
+            error[at], allowed[at], change[:, at] = refinement.estimate(
+                self.said[at],
+                change[:, at - 1] if place else np.full((2, len(at)), np.nan),
+                scenes=scenes,
+                terms=kinds[int(of_kind)],
+                of_profile=self.table["of_profile"].to_numpy()[at],
+                least=least_fall(scenes),
+                tolerance=float(tolerance),
+            )
+        return error, allowed
+
+
+@command(
+    option("--forces", "FORCES.csv", "table of `estimates`", required=True, type=Path),
+    option("--grids", "GRIDS.csv", "table of its grids", required=True, type=Path),
+    option("--output", "TABLE.csv", "table to write", required=True),
+)
+def guards(options: argparse.Namespace) -> None:
+    """Estimate the errors of recorded forces again, without each guard of the error estimate.
+
+      squeezefilm-verification guards --forces FORCES.csv --grids GRIDS.csv --output TABLE.csv
+
+    Nothing is solved: a film is accepted on the first of its recorded grids whose estimate meets
+    the tolerance, which may be an earlier one without a guard. The films outside their estimates
+    then are those that need it.
+    """
+    forces, grids = pd.read_csv(options.forces), pd.read_csv(options.grids)
+    recorded = Recorded.of(forces, grids)
+    rows = []
+    for guard in ("none", *GUARDS):
+        with without(guard) if guard in GUARDS else nullcontext():
+            ratios = recorded.accepted()
+        outside = ratios[ratios > 1]
+        numbers = outside.index.get_level_values("film").unique()
+        rows.append(
+            {
+                "guard switched off": guard,
+                "forces": len(ratios),
+                **{f"{100 * q:g} %": f"{ratios.quantile(q):.2g}" for q in QUANTILES},
+                "largest error over estimate": f"{ratios.max():.3g}",
+                "outside": len(outside),
+                "films outside": " ".join(map(str, numbers[:5])),
+            }
+        )
+    call = "guards --forces FORCES.csv --grids GRIDS.csv"
+    table = pd.DataFrame(rows)
+    write_text(
+        origin(f"{call} --output {options.output}") + table.to_csv(index=False), options.output
+    )
+    print(table.to_string(index=False))
+
+
+@command(option("--output", "TABLE.csv", "table to go on with", required=True, type=Path))
+def stored_films(options: argparse.Namespace) -> None:
+    """Solve the stored films that need a guard of the error estimate, where their force is empty.
+
+      squeezefilm-verification stored-films --output tests/numerics/data/judged_films.csv
+
+    Each force is written as soon as it is known.
+    """
+    table = read_films(options.output)
+    head = origin(f"stored-films --output {options.output}")
+    for index, row in table[table["force"].isna()].iterrows():
+        film = film_of(row)
+        ((force, error),) = direct_forces([film.scene], tolerance=film.tolerance)
+        table.loc[index, ["force", "force_error"]] = float(f"{force:.9g}"), float(f"{error:.2g}")
+        write_text(head + table.to_csv(index=False), options.output)
+
+
+def read_films(path: Path) -> pd.DataFrame:
+    """Return a table of stored films: name, guards, numbers, force and its error over p0 A."""
+    return pd.read_csv(path, comment="#", dtype={"quadrature": str})
+
+
+def film_of(row: pd.Series) -> RandomFilm:
+    """Return the film of a table's row."""
+    return RandomFilm(**{name: row[name] for name in NUMBERS})

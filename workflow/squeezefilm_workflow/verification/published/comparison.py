@@ -1,0 +1,234 @@
+"""Published numbers beside exact solutions, and these beside the solver.
+
+A row is one number. Its deviations are of the exact solution from what was published, of the solver
+from the exact solution, and of the Reynolds equation without inertia and thermal effects from what
+the exact solution is compared with: absolute values, relative, of complex numbers and fields too.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from itertools import product
+from math import nan, pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.errors import RunError
+from squeezefilm.film.pad import GapShape, Pad
+from squeezefilm.film.scene import Actuator, Film, Gas, Scene
+from squeezefilm.quantities.outputs import with_outputs
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.terms.rarefaction import slip_flow
+from squeezefilm_workflow.verification.films import PISTON, film
+from squeezefilm_workflow.verification.published import slider
+from squeezefilm_workflow.verification.published.linear_film import (
+    VISCOUS,
+    depth_averaged,
+    disc_response,
+    exact,
+    piston_response,
+    radial_pressure,
+)
+from squeezefilm_workflow.verification.rarefied_flow import poiseuille_flow
+
+HERE = Path(__file__).parent
+SMALL = 1e-4
+"""ε of a linear film: what is left of the next order is 2e-8 of the first harmonic."""
+# ANSYS Mechanical APDL Verification Manual, VM245: damping in N s/m, stiffness in N/m.
+DAMPING, STIFFNESS = 15.29e-3, 28.65e3
+# Air of the finite elements (DisplacementPressure_Space.py): density, sound speed, viscosity, γ,
+# heat capacity, conductivity, in SI units.
+AIR = {"density": 1.18, "sound": 345.9, "viscosity": 1.83e-5, "gamma": 1.4}
+AIR_PA = AIR["density"] * AIR["sound"] ** 2 / AIR["gamma"]
+AIR_PRANDTL = AIR["viscosity"] * 1005 / 24.4e-3
+# Distances from the hole's edge, in gaps, at which the pressure is prescribed: flow around the
+# edge, which no film equation has, has decayed at the second.
+DISTANCES, RADIAL = (0, 2), "p(r), given {} gaps from the hole"
+REYNOLDS, SIGMA = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
+SAMPLE = (4.0,), (1.0, 100.0)
+RESPONSES: dict[str, Any] = {"rectangle": piston_response, "ellipse": disc_response}
+# Relative error of the solver's first harmonic against its own equation's.
+SAME = 1e-6
+# github.com/cml-berkeley/cmlair, flow.f90: Poiseuille flow of the linearised Boltzmann equation by
+# inverse Knudsen number, of the tables in comments.
+RAREFIED_FLOW = {0.01: 3.060, 0.1: 2.033, 1.0: 1.539, 10.0: 2.768, 100.0: 17.693}
+# github.com/hannes-holey/hans, tests/inclined-slider1D_x_ideal-gas.yaml; and two widths whose
+# difference is free of the ends.
+SLIDER_GAPS_M, SLIDER_LENGTH_M, SLIDER_WIDTHS_M = (66e-6, 10e-6), 0.1, (0.5, 1.0)
+
+
+COLUMNS = (
+    *("source", "case", "quantity", "modified_reynolds", "sigma", "published", "exact", "solver"),
+    *("exact_deviation", "solver_deviation", "viscous_deviation", "status"),
+)
+
+Row = dict[str, Any]
+"""One number: what it has of COLUMNS."""
+
+
+def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
+    """All comparisons; of depth averaging a small sample, if asked for."""
+    reynolds, sigma = SAMPLE if sample else (REYNOLDS, SIGMA)
+    rows = [
+        *plate(device),
+        *inclined_slider(device),
+        *rarefied_gas(),
+        *radial_films(),
+        *depth_averaging(reynolds, sigma, device),
+    ]
+    return tabulated(rows)
+
+
+def tabulated(rows: Iterable[Row]) -> pd.DataFrame:
+    """Rows as a table, NaN where a kind of value or deviation does not exist.
+
+    Deviations are those of a row's numbers where nothing else is given. ``status`` is ``ok``, or
+    why there is no value of the solver.
+    """
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    own = {
+        "exact_deviation": abs(table["exact"] / table["published"] - 1),
+        "solver_deviation": abs(table["solver"] / table["exact"] - 1),
+    }
+    table = table.fillna(pd.DataFrame(own)).astype({"status": object})
+    return table.fillna({"status": "ok"})
+
+
+def plate(device: Device | None = None) -> Iterator[Row]:
+    """Linear damping and stiffness of a plate of 2 mm by 1 mm over a gap of 5 µm at 100 kHz."""
+    gas = Gas(viscosity_pa_s=18.3e-6, ambient_pressure_pa=1e5, inertia="none", thermal="none")
+    pad, h0_m = Pad(2e-3, 1e-3, 0.0), 5e-6
+    scene = Film(gas, Actuator(1e5, 1.0, profile=PISTON), pad).scene(h0_m, SMALL * h0_m)
+    response = scene.force_scale_n / h0_m * piston_response(scene.sigma, scene.aspect)
+    rate = scene.actuator.angular_frequency_rad_per_s
+    (found,) = _quantities([scene], "harmonics", tolerance=1e-6, device=device)
+    row = partial(_valued, source="ANSYS VM245", case="plate, 100 kHz", sigma=scene.sigma)
+    yield row("damping / (N s/m)", DAMPING, response.imag / rate, found["film_damping"])
+    yield row("stiffness / (N/m)", STIFFNESS, response.real, found["film_stiffness"])
+
+
+def inclined_slider(device: Device | None = None) -> Iterator[Row]:
+    """Largest pressure, load and centre of pressure of a wide slider with a gap ratio of 6.6."""
+    (wide_m, narrow_m), length_m = SLIDER_GAPS_M, SLIDER_LENGTH_M
+    gas = Gas(viscosity_pa_s=1.846e-5, inertia="none", thermal="none")
+    pads = [Pad(length_m, w, 50.0, gap=GapShape(narrow_m - wide_m)) for w in SLIDER_WIDTHS_M]
+    films = [Film(gas, Actuator(1e3, 1.0, profile=PISTON), pad) for pad in pads]
+    scenes = [each.scene((wide_m + narrow_m) / 2, 0.0) for each in films]
+    one, other = _quantities(scenes, "moments", "extremes", tolerance=1e-7, device=device)
+    p0_pa, force_n = gas.ambient_pressure_pa, other["force"] - one["force"]
+    ours = (
+        1 + other["gauge_pressure_max"] / p0_pa,
+        force_n / (scenes[1].force_scale_n - scenes[0].force_scale_n),
+        0.5 - (other["moment_y"] - one["moment_y"]) / force_n / length_m,
+    )
+    stored = pd.read_csv(HERE / "slider.csv", comment="#")
+    cells = slider.of_cells(stored["x"].to_numpy(), stored["pressure_pa"].to_numpy() / p0_pa)
+    names = "largest pressure / p0", "load / (p0 area)", "centre of pressure / length"
+    for numbers in zip(names, cells, slider.exact(scenes[1]), ours, strict=True):
+        yield _valued(*numbers, source="hans (Holey)", case="inclined slider, Λ 54.66")
+
+
+def rarefied_gas() -> Iterator[Row]:
+    """Poiseuille flow of a rarefied gas; the solver's is what its flow factor interpolates."""
+    row = partial(_valued, "Poiseuille flow", source="cmlair (CML Berkeley)")
+    for inverse, flow in RAREFIED_FLOW.items():
+        ours = inverse / 6 + float(slip_flow(inverse))
+        yield row(flow, poiseuille_flow(inverse), ours, case=f"rarefied gas, D {inverse:g}")
+
+
+def radial_films() -> Iterator[Row]:
+    """Pressure behind membranes and plates around a hole, their motion and one pressure given."""
+    stored = pd.read_csv(HERE / "radial_films.csv", comment="#")
+    for _, nodes in stored.groupby(["plate", "gap_m", "frequency_hz"]):
+        kind, frequency_hz, hole_m, gap_m = nodes.iloc[0, :4]
+        omega, viscosity = 2 * pi * frequency_hz, AIR["viscosity"]
+        reynolds = AIR["density"] * omega * gap_m**2 / viscosity
+        squeeze = 12 * viscosity * omega / (AIR_PA * gap_m**2)
+        resolved = exact(reynolds, prandtl=AIR_PRANDTL, heat_capacity_ratio=AIR["gamma"])
+        for distance in DISTANCES:
+            away = nodes["r_m"] >= hole_m * (1 - 1e-9) + distance * gap_m
+            r_m, xi_real, xi_imag, p_real, p_imag = nodes.loc[away, "r_m":].to_numpy().T
+            pressure, motion = (p_real + 1j * p_imag) / AIR_PA, (xi_real + 1j * xi_imag) / gap_m
+            found = [
+                radial_pressure(r_m, motion, pressure[0], squeeze=squeeze, factors=factors)
+                for factors in (resolved, VISCOUS)
+            ]
+            deviation = np.linalg.norm(np.array(found) - pressure, axis=1)
+            deviation /= np.linalg.norm(pressure)
+            yield dict(
+                source="Honzík et al.",
+                case=f"{kind}, {1e6 * gap_m:.0f} µm, {1e-3 * frequency_hz:.0f} kHz",
+                quantity=RADIAL.format(distance),
+                modified_reynolds=reynolds,
+                exact_deviation=deviation[0],
+                viscous_deviation=deviation[1],
+            )
+
+
+def depth_averaging(
+    reynolds: Sequence[float], sigma: Sequence[float], device: Device | None = None
+) -> Iterator[Row]:
+    """First harmonic of a piston's force by the solver, with inertia, then thermal effects too.
+
+    Of a square, then of a disc; without the solver's where that is not converged. Raises RunError
+    where there is none for another reason, or one that is not that of the parabolic profiles.
+    """
+    for shape, thermal, re, s in product(RESPONSES, ("none", "included"), reynolds, sigma):
+        scene = film("", SMALL, s, profile=PISTON, reynolds=re, shape=shape)
+        scene, response, status = scene.with_gas(thermal=thermal), RESPONSES[shape], "ok"
+        try:
+            (found,) = _quantities([scene], "harmonics", tolerance=1e-5, device=device)
+        except RunError as error:
+            status = str(error)
+            if not status.startswith("not converged: "):
+                raise
+            found = {"force_in_phase": nan, "force_quadrature": nan}
+        force = -(found["force_in_phase"] + 1j * found["force_quadrature"])
+        ours = force / (scene.force_scale_n * scene.epsilon)
+        prandtl = scene.gas.prandtl if thermal == "included" else 0.0
+        gas = {"prandtl": prandtl, "heat_capacity_ratio": scene.gas.heat_capacity_ratio}
+        parabolic = response(s, factors=depth_averaged(re, **gas))
+        if abs(ours / parabolic - 1) >= SAME:
+            raise RunError(f"first harmonic at Re {re:g}, σ {s:g}: {ours:.9g}, not {parabolic:.9g}")
+        resolved = response(s, factors=exact(re, **gas))
+        yield dict(
+            source="depth averaging",
+            case="disc: " * (shape == "ellipse")
+            + ("inertia and thermal effects" if thermal == "included" else "inertia"),
+            quantity="first harmonic",
+            modified_reynolds=re,
+            sigma=s,
+            exact=abs(resolved),
+            solver=abs(ours),
+            solver_deviation=abs(ours / resolved - 1),
+            viscous_deviation=abs(response(s) / resolved - 1),
+            status=status,
+        )
+
+
+def _valued(quantity: str, published: float, exact: float, solver: float, **row: Any) -> Row:
+    return dict(quantity=quantity, published=published, exact=exact, solver=solver, **row)
+
+
+def _quantities(
+    scenes: Sequence[Scene], *outputs: str, tolerance: float, device: Device | None
+) -> list[dict[str, float]]:
+    """The mean force, ``force``, and outputs of each scene; raises RunError where there is none."""
+    solutions = with_outputs(
+        scenes,
+        solve(scenes, tolerance=tolerance, method="periodic", device=device, keep_states=True),
+        outputs=outputs,
+        tolerance=tolerance,
+        device=device,
+    )
+    found = []
+    for solution in solutions:
+        assert solution.outputs
+        reasons = dict.fromkeys([solution.status, *solution.outputs.missing.values()])
+        if [*reasons] != ["ok"]:
+            raise RunError("; ".join(reason for reason in reasons if reason != "ok"))
+        found.append({"force": solution.force_n, **solution.outputs.value})
+    return found

@@ -1,0 +1,150 @@
+"""Run times: the paper by rule, one force by part, many scenes on host and device."""
+
+import argparse
+import re
+import resource
+import subprocess
+import sys
+from functools import partial
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm import load
+from squeezefilm.cli.options import command, option
+from squeezefilm.errors import InputError
+from squeezefilm.files import write_text
+from squeezefilm.parallel import say
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.studies.plans import random_plan
+from squeezefilm.studies.space import box_of
+from squeezefilm_workflow.verification.origin import origin
+from squeezefilm_workflow.verification.work_precision import FILMS, measure, work_precision
+
+PAPER = "config/paper.yaml"
+USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
+"""The last line of a job's log, which `scripts/job.py` writes."""
+ONE_FORCE = ("-m", "squeezefilm", "simulate", "--config", PAPER, "--h0", "5um", "--hv", "2.2um")
+NOTHING = ("-m", "snakemake", "-n", "--quiet", "all")
+DEVICE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
+BATCHES = ((1, 300), (10_000, 5))
+"""Scenes of a batch, and how often it is solved; the median counts."""
+ROUNDS = 9
+"""Of the processes, one after the other; the first warms up, of the others the median counts."""
+
+
+@command(
+    option("--output", "FOLDER", "for the tables", required=True, type=Path),
+)
+def run_times(options: argparse.Namespace) -> None:
+    """Measure run times on this machine: four tables.
+
+      make paper && squeezefilm-verification run-times --output docs/data
+
+    `paper_times.csv`: processor time by rule, of every job that has left a log in logs/paper;
+    `force_times.csv`: of one force from the shell by part; `batch_times.csv`: of random scenes of
+    the four-factor space, on host and device; `equal_error.csv`: of other methods, and how often
+    the solver's is in it where its error is no larger. Nothing else should run meanwhile.
+    """
+    head = origin("run-times --output docs/data")
+    for measured in paper_times, force_times, batch_times, equal_error:
+        say(f"{measured.__name__}: measuring")
+        table = measured().to_csv(index=False)
+        write_text(head + table, options.output / f"{measured.__name__}.csv")
+
+
+def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
+    """Processor time and memory by rule, from the logs of a finished run, the largest first.
+
+    Raises InputError where no log of the folder is one of a job that ended.
+    """
+    jobs = pd.DataFrame(
+        [
+            (path.relative_to(logs).parts[0].removesuffix(".log"), float(used[1]), int(used[2]))
+            for path in logs.rglob("*.log")
+            if (used := USED.search(path.read_text(encoding="utf-8")))
+        ],
+        columns=["rule", "seconds", "memory"],
+    )
+    if jobs.empty:
+        raise InputError(f"{logs}: has no log of a finished job; run `make paper` first")
+    rules = jobs.groupby("rule").agg(
+        jobs=("seconds", "size"), seconds=("seconds", "sum"), memory=("memory", "max")
+    )
+    rules = rules.sort_values("seconds", ascending=False)
+    rules.loc["all jobs"] = len(jobs), jobs["seconds"].sum(), jobs["memory"].max()
+    names = {"seconds": "processor time (s)", "memory": "largest memory (MB)"}
+    return rules.astype({"jobs": int, "memory": int}).round(1).rename(columns=names).reset_index()
+
+
+def force_times() -> pd.DataFrame:
+    """Processor time of one force from the shell by what the process does, kernels in the cache."""
+    python_alone, with_numpy, with_device = ("-c", "pass"), ("-c", "import numpy"), ("-c", DEVICE)
+    processes = python_alone, with_numpy, with_device, (*ONE_FORCE, "--help"), ONE_FORCE, NOTHING
+    rounds = [[child_seconds(*words) for words in processes] for _ in range(ROUNDS)]
+    python, numpy, device, options, force, nothing = np.median(rounds[1:], axis=0)
+    parts = {
+        "Python": python,
+        "NumPy": numpy - python,
+        "PyOpenCL and device": device - numpy,
+        "library and options": options - numpy,
+        "configuration, kernels from the cache, solution": force - device - options + numpy,
+        "all": force,
+        "for comparison: Snakemake with nothing to do": nothing,
+    }
+    milliseconds = [round(1e3 * seconds) for seconds in parts.values()]
+    return pd.DataFrame({"part": [*parts], "processor time (ms)": milliseconds})
+
+
+def batch_times() -> pd.DataFrame:
+    """Times per scene of random scenes in one batch and of one scene, warm.
+
+    The host is the main thread; on a processor kernels run on others.
+    """
+    study, rows = load(PAPER), []
+    points = random_plan(points=BATCHES[-1][0], seed=1, **box_of(study.config).ranges)
+    for (count, repeats), tolerance in product(BATCHES, (1e-4, 1e-6)):
+        call = partial(solve, study.scenes(points[:count]), tolerance=tolerance)
+        _, times = measure(call, repeats=repeats, long_seconds=np.inf)
+        wall, processor, host = 1e3 * times / count
+        rows.append((count, tolerance, wall, processor, host, processor - host))
+    columns = ["scenes", "tolerance", "wall", "processor", "host", "kernels"]
+    table = pd.DataFrame(rows, columns=columns)
+    shown = {name: table[name].map("{:.3g}".format) for name in columns[2:]}
+    return table.assign(**shown).rename(columns={name: f"{name} (ms a scene)" for name in shown})
+
+
+def equal_error() -> pd.DataFrame:
+    """First and last run of each other method on the centred pad, and the solver's at equal error.
+
+    Of those runs that a run of the solver is no worse than.
+    """
+    runs = work_precision(
+        (FILMS[1],), repeats=9, batch=100, longest_seconds=2.0, rungs=10, device=choose_device()
+    )
+    ends = runs.dropna(subset="speedup").groupby("method", sort=False).nth([0, -1])
+    columns = {
+        "its error": "relative_error",
+        "its seconds": "cpu_s",
+        "times less, scene alone": "speedup",
+        "in a batch of 100": "speedup_in_batch",
+    }
+    shown = {
+        name: [f"{float(f'{number:.2g}'):g}" for number in ends[column]]
+        for name, column in columns.items()
+    }
+    return pd.DataFrame({"other method": ends["method"], **shown})
+
+
+def child_seconds(*words: str) -> float:
+    """Return the processor seconds of a Python process.
+
+    Raises subprocess.CalledProcessError where it fails.
+    """
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, *words], check=True, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
