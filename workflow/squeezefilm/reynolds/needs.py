@@ -78,7 +78,7 @@ class Needs:
     def reasons(self, why: Callable[[Scene, Terms], str]) -> dict[int, str]:
         """Reasons that follow from a scene's film and terms, by row; none where they are empty."""
         found: dict[int, str] = {}
-        for rows in rows_alike(self.scenes.film_index * len(self.kinds) + self.kind):
+        for rows in rows_alike(self.scenes.film_index, self.kind):
             if reason := why(self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]):
                 found |= dict.fromkeys(rows.tolist(), reason)
         return found

@@ -349,11 +349,13 @@ def expanded(
         for each, at_least in zip((sigma, sigma * scenes.aspect**2), nodes.T, strict=True)
     ]
     # Films of one kind together: fields real or complex, gaps even at rest or not, inertia or not.
-    fields = 4 * (scenes.gas.inertia == "included") + scenes.column(
-        lambda film: 2 * film.actuator.profile.is_complex + film.pad.gap.flat
-    )
+    kinds = [
+        scenes.gas.inertia == "included",
+        scenes.column(lambda film: film.actuator.profile.is_complex),
+        scenes.column(lambda film: film.pad.gap.flat),
+    ]
     results = {}
-    for group in rows_alike(8 * (points[0] + 2**20 * points[1]) + fields):
+    for group in rows_alike(*points, *[np.broadcast_to(kind, len(rows)) for kind in kinds]):
         nx, ny = (int(each[group[0]]) for each in points)
         for start in range(0, len(group), BATCH):
             some = group[start : start + BATCH]

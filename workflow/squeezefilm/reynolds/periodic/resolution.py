@@ -68,8 +68,6 @@ THIN_SIGMA = 1e4
 MOST_FIRST, MOST_FIRST_FOLDED, MOST_FIRST_TIME = 268, 132, 160
 # Stands for zero in a denominator.
 TINY = 1e-300
-# One number of nx, ny, nt, two folds and the nodes that see the profile along x and y.
-CODE = 2.0 ** np.array([0, 9, 18, 26, 27, 28, 37])
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +115,7 @@ def first_grids(
             share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
         columns = _points(needs, alike, film, tolerance=tolerance, share=share, step=step)
         numbers = np.arange(len(needs))[alike]
-        for some in rows_alike(CODE @ columns):
+        for some in rows_alike(*columns):
             grids = _sequence(tuple(columns[:, some[0]].tolist()), outline, room, step)
             yield Group(numbers[some], grids, terms, aspect)
 
@@ -174,10 +172,9 @@ def _alike(needs: Needs, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
         yield 0, films[0], rows
         return
     pads = [(film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m) for film in films]
-    different = list(dict.fromkeys(pads))
-    which = np.array([different.index(each) for each in pads])[needs.scenes.film_index]
-    numbers, code = np.arange(len(needs))[rows], needs.kind * len(different) + which
-    for some in rows_alike(code[rows]):
+    first_alike = np.array([pads.index(pad) for pad in pads])[needs.scenes.film_index]
+    numbers = np.arange(len(needs))[rows]
+    for some in rows_alike(needs.kind[rows], first_alike[rows]):
         first = numbers[some[0]]
         yield int(needs.kind[first]), films[needs.scenes.film_index[first]], numbers[some]
 
