@@ -266,20 +266,26 @@ NUMBERS_OF_GAS = tuple(each.name for each in fields(Gas))
 Rows = slice | np.ndarray
 
 
-def distinct(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The first row of each different value, and which of the values each row has, (n,)."""
-    if len(values) == 1 or (values == values[:1]).all():
-        which = np.zeros(len(values), dtype=np.int64)
+def distinct(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The first of the rows that differ, and which of these each row is, (n,)."""
+    count = len(columns[0])
+    which = np.zeros(count, dtype=np.int64)
+    if count == 1 or all([(column == column[:1]).all() for column in columns]):
         return which[:1], which
-    _, first, which = np.unique(values, return_index=True, return_inverse=True)
-    return first, which
+    order = np.lexsort(columns[::-1])
+    is_new = np.arange(count) == 0
+    for column in columns:
+        in_order = column[order]
+        is_new[1:] |= in_order[1:] != in_order[:-1]
+    which[order] = np.cumsum(is_new) - 1
+    return order[is_new], which
 
 
-def rows_alike(values: np.ndarray) -> list[np.ndarray]:
-    """The rows of each different value."""
-    first, which = distinct(values)
+def rows_alike(*columns: np.ndarray) -> list[np.ndarray]:
+    """The numbers of equal rows, each group of them in an array."""
+    first, which = distinct(*columns)
     if len(first) < 2:
-        return [np.arange(len(values))][: len(values)]
+        return [np.arange(len(which))][: len(which)]
     ends = np.cumsum(np.bincount(which))[:-1]
     return np.split(np.argsort(which, kind="stable"), ends)
 
@@ -420,7 +426,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def places(self) -> tuple[Places, np.ndarray]:
         """The pad's positions of scenes of one film, and which of them each scene has, (n,)."""
         (film,) = self.films
-        first, which = distinct(self.x_m + 1j * self.y_m)
+        first, which = distinct(self.x_m, self.y_m)
         return Places(film.pad_profile, self.x_m[first], self.y_m[first]), which
 
     @cached_property

@@ -14,7 +14,7 @@ and of time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache, reduce
+from functools import lru_cache
 from math import hypot, inf
 
 import numpy as np
@@ -55,7 +55,7 @@ def modes_of(
         slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_STEP)
         slows = np.maximum(slows, 1.0)
         steps += [lags, *slows]
-    first, which = distinct(reduce(lambda code, each: 1000 * code + each, steps))
+    first, which = distinct(*steps)
     instants = tuple([grid.nt for grid in grids])
     kinds = np.array(steps)[:, first].T.tolist()
     return Packed.of_rows([_packed_modes(instants, *kind) for kind in kinds]), which
