@@ -14,8 +14,8 @@ from squeezefilm.reynolds.asymptotics.composite import AsymptoticForces, expande
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import States, solve_batch
+from squeezefilm.reynolds.plan import plan_of
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
@@ -100,8 +100,8 @@ def expansion_of(
     expand: Callable[[Films], AsymptoticForces], scene: Scene, *, tolerance: float
 ) -> tuple[float, float]:
     """A scene's force by an expansion and its error, in newtons."""
-    found = expanded(expand, needs_of(scene), [0], tolerance=tolerance)[0]
-    return found.mean * scene.force_scale_n, found.error * scene.force_scale_n
+    found = expanded(expand, plan_of(scene), [0], tolerance=tolerance)
+    return found.mean[0] * scene.force_scale_n, found.error[0] * scene.force_scale_n
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Radius
 
@@ -92,11 +92,11 @@ ANGLED = {
 
 @pytest.mark.parametrize("name", ANGLED)
 def test_a_film_with_an_angle_keeps_it(name):
-    assert needs_of(ANGLED[name]).domains.tolist() != ["radius"]
+    assert plan_of(ANGLED[name]).domains.tolist() != ["radius"]
 
 
 def test_a_piston_has_no_angle_wherever_the_disc_is():
-    assert needs_of([disc(), disc(x=0.3), disc(SINC, x=0.3)]).domains.tolist() == [
+    assert plan_of([disc(), disc(x=0.3), disc(SINC, x=0.3)]).domains.tolist() == [
         "radius",
         "radius",
         "half in y",

@@ -9,7 +9,7 @@ from films import film
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Quadrature, StandingWave
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.solver import previews
+from squeezefilm.reynolds.dry_run import dry_run
 
 INERTIA, THERMAL, SLIDING = {"inertia": "included"}, {"thermal": "included"}, {"bearing": 0.1}
 FACTOR, SLIP = {"rarefaction": "fukui-kaneko"}, {"rarefaction": "slip"}
@@ -38,4 +38,4 @@ def test_what_was_not_derived_is_refused_and_planned_so(numbers, pad, method, re
     (solution,) = solve([scene], tolerance=1e-3, method=method)
     assert reason in solution.status
     assert np.isnan(solution.force_n)
-    assert previews([scene], tolerance=1e-3, method=method)[0].status == solution.status
+    assert dry_run([scene], tolerance=1e-3, method=method)[0]["status"] == solution.status

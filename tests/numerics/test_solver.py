@@ -12,10 +12,11 @@ from physics_facts import ASIDE_N, CENTRED_N, slow_piston
 from squeezefilm.film.profiles import Sinc
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.solver import METHODS, previews
+from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.study import scenes_in
 
 
@@ -133,7 +134,7 @@ def test_a_film_at_rest_bears_nothing_and_does_not_touch_the_others(method):
     first, still, last = solve(scenes, tolerance=1e-2, method=method)
     assert alike([first, last], solve(good, tolerance=1e-2, method=method))
     assert (still.status, still.force_n) == ("ok", 0)
-    assert previews(scenes, tolerance=1e-2, method=method)[1].status == still.status
+    assert dry_run(scenes, tolerance=1e-2, method=method)[1]["status"] == still.status
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
@@ -150,7 +151,7 @@ def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance):
     assert solutions[4].status == "the profile has no finite value at some place under the pad"
     assert np.isnan([solutions[1].force_n, solutions[4].force_n]).all()
     assert sum(finished) == len(scenes)
-    planned = [each.status for each in previews(scenes, tolerance=tolerance)]
+    planned = [each["status"] for each in dry_run(scenes, tolerance=tolerance)]
     assert planned == [each.status for each in solutions]
 
 

@@ -28,8 +28,8 @@ from squeezefilm.quantities.model_error import (
 )
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
+from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.reynolds.solver import previews
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions, as_in
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
@@ -275,13 +275,13 @@ def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator
     """
     settings = film.solver()
     scenes = settings.resolved(scenes)
-    found, rows = previews(scenes, tolerance=settings.tolerance, method=settings.method), []
-    for scene, preview in zip(scenes, found, strict=True):
-        row = {name: getattr(scene, name) for name in ("point_id", *NUMBERS)} | vars(preview)
+    rows = []
+    expected = dry_run(scenes, tolerance=settings.tolerance, method=settings.method)
+    for scene, row in zip(scenes, expected, strict=True):
         absent = row.pop("absent")
+        row = {name: getattr(scene, name) for name in ("point_id", *NUMBERS)} | row
         row |= {
             "validity": validity(scene),
-            "terms": "; ".join(preview.terms),
             "absent_terms": "; ".join(each.name for each in absent),
             "absent_term_reasons": "; ".join(f"{each.name}: {each.why}" for each in absent),
             "notes": "; ".join(notes_of(scene)),

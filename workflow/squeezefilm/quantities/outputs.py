@@ -23,9 +23,9 @@ from squeezefilm.quantities.states import remainder, weights_with_edge, with_sta
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import State
-from squeezefilm.reynolds.solver import plans_of, solve
+from squeezefilm.reynolds.plan import plan_of
+from squeezefilm.reynolds.solver import planned, solve
 from squeezefilm.reynolds.spectral import (
     Around,
     Axis,
@@ -103,8 +103,9 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
     By their names in OUTPUTS. Inertia must be decided.
     """
     within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
-    reason = plans_of(needs_of(scene), tolerance=within, method="periodic").get(0)
-    return dict.fromkeys(OUTPUTS, str(reason)) if reason else _without_formula(scene)
+    (solution,), _ = planned(plan_of(scene), tolerance=within, method="periodic")
+    reason = solution.status
+    return dict.fromkeys(OUTPUTS, reason) if reason else _without_formula(scene)
 
 
 def _without_formula(scene: Scene) -> dict[str, str]:

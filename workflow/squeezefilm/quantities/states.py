@@ -11,8 +11,8 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after, margin_of
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
+from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Around, Axis
 from squeezefilm.reynolds.terms import terms_of
@@ -128,12 +128,12 @@ def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[fl
     Returns:
         The error in units of that change, and what the iteration left of the pressure, in p0.
     """
-    needs, (coarse, fine) = needs_of(scene), (state.grid.across for state in solution.states)
+    plan, (coarse, fine) = plan_of(scene), (state.grid.across for state in solution.states)
     fall = max(
         UNKNOWN_FALL,
-        profile_fall(needs, coarse, fine, tolerance=tolerance).item(),
-        least_fall(needs.scenes).item(),
+        profile_fall(plan, coarse, fine, tolerance=tolerance).item(),
+        least_fall(plan.scenes).item(),
     )
     # A mass error w moves the pressure by about n w/H.
     left = scene.gas.polytropic_exponent * solution.residual / scene.narrowest
-    return margin_of(needs.terms) * float(left_after(fall)), left
+    return margin_of(plan.terms) * float(left_after(fall)), left

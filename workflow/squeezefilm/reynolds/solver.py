@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from math import isfinite, log10, nan
 
 import numpy as np
 
@@ -13,17 +11,14 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validities
 from squeezefilm.reynolds.asymptotics.composite import Expanded, composite, not_derived_for
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.grid import Grid, iteration_flops
-from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
-from squeezefilm.reynolds.periodic.resolution import first_grids, unseen_profiles
+from squeezefilm.reynolds.periodic.resolution import unseen_profiles
+from squeezefilm.reynolds.plan import Plan, plan_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.terms import AbsentTerm, Terms, absent_terms, refused_on_grid
+from squeezefilm.reynolds.terms import refused_on_grid
 from squeezefilm.solution import Solution, Solutions
 
 METHODS = ("auto", "composite", "periodic")
-# A scene's force by an expansion, or why it has none.
-Plan = Expanded | str
 
 
 def solve(
@@ -91,148 +86,45 @@ def _solve(
     keep_states: bool,
     report: Callable[[int], object],
 ) -> Solutions:
-    needs = needs_of(scenes)
-    plans = plans_of(needs, tolerance=tolerance, method=method)
-    report(len(plans))
-    if len(plans) == len(scenes):
-        solutions = Solutions.of_method(method, len(scenes))
-    else:
-        rest = np.delete(np.arange(len(scenes)), list(plans)) if plans else slice(None)
+    plan = plan_of(scenes)
+    solutions, _ = planned(plan, tolerance=tolerance, method=method)
+    waiting = np.flatnonzero(solutions.status == "")
+    report(len(scenes) - len(waiting))
+    if len(waiting):
         chosen = device or choose_device()
         if not chosen.processor:
             check_device(chosen)
         how = {"device": chosen, "keep_states": keep_states, "report": report}
         try:
-            solutions = solve_periodic(needs, rest, tolerance=tolerance, **how)  # type: ignore[arg-type]
+            solve_periodic(plan, solutions, tolerance=tolerance, **how)  # type: ignore[arg-type]
         except Exception:
             chosen.queue.finish()  # kernels under way write into arrays that this sets free
             raise
-    scale_n = np.broadcast_to(scenes.force_scale_n, len(scenes))
-    for row, plan in plans.items():
-        if isinstance(plan, str):
-            solutions.status[row], solutions.method[row] = plan, _named(method)
-            continue
-        solutions.status[row], solutions.method[row] = plan.status(tolerance), "composite"
-        solutions.domain[row], solutions.absent_terms[row] = "whole", needs.absent_terms()[row]
-        solutions.nx[row], solutions.ny[row] = plan.nx, plan.ny
-        solutions.work[row] = plan.flops
-        if isfinite(plan.error):
-            solutions.force_n[row] = plan.mean * scale_n[row]
-            solutions.force_error_n[row] = plan.error * scale_n[row]
     return solutions
 
 
-def _named(method: str) -> str:
-    """The method of a scene without a force where none was chosen for it."""
-    return "periodic" if method == "auto" else method
+def planned(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Expanded]:
+    """The solutions as far as they are known before a periodic state is solved for.
 
-
-def plans_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Plan]:
-    """Return the treatment of scenes by ``solve`` that is decided before solving.
-
-    By row, of those that are not solved by the periodic method.
+    The status is empty where one will be. The results behind those by an expansion go with them.
     """
-    plans: dict[int, Plan] = {**unseen_profiles(needs, tolerance=tolerance)}
+    refused = unseen_profiles(plan, tolerance=tolerance)
+    found = Expanded.of([])
     if method != "periodic":
-        plans |= composite(needs, tolerance=tolerance, auto=method == "auto", but=plans)
+        found = composite(plan, tolerance=tolerance, auto=method == "auto", but=refused)
     if method == "composite":
-        return not_derived_for(needs) | plans
-    return needs.once("on grids", needs.reasons, refused_on_grid) | plans
-
-
-@dataclass(frozen=True)
-class Preview:
-    """One scene's way to its force, unsolved.
-
-    Attributes:
-        method: name of the method.
-        status: that of the solution as far as it is known before solving: ``ok``, why there will
-            be no force, or how far the composite expansion is from the tolerance. What only
-            solving shows are a tolerance not reached and Newton's failure.
-        domain: part of the pad that is solved, of DOMAINS (needs.py); empty where none is.
-        terms: the terms of the equation that are solved.
-        nx, ny, nt: points across the pad and over the period, on the finest grid expected.
-        absent: the terms that the equation does not have, with the reasons.
-        expected_error: relative; the expansion's own estimate, else the tolerance; NaN without a
-            force.
-        expected_mflop: millions of floating-point operations, to within a factor of about two.
-    """
-
-    method: str
-    status: str = "ok"
-    domain: str = ""
-    terms: tuple[str, ...] = ()
-    nx: int = 0
-    ny: int = 0
-    nt: int = 0
-    absent: tuple[AbsentTerm, ...] = ()
-    expected_error: float = nan
-    expected_mflop: float = 0.0
-
-
-def previews(
-    scenes: Sequence[Scene], *, tolerance: float, method: str = "auto"
-) -> Sequence[Preview]:
-    """Return the treatment of the scenes by ``solve``; terms that are ``auto`` must be decided."""
-
-    def preview(some: Sequence[Scene]) -> list[Preview]:
-        plans = plans_of(needs_of(some), tolerance=tolerance, method=method)
-        return [
-            _preview(scene, needs_of(scene), plans.get(row), tolerance, method)
-            for row, scene in enumerate(some)
-        ]
-
-    def failed(error: Exception) -> Preview:
-        return Preview(method, status=unexpected(error))
-
-    return each_on_its_own(preview, scenes, failed=failed)
-
-
-def _preview(
-    scene: Scene, need: Needs, plan: Plan | None, tolerance: float, method: str
-) -> Preview:
-    if isinstance(plan, str):
-        return Preview(_named(method), status=plan)
-    terms = ("squeeze", *(term.label for term in need.terms))
-    if plan:
-        return Preview(
-            "composite",
-            status=plan.status(tolerance),
-            domain="whole",
-            terms=terms,
-            nx=plan.nx,
-            ny=plan.ny,
-            absent=absent_terms(need.terms),
-            expected_error=plan.relative_error,
-            expected_mflop=plan.flops / 1e6,
-        )
-    grids = next(first_grids(need, tolerance=tolerance)).grids
-    flops = _expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance)
-    return Preview(
-        "periodic",
-        domain=need.domains[0],
-        terms=terms,
-        nx=grids[-1].across[0],
-        ny=grids[-1].across[1],
-        nt=grids[-1].nt,
-        absent=absent_terms(need.terms),
-        expected_error=tolerance,
-        expected_mflop=flops / 1e6,
-    )
-
-
-def _expected_flops(
-    epsilon: float, terms: Terms, grids: Sequence[Grid], *, tolerance: float
-) -> float:
-    """Floating-point operations of the first launch.
-
-    Krylov iterations and Newton steps are fitted to 480 random films (ε 0.02–0.95, σ 10–1e5, half
-    of them with inertia up to Re 3, at 1e-3 to 1e-6): from rest to a loose start, from there to the
-    tolerance, and on the finer grid.
-    """
-    from_rest = 5 + 6.5 * epsilon
-    refining = 2 + 3.2 * epsilon * log10(1 / tolerance)
-    iterations = [from_rest, refining, *[0.75 * refining] * (len(grids) - 2)]
-    if len(grids) < 3:  # the first of them goes from rest to the tolerance
-        iterations = [from_rest + refining, 0.75 * refining][: len(grids)]
-    return sum(n * iteration_flops(grid, terms) for n, grid in zip(iterations, grids, strict=True))
+        refused = not_derived_for(plan) | refused
+    else:
+        refused = plan.once("on grids", plan.reasons, refused_on_grid) | refused
+    solutions = Solutions.of_method("periodic" if method == "auto" else method, len(plan))
+    for row, reason in refused.items():
+        solutions.status[row] = reason
+    if rows := found.rows.tolist():
+        solutions.status[rows], solutions.method[rows] = found.statuses(tolerance), "composite"
+        solutions.domain[rows], solutions.absent_terms[rows] = "whole", plan.absent_terms()[rows]
+        solutions.nx[rows], solutions.ny[rows] = found.nx, found.ny
+        solutions.work[rows] = found.flops
+        scale_n = np.where(np.isfinite(found.error), plan.scenes[found.rows].force_scale_n, np.nan)
+        solutions.force_n[rows] = found.mean * scale_n
+        solutions.force_error_n[rows] = found.error * scale_n
+    return solutions, found

@@ -19,7 +19,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, naming
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
-from squeezefilm.reynolds.solver import previews
+from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.solution import as_in, form_of
 from squeezefilm.studies.space import CENTRED, Space, box_of, pad_positions, plan, sobol, twelve
 from squeezefilm.studies.study import scenes_in
@@ -181,7 +181,7 @@ def expected_seconds(config: Study, *, centred: bool) -> float:
     if centred:
         sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
     scenes = scenes_in(sample, config, profile=config.planned_profile())
-    planned = previews(scenes, tolerance=config.solver.tolerance, method=config.solver.method)
-    mflop = sum(each.expected_mflop for each in planned) / SAMPLE
+    planned = dry_run(scenes, tolerance=config.solver.tolerance, method=config.solver.method)
+    mflop = sum(each["expected_mflop"] for each in planned) / SAMPLE
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
     return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config.outputs else seconds

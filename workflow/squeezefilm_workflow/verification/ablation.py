@@ -21,9 +21,9 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
+from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.terms import TERMS
 from squeezefilm.solution import Solutions
 from squeezefilm_workflow.verification.numpy_periodic import periodic_state
@@ -113,8 +113,10 @@ class Forces(NamedTuple):
 
 def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
     whole = np.zeros(len(scenes), dtype=bool)
-    needs = replace(needs_of(scenes), fold_x=whole, fold_y=whole)
-    return solve_periodic(needs, tolerance=tolerance, device=device)
+    plan = replace(plan_of(scenes), fold_x=whole, fold_y=whole)
+    solutions = Solutions.of_method("periodic", len(plan))
+    solve_periodic(plan, solutions, tolerance=tolerance, device=device)
+    return solutions
 
 
 def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:

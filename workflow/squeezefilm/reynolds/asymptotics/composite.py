@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import wraps
-from math import inf, isfinite, log10
+from math import isfinite, log10
 
 import numpy as np
 
@@ -39,8 +39,8 @@ from squeezefilm.reynolds.asymptotics.films import (
     grid_error,
     wide,
 )
-from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
+from squeezefilm.reynolds.plan import Plan
 from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.gap import AnyGap
 
@@ -219,44 +219,69 @@ def _known(error: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Expanded:
-    """A scene's mean overpressure by an expansion, its error estimate, and the grid behind it."""
+    """Mean overpressures of scenes by an expansion, error estimates, and the grids behind them.
 
-    mean: float
-    error: float
-    nx: int
-    ny: int
+    Attributes:
+        rows: which of the scenes they are, (k,), as all others.
+        mean, error: in units of p0.
+        nx, ny: points of the grid.
+    """
+
+    rows: np.ndarray
+    mean: np.ndarray
+    error: np.ndarray
+    nx: np.ndarray
+    ny: np.ndarray
+
+    @classmethod
+    def of(cls, rows: np.ndarray | Sequence[int]) -> Expanded:
+        """Results that are not known yet."""
+        rows = np.asarray(rows, dtype=np.int64)
+        numbers, points = np.full((2, len(rows)), np.nan), np.zeros((2, len(rows)), dtype=np.int64)
+        return cls(rows, *numbers, *points)
+
+    def __getitem__(self, which: np.ndarray) -> Expanded:
+        return Expanded(*[column[which] for column in vars(self).values()])
+
+    def put(self, which: np.ndarray, others: Expanded) -> None:
+        """Write others in the place of some."""
+        for name, column in vars(self).items():
+            column[which] = getattr(others, name)
 
     @property
-    def flops(self) -> float:
+    def flops(self) -> np.ndarray:
         """Floating-point operations, roughly: two fast solves, with their grid error."""
         return 40.0 * self.nx * self.ny * (self.nx + self.ny)
 
     @property
-    def relative_error(self) -> float:
+    def relative_error(self) -> np.ndarray:
         """The error over the mean; 0 for a film that is at rest and bears nothing."""
-        if self.error == 0:
-            return 0.0
-        return self.error / abs(self.mean) if self.mean else inf
+        nothing = np.where(self.error == 0, 0.0, np.inf)
+        return np.divide(self.error, np.abs(self.mean), out=nothing, where=self.mean != 0)
 
-    def holds(self, tolerance: float) -> bool:
-        """Return whether the estimate meets a relative tolerance; ``nan`` does not."""
-        return self.error <= tolerance * abs(self.mean)
+    def holds(self, tolerance: float) -> np.ndarray:
+        """Return where the estimate meets a relative tolerance; ``nan`` does not."""
+        return np.asarray(self.error <= tolerance * np.abs(self.mean))
 
-    def status(self, tolerance: float) -> str:
+    def statuses(self, tolerance: float) -> list[str]:
         """``ok``, or what is wrong with the estimate."""
-        if not isfinite(self.error):
-            return "the error of the composite expansion cannot be estimated here"
-        if not self.holds(tolerance):
-            return f"the composite expansion is accurate to {self.relative_error:.1e} only"
-        return "ok"
+        return [
+            "the error of the composite expansion cannot be estimated here"
+            if not isfinite(error)
+            else "ok"
+            if holds
+            else f"the composite expansion is accurate to {relative:.1e} only"
+            for error, holds, relative in zip(
+                self.error, self.holds(tolerance), self.relative_error, strict=True
+            )
+        ]
 
 
-def not_derived_for(needs: Needs) -> dict[int, str]:
+def not_derived_for(plan: Plan) -> dict[int, str]:
     """The scenes of whose force there is no expansion, and why."""
-    scenes = needs.scenes
-    still = np.flatnonzero(scenes.epsilon == 0).tolist()
+    still = np.flatnonzero(plan.scenes.epsilon == 0).tolist()
     reason = "the composite expansion is derived for a surface that vibrates"
-    return dict.fromkeys(still, reason) | needs.reasons(_not_derived)
+    return dict.fromkeys(still, reason) | plan.reasons(_not_derived)
 
 
 def _not_derived(scene: Scene, terms: Terms) -> str:
@@ -275,42 +300,34 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
     return ""
 
 
-def composite(
-    needs: Needs, *, tolerance: float, auto: bool, but: Collection[int] = ()
-) -> dict[int, Expanded]:
-    """The scenes' forces by the composite expansion, by row: the edge layer's alone where that
-    holds the tolerance, else with the exact second order in ε where the gap is even at rest.
+def composite(plan: Plan, *, tolerance: float, auto: bool, but: Collection[int] = ()) -> Expanded:
+    """The scenes' forces by the composite expansion: the edge layer's alone where that holds the
+    tolerance, else with the exact second order in ε where the gap is even at rest.
 
     Args:
         auto: to have those alone that hold the tolerance, of scenes with thin layers or tiny
             motion.
         but: scenes that are not to be expanded.
     """
-    scenes = needs.scenes
-    known = np.ones(len(needs), dtype=bool)
+    scenes = plan.scenes
+    known = np.ones(len(scenes), dtype=bool)
     if auto:
         shorter = scenes.sigma * np.minimum(1.0, scenes.aspect) ** 2
         thin = THIN_LAYER_SIGMA * max(1.0, AT_TOLERANCE / tolerance) ** 0.5
         known = (shorter >= thin) | (scenes.epsilon**2 <= TINY * tolerance)
         if not known.any():
-            return {}
-    known[[*but, *not_derived_for(needs)]] = False
-    found = expanded(
-        edge_layer_expansion, needs, np.flatnonzero(known).tolist(), tolerance=tolerance
-    )
-    flat = scenes.column(lambda film: film.pad.gap.flat)
-    more = [
-        row
-        for row in np.flatnonzero(known & flat).tolist()
-        if not (row in found and found[row].holds(tolerance))
-    ]
+            return Expanded.of([])
+    known[[*but, *not_derived_for(plan)]] = False
+    rows = np.flatnonzero(known)
+    found = expanded(edge_layer_expansion, plan, rows, tolerance=tolerance)
+    flat = np.broadcast_to(scenes.column(lambda film: film.pad.gap.flat), len(scenes))
+    more = np.flatnonzero(flat[rows] & ~found.holds(tolerance))
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
     # grid's error was twice the tolerance (σ 1e5, 1e-6).
-    joined = expanded(_with_second_order, needs, more, tolerance=tolerance / 10, layers=True)
-    for row, result in joined.items():
-        if row not in found or result.error < found[row].error:
-            found[row] = result
-    return {row: each for row, each in found.items() if each.holds(tolerance) or not auto}
+    joined = expanded(_with_second_order, plan, rows[more], tolerance=tolerance / 10, layers=True)
+    better = joined.error < found.error[more]
+    found.put(more[better], joined[better])
+    return found[found.holds(tolerance)] if auto else found
 
 
 def _with_second_order(films: Films) -> AsymptoticForces:
@@ -325,46 +342,41 @@ def _with_second_order(films: Films) -> AsymptoticForces:
 
 def expanded(
     expand: Expand,
-    needs: Needs,
+    plan: Plan,
     rows: np.ndarray | Sequence[int],
     *,
     tolerance: float,
     layers: bool = False,
-) -> dict[int, Expanded]:
-    """One expansion of some of the scenes, by row; those with one grid together.
+) -> Expanded:
+    """One expansion of some of the scenes; those with one grid together.
 
     Args:
         tolerance: of the grids.
         layers: whether these resolve the layers at the pad's edge.
     """
-    rows = np.asarray(rows, dtype=np.int64)
-    if not rows.size:
-        return {}
-    scenes = needs.scenes[rows]
-    sigma = scenes.sigma if layers else np.ones(len(rows))
+    found = Expanded.of(rows)
+    scenes = plan.scenes[found.rows]
+    sigma = scenes.sigma if layers else np.ones(len(scenes))
     # The error estimate uses every other node, which must resolve the profile too.
-    nodes = 2 * nodes_for_profile(needs, tolerance=tolerance)[rows] + 1
-    points = [
-        np.maximum(expansion_points(tolerance=tolerance, sigma=each), at_least)
-        for each, at_least in zip((sigma, sigma * scenes.aspect**2), nodes.T, strict=True)
-    ]
+    nodes = 2 * nodes_for_profile(plan, tolerance=tolerance)[found.rows] + 1
+    for points, of_axis, at_least in zip(
+        (found.nx, found.ny), (sigma, sigma * scenes.aspect**2), nodes.T, strict=True
+    ):
+        wanted = expansion_points(tolerance=tolerance, sigma=of_axis)
+        points[:] = np.maximum(wanted, at_least)
     # Films of one kind together: fields real or complex, gaps even at rest or not, inertia or not.
     kinds = [
         scenes.gas.inertia == "included",
         scenes.column(lambda film: film.actuator.profile.is_complex),
         scenes.column(lambda film: film.pad.gap.flat),
     ]
-    results = {}
-    for group in rows_alike(*points, *[np.broadcast_to(kind, len(rows)) for kind in kinds]):
-        nx, ny = (int(each[group[0]]) for each in points)
+    columns = [np.broadcast_to(each, len(scenes)) for each in (found.nx, found.ny, *kinds)]
+    for group in rows_alike(*columns):
         for start in range(0, len(group), BATCH):
             some = group[start : start + BATCH]
-            forces = expand(_films(scenes[some], nx=nx, ny=ny))
-            for row, mean, error in zip(
-                rows[some].tolist(), forces.mean.tolist(), forces.error.tolist(), strict=True
-            ):
-                results[row] = Expanded(mean, error, nx, ny)
-    return results
+            forces = expand(_films(scenes[some], nx=found.nx[some[0]], ny=found.ny[some[0]]))
+            found.mean[some], found.error[some] = forces.mean, forces.error
+    return found
 
 
 def _reynolds(scenes: Scenes) -> np.ndarray:

@@ -18,7 +18,6 @@ from squeezefilm.reynolds.error_estimate import (
     margin_of,
 )
 from squeezefilm.reynolds.grid import Grid, iteration_flops
-from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic.launch import (
     ENDINGS,
     MOST_WORK,
@@ -37,6 +36,7 @@ from squeezefilm.reynolds.periodic.resolution import (
     least_fall,
     profile_fall,
 )
+from squeezefilm.reynolds.plan import Plan
 from squeezefilm.reynolds.terms import Terms
 from squeezefilm.solution import Solutions
 
@@ -76,7 +76,7 @@ class Refinement:
         waiting: scenes that go on in one of the next launches, those that go together in a list.
     """
 
-    needs: Needs
+    plan: Plan
     solutions: Solutions
     tolerance: float
     room: float
@@ -121,7 +121,7 @@ class Refinement:
         shares = [max(left, START_TOLERANCE)] * starts + [left] * min(len(group.grids), 2)
         if group.guess is not None:  # so that the finer grid does not take the state over as it is
             shares = [GOING_ON * left] * len(group.grids)
-        scenes = self.needs.scenes
+        scenes = self.plan.scenes
         every = len(group.rows) == len(scenes) and (group.rows == np.arange(len(scenes))).all()
         if not every:  # those know their numbers
             scenes = scenes[group.rows]
@@ -133,7 +133,7 @@ class Refinement:
         The others wait for finer grids. Returns how many are finished.
         """
         rows, terms, grids, solutions = group.rows, group.terms, group.grids, self.solutions
-        at: Rows = slice(None) if batch.scenes is self.needs.scenes else rows
+        at: Rows = slice(None) if batch.scenes is self.plan.scenes else rows
         said, grid, finer = stages[-1].said, grids[-1], finer_grid(grids[-1], room=self.room)
         nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate(
@@ -141,7 +141,7 @@ class Refinement:
             self.change[:, at],
             scenes=batch.scenes,
             terms=terms,
-            of_profile=profile_fall(self.needs, *nodes, tolerance=self.tolerance, rows=at),
+            of_profile=profile_fall(self.plan, *nodes, tolerance=self.tolerance, rows=at),
             least=least_fall(batch.scenes),
             tolerance=self.tolerance,
         )
@@ -231,7 +231,7 @@ class Refinement:
 
     def _write_grid(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
-        self.solutions.domain[rows] = self.needs.domains[rows]
+        self.solutions.domain[rows] = self.plan.domains[rows]
         self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
         self.solutions.nt[rows] = grid.nt
 
@@ -251,28 +251,29 @@ def _joined(groups: Sequence[Group]) -> Group:
 
 
 def solve_periodic(
-    needs: Needs,
-    rows: Rows = slice(None),
+    plan: Plan,
+    solutions: Solutions,
     *,
     tolerance: float,
     device: Device,
     keep_states: bool = False,
     report: Callable[[int], object] = lambda solved: None,
-) -> Solutions:
-    """The periodic state of each scene, or of those in ``rows``; see ``solver.solve``."""
-    solutions = Solutions.of_method("periodic", len(needs))
-    solutions.absent_terms[rows] = needs.absent_terms()[rows]
+) -> None:
+    """Solve for the periodic state of each scene whose status is empty; see ``solver.solve``."""
+    waiting = solutions.status == ""
+    rows = slice(None) if waiting.all() else np.flatnonzero(waiting)
+    solutions.absent_terms[rows] = plan.absent_terms()[rows]
     refinement = Refinement(
-        needs=needs,
+        plan=plan,
         solutions=solutions,
         tolerance=tolerance,
         room=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS)),
         keep_states=keep_states,
-        change=np.full((2, len(needs)), np.nan),
-        failures=np.zeros(len(needs), dtype=np.int64),
+        change=np.full((2, len(plan)), np.nan),
+        failures=np.zeros(len(plan), dtype=np.int64),
     )
     room, count = refinement.room, 0
-    for group in first_grids(needs, rows, tolerance=tolerance, room=room, kept=keep_states):
+    for group in first_grids(plan, rows, tolerance=tolerance, room=room, kept=keep_states):
         count += len(group.rows)
         if LEAST_ITERATIONS * iteration_flops(group.grids[-1], group.terms) > MOST_WORK:
             grid = group.grids[-1]
@@ -299,7 +300,6 @@ def solve_periodic(
             report(finished)
             # Other launches may have the arrays, as no one looks at the states any more.
             device.release(*landing.arrays)
-    return solutions
 
 
 def fewer_operations(terms: Terms) -> str:

@@ -18,7 +18,7 @@ from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Film, Rows, Scenes, rows_alike
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
-from squeezefilm.reynolds.needs import MOST_KEPT, Needs, needs_of
+from squeezefilm.reynolds.plan import MOST_KEPT, Plan, plan_of
 from squeezefilm.reynolds.terms import (
     Terms,
     is_radial,
@@ -88,7 +88,7 @@ class Group:
 
 
 def first_grids(
-    needs: Needs,
+    plan: Plan,
     rows: Rows = slice(None),
     *,
     tolerance: float,
@@ -105,16 +105,16 @@ def first_grids(
         room: most unknowns of a grid that the device has memory for.
         kept: whether states are, of which quantities ask for more than the force does.
     """
-    for kind, film, alike in _alike(needs, rows):
-        terms, pad = needs.kinds[kind], film.pad
+    for kind, film, alike in _alike(plan, rows):
+        terms, pad = plan.kinds[kind], film.pad
         outline, aspect = _outline_of(pad, terms), pad.length_y_m / pad.length_x_m
         share, step = FIRST_SHARE, FOURS
         if pad.smooth_outline is None and margin_of(terms) == 1 and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
             share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
-        columns = _points(needs, alike, film, tolerance=tolerance, share=share, step=step)
-        numbers = np.arange(len(needs))[alike]
+        columns = _points(plan, alike, film, tolerance=tolerance, share=share, step=step)
+        numbers = np.arange(len(plan))[alike]
         for some in rows_alike(*columns):
             grids = _sequence(tuple(columns[:, some[0]].tolist()), outline, room, step)
             yield Group(numbers[some], grids, terms, aspect)
@@ -130,30 +130,30 @@ def share_of(tolerance: float) -> float:
     return min(LARGEST_MISSED, sqrt(tolerance))
 
 
-def nodes_for_profile(needs: Needs, *, tolerance: float) -> np.ndarray:
+def nodes_for_profile(plan: Plan, *, tolerance: float) -> np.ndarray:
     """Nodes along x and y without which a grid would not see the profile, (n, 2)."""
     share = share_of(tolerance)
-    return needs.once("nodes", lambda share: needs.samples(share).nodes(share), share)
+    return plan.once("nodes", lambda share: plan.samples(share).nodes(share), share)
 
 
-def unseen_profiles(needs: Needs, *, tolerance: float) -> dict[int, str]:
+def unseen_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
     """The scenes whose profile under the pad no grid sees, and why."""
-    return needs.once("unseen", lambda tolerance: _unseen_profiles(needs, tolerance), tolerance)
+    return plan.once("unseen", lambda tolerance: _unseen_profiles(plan, tolerance), tolerance)
 
 
-def _unseen_profiles(needs: Needs, tolerance: float) -> dict[int, str]:
+def _unseen_profiles(plan: Plan, tolerance: float) -> dict[int, str]:
     share = share_of(tolerance)
-    missed = needs.samples(share).missed
-    most = np.where(needs.fold_x & needs.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST)
-    nodes = nodes_for_profile(needs, tolerance=tolerance).max(axis=1)
+    missed = plan.samples(share).missed
+    most = np.where(plan.fold_x & plan.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST)
+    nodes = nodes_for_profile(plan, tolerance=tolerance).max(axis=1)
     rows = np.flatnonzero(~((missed <= share) & (nodes <= most))).tolist()
-    return {row: _unseen(needs, row, float(missed[row]), share) for row in rows}
+    return {row: _unseen(plan, row, float(missed[row]), share) for row in rows}
 
 
-def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
+def _unseen(plan: Plan, row: int, missed: float, share: float) -> str:
     if not missed < inf:
         return "the profile has no finite value at some place under the pad"
-    ((_, sampled, _),) = needs_of(needs.scenes[row]).profiles
+    ((_, sampled, _),) = plan_of(plan.scenes[row]).profiles
     pad = sampled.places.under.pad
     side_m = max(pad.length_x_m, pad.length_y_m)
     apart_m = pi / 2 * side_m / (MOST_SPACE + 1)
@@ -165,22 +165,22 @@ def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
     )
 
 
-def _alike(needs: Needs, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
+def _alike(plan: Plan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
     """Some scenes by like terms, outlines and aspects, and the film of one of them."""
-    films = needs.scenes.films
-    if len(needs.kinds) == len(films) == 1:
+    films = plan.scenes.films
+    if len(plan.kinds) == len(films) == 1:
         yield 0, films[0], rows
         return
     pads = [(film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m) for film in films]
-    first_alike = np.array([pads.index(pad) for pad in pads])[needs.scenes.film_index]
-    numbers = np.arange(len(needs))[rows]
-    for some in rows_alike(needs.kind[rows], first_alike[rows]):
+    first_alike = np.array([pads.index(pad) for pad in pads])[plan.scenes.film_index]
+    numbers = np.arange(len(plan))[rows]
+    for some in rows_alike(plan.kind[rows], first_alike[rows]):
         first = numbers[some[0]]
-        yield int(needs.kind[first]), films[needs.scenes.film_index[first]], numbers[some]
+        yield int(plan.kind[first]), films[plan.scenes.film_index[first]], numbers[some]
 
 
 def _points(
-    needs: Needs, rows: Rows, film: Film, *, tolerance: float, share: float, step: int
+    plan: Plan, rows: Rows, film: Film, *, tolerance: float, share: float, step: int
 ) -> np.ndarray:
     """Unknowns nx, ny and instants nt of scenes like a film's that leave a share of the tolerance.
 
@@ -192,12 +192,12 @@ def _points(
     Args:
         step: of which unknowns along the axes are multiples, FOURS or TWOS.
     """
-    scenes = needs.scenes if isinstance(rows, slice) else needs.scenes[rows]
-    terms, digits = needs.kinds[needs.kind[rows][0]], log10(1 / (share * tolerance))
+    scenes = plan.scenes if isinstance(rows, slice) else plan.scenes[rows]
+    terms, digits = plan.kinds[plan.kind[rows][0]], log10(1 / (share * tolerance))
     outline, aspect = _outline_of(film.pad, terms), film.pad.length_y_m / film.pad.length_x_m
-    nodes = nodes_for_profile(needs, tolerance=tolerance)[rows].T
-    curvature = needs.samples(share_of(tolerance)).curvature[rows].T
-    folds = np.array([needs.fold_x[rows], needs.fold_y[rows]])
+    nodes = nodes_for_profile(plan, tolerance=tolerance)[rows].T
+    curvature = plan.samples(share_of(tolerance)).curvature[rows].T
+    folds = np.array([plan.fold_x[rows], plan.fold_y[rows]])
     epsilon, sigma, bend = gap_numbers(scenes)
     moving = np.maximum(epsilon, TINY)  # of films at rest, too, there are logarithms
     ratio = moving / (1 + np.sqrt(1 - epsilon**2))
@@ -300,7 +300,7 @@ def _fewer(points: int, step: int, *, fold: bool) -> int:
 
 
 def profile_fall(
-    needs: Needs,
+    plan: Plan,
     coarse: tuple[int, int],
     fine: tuple[int, int],
     *,
@@ -318,14 +318,14 @@ def profile_fall(
 
     def fall(rows: Rows) -> np.ndarray:
         least = NEXT_TO_NOTHING * tolerance
-        samples = needs.samples(least)
+        samples = plan.samples(least)
         missed, before = samples.missed_by(fine, rows), samples.missed_by(coarse, rows)
         falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
         return np.asarray(falls.max(axis=1))
 
-    if len(needs) > MOST_KEPT:
+    if len(plan) > MOST_KEPT:
         return fall(rows)
-    return needs.once("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
+    return plan.once("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
 
 
 @lru_cache(maxsize=4096)

@@ -27,7 +27,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
     high_squeeze_limit,
     not_derived_for,
 )
-from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.studies.space import box_of, plan
 from squeezefilm.studies.study import scenes_in
 
@@ -50,29 +50,28 @@ TABLE_TOLERANCE, TABLE_TOLERANCE_WITH_INERTIA = 3e-7, 1e-5
 
 def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
-    needs = needs_of(
+    films = plan_of(
         [s.with_gas(inertia="included") if s.gas.inertia == "auto" else s for s in scenes]
     )
-    underived = not_derived_for(needs)
-    derived = ~np.isin(np.arange(len(needs)), list(underived))
-    has = np.broadcast_to(needs.scenes.gas.inertia == "included", len(needs))
-    scale_n = np.broadcast_to(needs.scenes.force_scale_n, len(scenes))
-    columns = {"sigma": needs.scenes.sigma}
+    underived = not_derived_for(films)
+    derived = ~np.isin(np.arange(len(films)), list(underived))
+    has = np.broadcast_to(films.scenes.gas.inertia == "included", len(films))
+    scale_n = np.broadcast_to(films.scenes.force_scale_n, len(scenes))
+    columns = {"sigma": films.scenes.sigma}
     columns |= {name: np.full(len(scenes), np.nan) for name in (*EXPANSIONS, "limit_error_n")}
     for inertia, column in product((False, True), EXPANSIONS):
         expand = (EXPANSIONS_WITH_INERTIA if inertia else EXPANSIONS)[column]
-        results = expanded(
+        found = expanded(
             expand,
-            needs,
+            films,
             np.flatnonzero(derived & (has == inertia)),
             tolerance=TOLERANCE_WITH_INERTIA if inertia else TOLERANCE,
             layers=expand is composite_expansion,
         )
-        for row, result in results.items():
-            if np.isfinite(result.error):
-                columns[column][row] = result.mean * scale_n[row]
-                if column == "limit_n":
-                    columns["limit_error_n"][row] = result.error * scale_n[row]
+        found = found[np.isfinite(found.error)]
+        columns[column][found.rows] = found.mean * scale_n[found.rows]
+        if column == "limit_n":
+            columns["limit_error_n"][found.rows] = found.error * scale_n[found.rows]
     status = [
         "ok" if known else underived.get(row, DOES_NOT_HOLD)
         for row, known in enumerate(np.isfinite(columns["limit_n"]))

@@ -1,0 +1,139 @@
+"""Terms of the equation, part of the pad and samples of the profile that scenes need."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any, TypeVar
+
+import numpy as np
+
+from squeezefilm.film.outline import POLAR_COORDINATES
+from squeezefilm.film.scene import Film, Rows, Scene, Scenes, rows_alike
+from squeezefilm.reynolds.profile_sampling import SampledProfiles, Samples, joined_samples
+from squeezefilm.reynolds.terms import Terms, absent_terms, is_radial, terms_of_each
+
+DOMAINS = np.array(["whole", "half in y", "half in x", "quarter", "radius"], dtype=object)
+"""Parts of the pad that are solved: the film is even about neither axis' middle, y's, x's, both; or
+it has no angle."""
+# Positions, and scenes, up to which samples and plans are kept: there they are asked for again for
+# many gaps and amplitudes.
+MOST_KEPT = 256
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Terms, domain and profile of scenes, each a column of shape (n,).
+
+    Attributes:
+        kinds: the terms that scenes have beside squeezing; ``kind`` is each scene's.
+        fold_x, fold_y: the film is even about the pad's middle along x, y: half is enough.
+        profiles: of each film: which scenes have it, the profile under the pad at its
+            positions, and each scene's position.
+    """
+
+    scenes: Scenes
+    kinds: Sequence[Terms]
+    kind: np.ndarray
+    fold_x: np.ndarray
+    fold_y: np.ndarray
+    profiles: Sequence[tuple[Rows, SampledProfiles, np.ndarray]]
+    _known: dict[object, Any] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.scenes)
+
+    @property
+    def terms(self) -> Terms:
+        """The terms of scenes that all have the same."""
+        return self.kinds[self.kind[0]]
+
+    def reasons(self, why: Callable[[Scene, Terms], str]) -> dict[int, str]:
+        """Reasons that follow from a scene's film and terms, by row; none where they are empty."""
+        found: dict[int, str] = {}
+        for rows in rows_alike(self.scenes.film_index, self.kind):
+            if reason := why(self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]):
+                found |= dict.fromkeys(rows.tolist(), reason)
+        return found
+
+    def once(self, name: str, of: Callable[..., Result], *arguments: Any) -> Result:
+        """Return a value that follows from films and profiles alone, kept by position."""
+        if (name, *arguments) not in self._known:
+            self._known[name, *arguments] = of(*arguments)
+        return self._known[name, *arguments]
+
+    def samples(self, share: float) -> Samples:
+        """Return the samples of grids whose error is at most a fraction of the profiles, (n,)."""
+        return self.once("samples", self._sampled, share)
+
+    def _sampled(self, share: float) -> Samples:
+        found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
+        if len(found) == 1:
+            return found[0]
+        rows = np.concatenate([rows for rows, _, _ in self.profiles])
+        return joined_samples(found)[np.argsort(rows)]
+
+    @property
+    def domains(self) -> np.ndarray:
+        """The part of the pad that is solved for each scene, of DOMAINS, (n,)."""
+        return DOMAINS[np.where(self.radial, 4, 2 * self.fold_x + self.fold_y)]
+
+    @property
+    def radial(self) -> np.ndarray:
+        """Return which films have no angle, (n,)."""
+        return np.array([is_radial(terms) for terms in self.kinds])[self.kind]
+
+    def absent_terms(self) -> np.ndarray:
+        """Return the names of the terms that each scene does not have, joined by ``; ``, (n,)."""
+        return self.once("absent terms", self._joined_absent_terms)
+
+    def _joined_absent_terms(self) -> np.ndarray:
+        texts = ["; ".join(each.name for each in absent_terms(terms)) for terms in self.kinds]
+        return np.array(texts, dtype=object)[self.kind]
+
+
+def plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> Plan:
+    """Return what scenes need by their profiles, motion and gas."""
+    scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
+    # The terms of a gap that is shaped at rest go by its size.
+    if not scenes.flat or len(scenes) > MOST_KEPT:
+        return _plan_of(scenes)
+    columns = (scenes.film_index, scenes.x_m, scenes.y_m)
+    return replace(_kept_plan(scenes.films, *(each.tobytes() for each in columns)), scenes=scenes)
+
+
+_kept_samples = lru_cache(maxsize=256)(SampledProfiles)
+
+
+@lru_cache(maxsize=64)
+def _kept_plan(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes) -> Plan:
+    x, y = np.frombuffer(x_m), np.frombuffer(y_m)
+    one = np.ones(len(x))
+    index = np.frombuffer(film_index, dtype=np.int64)
+    return _plan_of(Scenes(films, index, one, 0 * one, x, y, one))
+
+
+def _plan_of(scenes: Scenes) -> Plan:
+    kinds, kind = terms_of_each(scenes)
+    fold_x, fold_y = np.empty((2, len(scenes)), dtype=bool)
+    breaks = ["".join(term.BREAKS for term in terms) for terms in kinds]
+    profiles = []
+    radial = np.array([is_radial(terms) for terms in kinds])[kind]
+    for film, rows, some in scenes.of_each_film():
+        gap, outline = film.pad.gap, film.pad.smooth_outline
+        for part in rows_alike(radial[rows]):
+            own, (places, at) = np.arange(len(scenes))[rows][part], some[part].places
+            has_no_angle = bool(radial[own[0]])
+            sampler = _kept_samples if len(places.x_m) <= MOST_KEPT else SampledProfiles
+            sampled = sampler(places, POLAR_COORDINATES if has_no_angle else outline)
+            even_x = gap.tilt_x_m == 0 and (not outline or outline.even_x)
+            even_y = gap.tilt_y_m == 0 and (not outline or outline.even_y)
+            fold_x[own] = has_no_angle | sampled.even_x[at] & even_x
+            fold_y[own] = has_no_angle | sampled.even_y[at] & even_y
+            profiles.append((own, sampled, at))
+    fold_x &= np.array(["x" not in axes for axes in breaks])[kind]
+    fold_y &= np.array(["y" not in axes for axes in breaks])[kind]
+    return Plan(scenes, kinds, kind, fold_x, fold_y, profiles)
