@@ -26,8 +26,8 @@ from reporting.figures.style import PLAIN
 from reporting.pages import Page
 from reporting.results import Results
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import form_of
 from squeezefilm.models.data import factors_of
-from squeezefilm.solution import form_of
 from squeezefilm.tables import write_table
 
 PASSED, FAILED = "passed", "failed"

@@ -10,11 +10,11 @@ from reporting.notes import CLAIM, largest_error, percent, rounded_up, signed, v
 from reporting.pages import Page, body_of, render
 from reporting.results import MODELLING_ERROR, Results
 from squeezefilm.film.pad import net
+from squeezefilm.film.positions import POLAR, form_of
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import label_of
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
-from squeezefilm.solution import POLAR, form_of
 from squeezefilm.units import error_text, to_its_error
 
 EFFECTS = (

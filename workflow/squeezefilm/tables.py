@@ -21,8 +21,9 @@ import numpy as np
 
 from squeezefilm.errors import InputError, RunError, needing
 from squeezefilm.files import read_text, whole_file, write_text
+from squeezefilm.film.positions import CARTESIAN, POLAR, as_in
 from squeezefilm.lazy import pd
-from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
+from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import sizes
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)

@@ -15,9 +15,9 @@ import pandas as pd
 from reporting.notes import inertia
 from reporting.pages import render
 from reporting.results import Results
+from squeezefilm.film.positions import as_in, form_of
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, fit_of
-from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 
 FILM = ["h0_m", "hv_m"]

@@ -12,8 +12,8 @@ from matplotlib.ticker import MaxNLocator
 from reporting.figures import parts, style
 from reporting.notes import percent, reynolds_limit, signed
 from reporting.results import MODELLING_ERROR, Results
+from squeezefilm.film.positions import form_of
 from squeezefilm.formatting import label_of
-from squeezefilm.solution import form_of
 
 EFFECTS = {
     "inertia": style.BLUE,
