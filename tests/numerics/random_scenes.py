@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 from films import PISTON, SINC, film
 
+from squeezefilm.film.positions import cartesian
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.solution import Derivatives, Outputs, cartesian
+from squeezefilm.solution import Derivatives, Outputs
 
 H0_M = (1e-6, 30e-6)
 FREQUENCY_HZ = (5e3, 1e5)

@@ -14,6 +14,7 @@ from skfem import MeshTri2
 from squeezefilm.api.film import Film as FilmOfUser
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.pad import GapShape
+from squeezefilm.film.positions import cartesian
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.outputs import _from_states
@@ -22,7 +23,6 @@ from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.solution import cartesian
 from squeezefilm_workflow.verification import finite_elements
 
 TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, crown_m=-0.2e-6)

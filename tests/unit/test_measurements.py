@@ -25,7 +25,9 @@ WRONG = {
     "": "measured.csv: the table is empty; it needs h0 [µm], hv [µm], force [mN]",
     HEAD + "\n5,1,10,": "line 2: force_uncertainty_n is ''",
     HEAD + ROW + "\n5,1,10,0": "line 3: force_uncertainty_n is 0; it must be above 0",
-    HEAD.replace("mN", "kg") + ROW: "column 'force_n' is missing; it has h0_m, hv_m, force [kg]",
+    HEAD.replace("mN", "kg")
+    + ROW: "measured.csv: column 'force [kg]' needs a unit, one of force_n, force_mn;",
+    HEAD.replace("force [mN]", "thrust") + ROW: "measured.csv: unknown column 'thrust'",
     HEAD + ",h0 uncertainty [nm]\n5,4,9,1,2e3": "line 2 with its uncertainties: hv_m = 4e-06",
 }
 

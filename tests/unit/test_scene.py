@@ -8,10 +8,10 @@ import pytest
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import GapShape
+from squeezefilm.film.positions import cartesian
 from squeezefilm.film.profiles import Piston, Sinc
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import check_scene
-from squeezefilm.solution import cartesian
 from squeezefilm.studies.study import scene_of, scenes_in
 
 

@@ -43,8 +43,14 @@ def scenes(tmp_path):
         f'{HEADER}\n"1","5e-6","1e-6",0,"0"\n',
         " point_id , h0_m,hv_m,phi_r_m,phi_deg\n 1, 5e-6 ,1e-6,0,0\n",
         "phi_deg,phi_r_m,hv_m,h0_m,point_id\n0,0,1e-6,5e-6,1\n",
+        "point_id;h0 [µm];hv [µm];phi_r_m;phi_deg\n1;5,0;1;0,0;0\n;;;;\n",
+        f"{HEADER}\n1,5e-6,1e-6,0,0\n".replace(",", "\t"),
+        f"{HEADER},force_n,status\n1,5e-6,1e-6,0,0,,not converged\n",
     ],
-    ids=["byte order mark", "CRLF", "blank lines", "no last newline", "quotes", "spaces", "order"],
+    ids=[
+        *("byte order mark", "CRLF", "blank lines", "no last newline", "quotes", "spaces", "order"),
+        *("semicolons and decimal commas", "tabs", "results"),
+    ],
 )
 def test_what_does_not_matter_is_accepted(text, scenes):
     table = read_scenes(scenes(text))
@@ -62,12 +68,30 @@ def test_factors_have_any_unit_and_a_pad_without_position_is_centred(header, sce
     assert turned.loc[0, ["phi_r_m", "phi_deg"]].tolist() == [0.002, 57.2957795130823]
 
 
+@pytest.mark.parametrize("beside", ["", ",x_mm", ",y_m", ",phi_r_m", ",force_n"])
+def test_gap_and_amplitude_are_enough(beside, scenes):
+    """Rows are called by their line, and a coordinate that is not there is zero."""
+    value = ",0" * bool(beside)
+    table = read_scenes(scenes(f"h0_m,hv_m{beside}\n5e-6,1e-6{value}\n\n6e-6,1e-6{value}\n"))
+    assert table["point_id"].tolist() == ["line 2", "line 4"]
+    assert table["h0_m"].tolist() == [5e-6, 6e-6]
+    assert table.iloc[:, 3:].to_numpy().tolist() == [[0.0, 0.0], [0.0, 0.0]]
+
+
 ROW = "1,5e-6,1e-6,0,0"
 WRONG = {
     "nothing": ("", "the table is empty"),
     "a missing column": ("point_id,h0_m\n1,5e-6\n", "column 'hv_m' is missing"),
     "a short row": (f"{HEADER}\n{ROW}\n2,5e-6\n", "line 3: 2 cells where the header has 5"),
-    "semicolons": (HEADER.replace(",", ";") + "\n", "separated by semicolons"),
+    "no rows": (HEADER + "\n", "the table has a header and no rows"),
+    "a wrong column, and so a missing one": (
+        "point_id,h0_m,hv\n1,5e-6,1e-6\n",
+        "column 'hv' needs",
+    ),
+    "a column that no table has": ("h0_m,hv_m,speed\n5e-6,1e-6,1\n", "unknown column 'speed'"),
+    "a direction alone": ("h0_m,hv_m,phi_deg\n5e-6,1e-6,1\n", "column 'phi_r_m' is missing"),
+    "two decimal signs": ("h0_m;hv_m\n5e-6;0.000001\n5e-6;0,000001\n", "hv_m has a point in"),
+    "a column twice": ("h0_m,hv_m,h0_m\n5e-6,1e-6,5e-6\n", "column 'h0_m' stands twice"),
     "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "unknown column 'x_m'; a position is"),
     "text for a number": (f"{HEADER}\n1,5um,1e-6,0,0\n", "line 2: h0_m is '5um'"),
     "text in another unit": ("point_id,h0_um,hv_m\n1,5 um,1e-6\n", "line 2: h0_m is '5 um'"),

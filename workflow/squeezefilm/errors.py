@@ -32,12 +32,13 @@ def refuse(place: object, problems: Mapping[str, object]) -> None:
 def naming(place: object) -> Iterator[None]:
     """Put a place, such as a file's name, before the message of an InputError from within.
 
-    Without a place, None, the message stays.
+    Without a place, None, the message stays; so does one that begins with the place.
     """
     try:
         yield
     except InputError as error:
-        raise InputError(f"{place}: {error}" if place else str(error)) from None
+        named = not place or str(error).startswith(f"{place}: ")
+        raise InputError(str(error) if named else f"{place}: {error}") from None
 
 
 @contextmanager

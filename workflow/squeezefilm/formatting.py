@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from math import floor, isfinite, log10, nan
 from typing import Any
 
+from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
 from squeezefilm.reynolds.terms import absent_terms, terms_of
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.solution import CARTESIAN
 from squeezefilm.tables import COLUMNS
 from squeezefilm.units import error_columns, rounded_up, to_its_error, unit_of_column
 

@@ -1,4 +1,4 @@
-"""The columns of tables: positions in their two forms, and what solving a scene gives."""
+"""Results of a scene that was solved, and the columns of tables that hold them."""
 
 from __future__ import annotations
 
@@ -8,13 +8,9 @@ from math import nan
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from squeezefilm.errors import InputError
 from squeezefilm.lazy import pd
-
-POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
-"""The two forms in which a pad's position stands in tables."""
 
 
 @dataclass(kw_only=True, slots=True)  # not frozen, which takes three times as long to make
@@ -254,21 +250,3 @@ class Outputs:
                 row[f"{name}_{unit}"] = self.value.get(name, nan)
                 row[f"{name}_error_{unit}"] = self.error.get(name, nan)
         return row | {"outputs_status": self.status}
-
-
-def form_of(columns: Iterable[object]) -> tuple[str, str]:
-    """The form of a table's position: polar, unless the Cartesian one alone is there."""
-    names = set(columns)
-    return CARTESIAN if names & set(CARTESIAN) and not names & set(POLAR) else POLAR
-
-
-def as_in(columns: Iterable[str], table: Iterable[object]) -> list[str]:
-    """Columns that are named for polar positions, in the form that a table has them in."""
-    form = dict(zip(POLAR, form_of(table), strict=True))
-    return [form.get(name, name) for name in columns]
-
-
-def cartesian(phi_r_m: ArrayLike, phi_deg: ArrayLike) -> dict[str, Any]:
-    """The Cartesian position of a polar one, or of many as columns."""
-    angle = np.radians(phi_deg)
-    return {"x_m": phi_r_m * np.cos(angle), "y_m": phi_r_m * np.sin(angle)}

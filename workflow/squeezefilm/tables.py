@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from fnmatch import fnmatchcase
@@ -19,10 +18,12 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from squeezefilm.errors import InputError, RunError, needing
+from squeezefilm.errors import InputError, RunError, naming, needing
 from squeezefilm.files import read_text, whole_file, write_text
+from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, form_of
+from squeezefilm.headers import Vocabulary, with_points
 from squeezefilm.lazy import pd
-from squeezefilm.solution import CARTESIAN, POLAR, SOLUTION_COLUMNS, as_in
+from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import sizes
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
@@ -40,17 +41,17 @@ MEASURED = (
     "h0 [µm], hv [µm], force [mN] and force uncertainty [mN], each with its unit; and, where they "
     "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
 )
-# A quantity or its uncertainty with a unit, as people write it: ``h0_um``, ``h0 [µm]``, ``X (mm)``,
-# ``phi/rad``, ``F (mN)``, ``disp. ampl. [µm]``, ``force uncertainty [mN]``.
-OTHER_NAMES = {"f": "force", "amplitude": "hv", "disp. ampl.": "hv"}
-NAMED = r"(h0|hv|x|y|phi_r|phi|force|f|amplitude|disp\. ampl\.)"
-NAMED += r"([\s_]+(?:standard[\s_]+)?uncertainty)?"
-QUANTITY = re.compile(NAMED + r"[\s_/,\[(]+([^\s\])]+)[\])]?", re.I)
-PARQUET = ".parquet"
+POSITION_FORMS = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
+PARQUET, SEPARATORS = ".parquet", ",;\t"
+DECIMAL = r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?"
+"""A number with a decimal point or comma."""
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
+NOT_NEEDED = {*SOLUTION_COLUMNS} - {"force_n", "force_error_n", "status", "absent_terms"}
+"""Columns of forces that a table may lack."""
+NO_ROWS = "{}: the table has a header and no rows"
 MOST_NAMED = 100
 """Points without a force, at most, in a message."""
 
@@ -78,8 +79,33 @@ NAMES = {each.name for each in COLUMNS}
 PATTERNS = [name for name in NAMES if "*" in name]
 TEXT_COLUMNS = {each.name for each in COLUMNS if each.unit == "text"}
 
-Others = Literal["invalid", "ignored", "kept"]
-"""What becomes of columns that a table has beside those that are read."""
+
+def _named_as_people_do() -> Vocabulary:
+    """Factors, forces and their uncertainties, as ``h0 [µm]`` or ``force uncertainty (mN)``."""
+    lengths, angles, forces = (
+        {name.lower(): size for name, size in sizes(unit).items()} for unit in ("m", "deg", "N")
+    )
+    quantities = {
+        "h0_m": (lengths, ("h0", "gap")),
+        "hv_m": (lengths, ("hv", "amplitude", "ampl")),
+        "x_m": (lengths, ("x",)),
+        "y_m": (lengths, ("y",)),
+        "phi_r_m": (lengths, ("phi r",)),
+        "phi_deg": (angles, ("phi",)),
+        "force_n": (forces, ("force", "f")),
+    }
+    for column in UNCERTAINTY_COLUMNS:
+        units, names = quantities[column.replace("_uncertainty", "")]
+        kinds = ("uncertainty", "standard uncertainty")
+        quantities[column] = units, tuple(f"{name} {kind}" for name in names for kind in kinds)
+    return Vocabulary(quantities)
+
+
+HEADERS = _named_as_people_do()
+
+Others = Literal["invalid", "unknown are invalid", "ignored", "kept"]
+"""What becomes of columns that a table has beside those that are read; unknown are those that
+columns.csv does not have."""
 
 
 def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
@@ -90,14 +116,16 @@ def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
 def read_scenes(path: Path | str, *, chunk: tuple[int, int] = (1, 1)) -> pd.DataFrame:
     """Read a plan: ``point_id`` as text, the four factors as finite numbers, order kept.
 
-    A factor of a CSV table may have another unit; without positions the pad is centred.
+    Rows without a ``point_id`` are called by their line; without positions the pad is centred.
+    A factor of a CSV table may have another unit. Results that the table has are not read.
 
     Args:
         chunk: which of how many parts of it.
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, chunk=chunk)
+    how: dict[str, Any] = {"others": "unknown are invalid", "chunk": chunk}
+    return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
 
 
 def read_design(path: Path | str) -> pd.DataFrame:
@@ -105,7 +133,8 @@ def read_design(path: Path | str) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    return _read(path, columns=DESIGN_COLUMNS, numbers=FACTOR_COLUMNS)
+    how: dict[str, Any] = {"numbers": FACTOR_COLUMNS, "others": "unknown are invalid"}
+    return _read(path, columns=DESIGN_COLUMNS, **how)
 
 
 def read_measurements(path: Path | str) -> pd.DataFrame:
@@ -117,7 +146,8 @@ def read_measurements(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the file, the row or the column that is wrong, and what is allowed.
     """
     numbers = (*FACTOR_COLUMNS, "force_n", *UNCERTAINTY_COLUMNS)
-    table = _read(path, columns=("point_id", *numbers), numbers=numbers, measured=True)
+    how: dict[str, Any] = {"optional": UNCERTAINTY_COLUMNS[1:], "needs": MEASURED}
+    table = _read(path, columns=("point_id", *numbers), numbers=numbers, **how)
     return table.assign(**{name: table.get(name, 0.0) for name in UNCERTAINTY_COLUMNS})
 
 
@@ -137,8 +167,8 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    beside: Others = "kept" if whole else "ignored"
-    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, others=beside)
+    how: dict[str, Any] = {"optional": NOT_NEEDED, "others": "kept" if whole else "ignored"}
+    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
     for name in map(str, table):
         if name in ("force_n", "force_error_n") or name not in {*FORCE_COLUMNS, *TEXT_COLUMNS}:
             table[name] = pd.to_numeric(table[name], errors="coerce").astype(float)
@@ -178,34 +208,32 @@ def _read(
     *,
     columns: Sequence[str],
     numbers: Sequence[str],
+    optional: Collection[str] = (),
     others: Others = "invalid",
-    measured: bool = False,
+    needs: str = "",
     chunk: tuple[int, int] = (1, 1),
 ) -> pd.DataFrame:
     """The columns of a table, and what becomes of others that it has.
 
     Args:
-        measured: whether names and uncertainties but that of the force may be missing, and
-            uncertainties must be above 0.
+        columns: of these ``point_id`` and a position may be missing: rows are called by their
+            place, and the pad is centred.
+        numbers: those that must be finite.
+        optional: others that may be missing.
+        needs: what the table needs, for messages.
     """
-    path = Path(path)
-    if path.suffix == PARQUET:
-        word, (table, lines) = "row", _parquet_rows(path, chunk=chunk)
-    else:
-        needs = MEASURED if measured else ", ".join(columns)
-        word, (table, lines) = "line", _csv_rows(path, needs=needs)
-    header = list(map(str, table))
+    path, needs = Path(path), needs or ", ".join(columns)
+    table, lines = _rows(path, columns=columns, needs=needs, chunk=chunk)
+    header, word = list(map(str, table)), "row" if path.suffix == PARQUET else "line"
     wanted = as_in(columns, header)
-    if others == "invalid" and not {*POLAR, *CARTESIAN} & {*header}:
-        wanted = [name for name in wanted if name not in POLAR]
-    optional = ("point_id", *UNCERTAINTY_COLUMNS[1:]) if measured else ()
-    wanted = [name for name in wanted if name not in optional or name in header]
-    _check_header(header, columns=wanted, strict=others == "invalid", path=path)
-    kept = [name for name in header if name not in wanted] if others == "kept" else []
-    table, place = table[wanted + kept], f"{path}: {word}"
+    optional = (*optional, "point_id", *POLAR, *CARTESIAN)
+    _check_header(header, wanted, optional=optional, others=others, needs=needs, path=path)
     if not lines:
-        raise InputError(f"{path}: the table has a header and no rows")
-    for name in [each for each in as_in(numbers, table) if each in table]:
+        raise InputError(NO_ROWS.format(path))
+    wanted = [name for name in wanted if name in header]
+    table = table[wanted + [name for name in header if name not in wanted] * (others == "kept")]
+    place = f"{path}: {word}"
+    for name in [each for each in as_in(numbers, wanted) if each in wanted]:
         values = table[name].map(number_in).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             cell = table[name].tolist()[row]
@@ -223,44 +251,64 @@ def _read(
         raise InputError(
             f"{place} {lines[row]}: point_id {ids.iloc[row]!r} stands in {word} {first} already"
         )
-    if POLAR[0] in columns and not {*POLAR, *CARTESIAN} & {*table}:
-        table = table.assign(**dict.fromkeys(CARTESIAN, 0.0))
+    if POLAR[0] in columns:
+        form = form_of(table) if {*POLAR, *CARTESIAN} & {*table} else CARTESIAN
+        table = table.assign(**{name: 0.0 for name in form if name not in table})
     return table if path.suffix == PARQUET else table.iloc[chunk_rows(*chunk, len(table))]
 
 
-def _csv_rows(path: Path, *, needs: str) -> tuple[pd.DataFrame, list[int]]:
-    """All rows of a CSV file but blank ones as text, and the line of each."""
-    reader = csv.reader(io.StringIO(read_text(path, what="table"), newline=""), strict=True)
+def _rows(
+    path: Path, *, columns: Iterable[str], needs: str, chunk: tuple[int, int] = (1, 1)
+) -> tuple[pd.DataFrame, list[int]]:
+    """All rows of a CSV file but blank ones as text, or some of a Parquet file; the line of each.
+
+    Args:
+        columns: that a header may name in words or with another unit; others stay as they are.
+    """
+    if path.suffix == PARQUET:
+        return _parquet_rows(path, chunk=chunk)
+    return _csv_rows(path, columns=columns, needs=needs)
+
+
+def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.DataFrame, list[int]]:
+    text = read_text(path, what="table")
+    first = next(filter(str.strip, text.splitlines()), "")
+    separator = max(SEPARATORS, key=first.count)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
     try:
-        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader if cells]
+        cells_of = ([cell.strip() for cell in cells] for cells in reader)
+        rows = [(reader.line_num, cells) for cells in cells_of if any(cells)]
     except csv.Error as error:
         raise InputError(f"{path}: the table cannot be read: {error}") from None
     if not rows:
         raise InputError(f"{path}: the table is empty; it needs {needs}")
-    (_, names), *rows = rows
-    header, sizes_of = zip(*map(_column, names), strict=True)
+    (_, header), *rows = rows
     for line, cells in rows:
         if len(cells) != len(header):
             raise InputError(
                 f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
             )
-    table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
-    for place, size in enumerate(sizes_of):
-        if size != 1:
-            table.isetitem(place, [_in_si(cell, size) for cell in table.iloc[:, place]])
-    return table, [line for line, _ in rows]
+    lines = [line for line, _ in rows]
+    table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
+    names = list(header)
+    wanted = {*as_in(columns, ()), *as_in(columns, CARTESIAN)} - {*header}
+    for place, name in enumerate(header):
+        column = HEADERS.column(name, place)
+        size = column.size if column and column.quantity in wanted else None
+        if column and size:
+            names[place] = column.quantity
+        if separator != ",":
+            with naming(path):
+                table[place] = _with_decimal_points(table[place], name=name)
+        if size and size != 1:
+            table[place] = [_in_si(cell, size) for cell in table[place]]
+    return table.set_axis(names, axis=1).reset_index(drop=True), lines
 
 
-def _column(name: str) -> tuple[str, float]:
-    """Return the column that a cell of a header names, and the size of its unit in that of it."""
-    match = QUANTITY.fullmatch(name)
-    if match is None:
-        return name, 1.0
-    quantity, end = match[1].lower(), "_uncertainty" * bool(match[2])
-    quantity = OTHER_NAMES.get(quantity, quantity)
-    unit = {"phi": "deg", "force": "N"}.get(quantity, "m")
-    size = sizes(unit).get(match[3])
-    return (name, 1.0) if size is None else (f"{quantity}{end}_{unit.lower()}", size)
+def _with_decimal_points(cells: pd.Series, *, name: str) -> pd.Series:
+    """Cells of which the numbers have no decimal commas."""
+    numbers = cells[cells.str.fullmatch(DECIMAL)]
+    return pd.concat([with_points(numbers, name=name), cells.drop(numbers.index)])[cells.index]
 
 
 def _in_si(cell: str, size: float) -> str:
@@ -304,49 +352,72 @@ def number_in(cell: Any) -> float:
 
 
 def _check_header(
-    header: Sequence[str], *, columns: Sequence[str], strict: bool, path: Path
+    header: Sequence[str],
+    columns: Sequence[str],
+    *,
+    optional: Collection[str],
+    others: Others,
+    needs: str,
+    path: Path,
 ) -> None:
-    """Reject a header that lacks a column or has it twice, with ``strict`` others too."""
-    if len(header) == 1 and ";" in header[0]:
-        raise InputError(f"{path}: cells are separated by semicolons; a table has commas")
-    needs = f"; the table needs {MEASURED}" * (UNCERTAINTY_COLUMNS[0] in columns)
-    either = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
+    """Reject a header with a column that is not known, then one that lacks a column.
+
+    Unknown columns that would be ignored are named where another is missing: they may be that one.
+    """
+    about = f"{path}: column {{!r}} {{}}; the table needs {needs}".format
     for name in columns:
-        if header.count(name) != 1:
-            how = "stands twice" if name in header else f"is missing; it has {', '.join(header)}"
-            other = f" ({either})" if name in (*POLAR, *CARTESIAN) else ""
-            raise InputError(f"{path}: column {name!r} {how}{other}{needs}")
-    for name in header:
-        if name not in columns and (strict or name in CARTESIAN):
-            also = either if name in CARTESIAN else f"the columns are {', '.join(columns)}"
-            raise InputError(f"{path}: unknown column {name!r}; {also}{needs}")
+        if header.count(name) > 1:
+            raise InputError(about(name, "stands twice"))
+    for name in CARTESIAN if POLAR[0] in columns else ():
+        if name in header:
+            raise InputError(f"{path}: unknown column {name!r}; {POSITION_FORMS}")
+    beside, position = [name for name in header if name not in columns], {*POLAR, *CARTESIAN}
+    missing = [name for name in columns if name not in (*header, *optional)]
+    if "phi_r_m" in columns and "phi_deg" in header and "phi_r_m" not in header:
+        missing.append("phi_r_m")
+    halved = len(position & {*header}) == 1
+    if others == "unknown are invalid" or (others != "invalid" and (missing or halved)):
+        beside = unregistered(beside)
+    elif others != "invalid":
+        beside = []
+    for name in beside:
+        column = HEADERS.column(name)
+        if column and column.quantity in {*columns, *position}:
+            stem = column.quantity.rpartition("_")[0]
+            units = ", ".join(f"{stem}_{unit}" for unit in HEADERS.quantities[column.quantity][0])
+            raise InputError(about(name, f"needs a unit, one of {units}"))
+        raise InputError(f"{path}: unknown column {name!r}; the table needs {needs}")
+    for name in missing:
+        form = f" ({POSITION_FORMS})" if name in position else ""
+        raise InputError(about(name, f"is missing; it has {', '.join(header)}{form}"))
 
 
-def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
+def read_columns(
+    path: Path | str, *, columns: Sequence[str], optional: Sequence[str] = ()
+) -> pd.DataFrame:
     """Read a table that one of our commands wrote and that has at least these columns.
 
     Positions, named in polar form, may be in Cartesian form.
+
+    Args:
+        optional: columns that it may have, in any unit as those that it has.
+
     Raises InputError naming the file and the column that is missing, or a file without rows.
     """
-    text = read_text(path, what="table")
-    try:
-        data = pd.read_csv(io.StringIO(text))
-    except (pd.errors.EmptyDataError, pd.errors.ParserError) as error:
-        raise InputError(f"{path}: the table cannot be read: {error}") from None
-    columns = as_in(columns, data.columns)
-    for name in columns:
-        if name not in data.columns:
-            raise InputError(
-                f"{path}: column {name!r} is missing; it must have {', '.join(columns)}"
-            )
-    if data.empty:
-        raise InputError(f"{path}: the table has a header and no rows")
-    return data
+    path, needs = Path(path), ", ".join(columns)
+    table, lines = _rows(path, columns=(*columns, *optional), needs=needs)
+    header, how = list(map(str, table)), {"needs": needs, "path": path}
+    _check_header(header, as_in(columns, header), optional=(), others="ignored", **how)
+    if not lines:
+        raise InputError(NO_ROWS.format(path))
+    if path.suffix != PARQUET:
+        table = pd.read_csv(io.StringIO(table.to_csv(index=False)))
+    return table
 
 
 def unregistered(names: Iterable[str]) -> list[str]:
     """Return the columns that COLUMNS does not list."""
-    others = set(names) - NAMES
+    others = [name for name in names if name not in NAMES]
     return [name for name in others if not any(fnmatchcase(name, each) for each in PATTERNS)]
 
 

@@ -15,12 +15,12 @@ from squeezefilm.api.forces import Force, forces_of, forces_table
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import config_of
 from squeezefilm.errors import InputError, RunError, needing
+from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
-from squeezefilm.solution import CARTESIAN, POLAR
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import number_in

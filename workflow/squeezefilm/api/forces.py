@@ -15,6 +15,7 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import naming
+from squeezefilm.film.positions import as_in
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
 from squeezefilm.formatting import NUMBERS, in_lines, scene_row
@@ -31,7 +32,7 @@ from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
 from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.reynolds.terms import notes_of
-from squeezefilm.solution import SOLUTION_COLUMNS, Solutions, as_in
+from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
 from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
 

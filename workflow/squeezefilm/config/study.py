@@ -12,10 +12,9 @@ from pydantic import Field, StrictBool, model_validator
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.positions import Positions
+from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
 from squeezefilm.film.profiles import TravellingWave
 from squeezefilm.sections import DERIVED, Different, Number, Section, Text, key_of, mistake
-from squeezefilm.solution import CARTESIAN, POLAR
 
 FINER, MOST_LEVELS = 2, 1000
 """The error map's levels over the screen's: they share no points but the corners."""

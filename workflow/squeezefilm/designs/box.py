@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.solution import POLAR
+from squeezefilm.film.positions import POLAR
 
 Array = NDArray[np.float64]
 Coordinates = Callable[[Array], Array]

@@ -1,10 +1,40 @@
-"""Pad positions of a study, in the form of its surface."""
+"""Pad positions: their two forms, and those of a study in the form of its surface."""
 
-from typing import Annotated
+from collections.abc import Iterable
+from typing import Annotated, Any
 
+import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field
 
 from squeezefilm.sections import DERIVED, Different, Number, Section
+
+POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
+"""The two forms in which a pad's position stands in tables."""
+
+
+def form_of(columns: Iterable[object]) -> tuple[str, str]:
+    """The form of a table's position: polar, unless the Cartesian one alone is there."""
+    names = set(columns)
+    return CARTESIAN if names & set(CARTESIAN) and not names & set(POLAR) else POLAR
+
+
+def as_in(columns: Iterable[str], table: Iterable[object]) -> list[str]:
+    """Columns that are named for polar positions, in the form that a table has them in."""
+    form = dict(zip(POLAR, form_of(table), strict=True))
+    return [form.get(name, name) for name in columns]
+
+
+def cartesian(phi_r_m: ArrayLike, phi_deg: ArrayLike) -> dict[str, Any]:
+    """The Cartesian position of a polar one, or of many as columns."""
+    angle = np.radians(phi_deg)
+    return {"x_m": phi_r_m * np.cos(angle), "y_m": phi_r_m * np.sin(angle)}
+
+
+def polar(x_m: ArrayLike, y_m: ArrayLike) -> dict[str, Any]:
+    """The polar position of a Cartesian one, or of many as columns."""
+    return {"phi_r_m": np.hypot(x_m, y_m), "phi_deg": np.degrees(np.arctan2(y_m, x_m))}
+
 
 UpTo100 = Field(min_length=1, max_length=100)
 Distances = Annotated[list[Annotated[float, Number("m", 0, 10)]], UpTo100, Different]

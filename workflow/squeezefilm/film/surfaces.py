@@ -11,8 +11,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
+from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.sections import KEYS, Length
-from squeezefilm.solution import CARTESIAN, POLAR
 
 # Points of the nets on which a profile is looked at all over: along a radius, around; a side.
 RADII, ANGLES, LINES = 41, 72, 53

@@ -19,11 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 from squeezefilm.errors import InputError
 from squeezefilm.film.outline import POLAR_COORDINATES
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.positions import Positions
+from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
 from squeezefilm.film.profiles import Profile, landmarks_of
 from squeezefilm.film.scene import Places
 from squeezefilm.film.surfaces import Rectangle, Surface
-from squeezefilm.solution import CARTESIAN, POLAR
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, cartesian, polar
 from squeezefilm.lazy import pd
-from squeezefilm.solution import CARTESIAN, POLAR, as_in, cartesian
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
 Array = NDArray[np.float64]
@@ -70,8 +70,7 @@ class Factors:
             lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
             raise InputError(f"factors of different lengths ({lengths}); give one length") from None
         if form == CARTESIAN:
-            named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
-            named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
+            named |= polar(named["x_m"], named["y_m"])
         else:
             named |= cartesian(named["phi_r_m"], named["phi_deg"])
         named["phi_rad"] = np.radians(named["phi_deg"])

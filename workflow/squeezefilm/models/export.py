@@ -12,13 +12,13 @@ from pathlib import Path
 from string import Template
 
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import CARTESIAN, POLAR, form_of
 from squeezefilm.formulas import Expression, Operation, fold
 from squeezefilm.models.data import COLUMNS, FACTORS, POSITION, SLACK
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import QUANTITIES
-from squeezefilm.solution import CARTESIAN, POLAR, form_of
 
 FOLDER = Path(__file__).with_name("templates")
 WIDTH, LARGEST = 92, 1e300

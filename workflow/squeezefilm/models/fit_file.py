@@ -27,6 +27,7 @@ from pydantic import (
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import GapShape, Pad
+from squeezefilm.film.positions import POLAR
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
@@ -35,7 +36,6 @@ from squeezefilm.models.data import COLUMNS, Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
-from squeezefilm.solution import POLAR
 from squeezefilm.tables import read_json
 
 FILM_UNKNOWN = "not known: the fit's file does not describe its film"

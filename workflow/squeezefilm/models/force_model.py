@@ -22,9 +22,9 @@ from numpy.typing import ArrayLike
 
 from squeezefilm.config.study import OwnModel, Study
 from squeezefilm.errors import InputError, naming
+from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.formulas import Expression, Operation, fold, parameter_units, parse
 from squeezefilm.models.data import COLUMNS, FACTORS, Array, Factors
-from squeezefilm.solution import CARTESIAN, POLAR
 
 LIBRARY = Path(__file__).with_name("models.yaml")
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}

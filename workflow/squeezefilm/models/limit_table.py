@@ -14,8 +14,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
+from squeezefilm.film.positions import form_of
 from squeezefilm.models.data import SLACK, Array, Factors
-from squeezefilm.solution import form_of
 
 AXES = ("h0_m", "epsilon_square")
 """And the two of the position."""

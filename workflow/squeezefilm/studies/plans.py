@@ -17,10 +17,10 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, naming
+from squeezefilm.film.positions import as_in, form_of
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.dry_run import dry_run
-from squeezefilm.solution import as_in, form_of
 from squeezefilm.studies.space import CENTRED, Space, box_of, pad_positions, plan, sobol, twelve
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from squeezefilm.config.study import Positions, Study
 from squeezefilm.designs.box import Array, Box, coordinates, grid
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import POLAR, cartesian, form_of
 from squeezefilm.film.scene import Film
 from squeezefilm.film.symmetry import Symmetry
 from squeezefilm.film.validity import exist
 from squeezefilm.lazy import pd
-from squeezefilm.solution import POLAR, cartesian, form_of
 from squeezefilm.tables import FACTOR_COLUMNS
 
 if TYPE_CHECKING:

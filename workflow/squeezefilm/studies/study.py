@@ -12,12 +12,12 @@ import numpy as np
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, naming
+from squeezefilm.film.positions import POLAR, as_in, cartesian
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.film.validity import check_scene, check_scenes
 from squeezefilm.lazy import pd
-from squeezefilm.solution import POLAR, as_in, cartesian
 from squeezefilm.tables import FACTOR_COLUMNS, read_measurements
 
 

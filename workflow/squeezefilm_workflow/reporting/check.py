@@ -23,8 +23,8 @@ from matplotlib.testing.compare import compare_images
 from matplotlib.testing.exceptions import ImageComparisonFailure
 
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import form_of
 from squeezefilm.models.data import factors_of
-from squeezefilm.solution import form_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.reporting.figures.style import PLAIN
 from squeezefilm_workflow.reporting.pages import Page

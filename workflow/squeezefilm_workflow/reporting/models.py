@@ -14,6 +14,7 @@ import scipy
 
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import as_in, form_of
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read_fit
 from squeezefilm.models.fitting import local_fit, parameter_ranges
@@ -24,7 +25,6 @@ from squeezefilm.models.prediction_interval import (
     ranking_half,
     relative_errors,
 )
-from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
 from squeezefilm_workflow.reporting.notes import VERDICTS
 from squeezefilm_workflow.reporting.pages import Page, readable

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.film.pad import net
+from squeezefilm.film.positions import POLAR, form_of
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import label_of
 from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
-from squeezefilm.solution import POLAR, form_of
 from squeezefilm.units import error_text, to_its_error
 from squeezefilm_workflow.reporting.notes import (
     CLAIM,

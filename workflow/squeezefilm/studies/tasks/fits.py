@@ -14,6 +14,7 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import POLAR, as_in
 from squeezefilm.models.data import POSITION, Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, fit_of
 from squeezefilm.models.fitting import (
@@ -37,7 +38,6 @@ from squeezefilm.models.prediction_interval import (
     measured_interval,
     relative_errors,
 )
-from squeezefilm.solution import POLAR, as_in
 from squeezefilm.studies.space import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits, with_physics

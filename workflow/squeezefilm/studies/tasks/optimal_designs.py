@@ -23,11 +23,11 @@ from squeezefilm.designs.optimal import (
     sensitivity,
 )
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.models.data import SLACK, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
-from squeezefilm.solution import CARTESIAN
 from squeezefilm.studies.space import Space, plan
 from squeezefilm.studies.tasks.physics_limits import with_physics
 

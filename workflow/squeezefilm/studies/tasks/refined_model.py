@@ -9,13 +9,13 @@ import pandas as pd
 from squeezefilm.config.study import Study
 from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.film.positions import as_in
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import fit_of
 from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.prediction_interval import error_by_region
 from squeezefilm.reynolds import solve
-from squeezefilm.solution import as_in
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in

@@ -12,9 +12,9 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.film.positions import as_in, form_of
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, fit_of
-from squeezefilm.solution import as_in, form_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 from squeezefilm_workflow.reporting.notes import inertia
 from squeezefilm_workflow.reporting.pages import render

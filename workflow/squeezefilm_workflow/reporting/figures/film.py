@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from squeezefilm.film.positions import form_of
 from squeezefilm.formatting import label_of
-from squeezefilm.solution import form_of
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import percent, reynolds_limit, signed
 from squeezefilm_workflow.reporting.results import MODELLING_ERROR, Results
