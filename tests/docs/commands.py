@@ -77,12 +77,6 @@ BY_HAND = {
 }
 """Commands that nothing runs, and why."""
 
-PARTS = {
-    "squeezefilm simulate --outputs",
-}
-"""Named for an option of theirs: no whole commands."""
-
-
 @dataclass(frozen=True)
 class Command:
     """A command as it stands on a page."""
@@ -135,7 +129,7 @@ def stages(repository: Path) -> list[str]:
 
 def to_run(repository: Path) -> list[Command]:
     """The commands that are run here: all but names and those that have another place."""
-    elsewhere = {*stages(repository), *ELSEWHERE, *BY_HAND, *PARTS}
+    elsewhere = {*stages(repository), *ELSEWHERE, *BY_HAND}
     return [
         command
         for command in all_commands(repository)

@@ -14,7 +14,6 @@ from .commands import (
     BY_HAND,
     ELSEWHERE,
     NAMES,
-    PARTS,
     SMALLER,
     all_commands,
     stages,
@@ -33,12 +32,12 @@ def test_the_docs_have_commands_and_each_has_one_place(repository, texts):
     for text in texts:
         tests = text.startswith("pytest ") or text in stages(repository)
         named = any(pattern.fullmatch(text) for pattern in NAMES.values()) and text not in run
-        places = [run, ELSEWHERE, BY_HAND, PARTS]
+        places = [run, ELSEWHERE, BY_HAND]
         assert sum(text in place for place in places) + tests + named == 1, text
 
 
 def test_what_is_said_of_a_command_is_said_of_one_that_is_there(repository, texts):
-    for table in (SMALLER, ELSEWHERE, BY_HAND, PARTS):
+    for table in (SMALLER, ELSEWHERE, BY_HAND):
         assert set(table) <= set(texts)
     assert {"make test-docs", *ELSEWHERE.values()} <= set(stages(repository))
     for text in texts:
