@@ -9,7 +9,7 @@ PAGES = (
     *("README.md", "CONTRIBUTING.md", "config/README.md", "results/README.md"),
     *("workflow/README.md", "tests/reference/README.md"),
 )
-PROGRAMS = "make|squeezefilm|snakemake|python|pip|pytest|apt|apt-get|podman"
+PROGRAMS = "make|squeezefilm(?:-verification)?|snakemake|python|pip|pytest|apt|apt-get|podman"
 STARTS = rf"(?:{PROGRAMS}|git|\. \.venv|[A-Z]+=\S+$)"
 BLOCK_LINE = re.compile(rf"^    (?:\$ )?({STARTS}(?![\w:=-]).*)$", re.MULTILINE)
 INLINE = re.compile(rf"(?<!`)`((?:{PROGRAMS}) [^`]+)`(?!`)")
