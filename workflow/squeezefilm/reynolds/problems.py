@@ -53,10 +53,11 @@ def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid) -> Problems:
     scenes = Scenes.of(scenes)
     terms = terms_of_all(scenes)
     parts, places = _at_places(scenes, lambda at: _gap_parts(at, grid))
+    pad = scenes.films[scenes.film_index[0]].pad
     return Problems(
         numbers=numbers_table(scenes, terms),
         terms=terms,
-        aspect=aspect_of(scenes),
+        aspect=pad.length_y_m / pad.length_x_m,
         parts=np.concatenate(parts),
         places=places,
     )
@@ -84,12 +85,6 @@ def terms_of_all(scenes: Scenes) -> Terms:
     if len(terms) != 1:
         raise ValueError("a batch is of scenes with like terms")
     return terms[0]
-
-
-def aspect_of(scenes: Scenes) -> float:
-    """Aspect ratio of scenes that all have the same."""
-    pad = scenes.films[scenes.film_index[0]].pad
-    return pad.length_y_m / pad.length_x_m
 
 
 def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
