@@ -30,13 +30,13 @@ from squeezefilm.reynolds.layout import (
     packed,
     rows_of,
 )
-from squeezefilm.reynolds.periodic.time_modes import modes_of
-from squeezefilm.reynolds.problems import (
+from squeezefilm.reynolds.packing import (
     mean_motion,
     numbers_table,
     profiles_at,
     terms_of_all,
 )
+from squeezefilm.reynolds.periodic.time_modes import modes_of
 from squeezefilm.reynolds.terms import (
     Terms,
     axes_of,
