@@ -8,6 +8,8 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
@@ -36,7 +38,7 @@ def means(device: Device, kernel: str) -> list[float]:
     grids = [grid_under(scene, Grid(points, 4, 8, *shape)) for points in (4, 6)]
     other = replace(scene, hv_m=0.7 * scene.hv_m)
     batches = [
-        Batch(Scenes.of([each]), terms, some, [tolerance] * len(some))
+        Batch(Scenes.of([each]), np.arange(1), terms, tuple(some), [tolerance] * len(some))
         for each, some in ((scene, grids), (other, grids[:1]))
     ]
     states = launch(batches, device=device).states(device)

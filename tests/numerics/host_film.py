@@ -8,7 +8,6 @@ import numpy as np
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities import fields
 from squeezefilm.quantities.states import weights_with_edge
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.solution import Solution
 
 
@@ -38,8 +37,7 @@ class Fields(fields.Fields):
 def fields_of(scenes: Sequence[Scene], solutions: Sequence[Solution], *, grid: int = -1) -> Fields:
     """The films of ``alike`` scenes, by default on the finer grid."""
     states = [solution.states[grid] for solution in solutions]
-    problems = problems_of(scenes, states[0].grid)
-    return Fields(problems, states[0].grid, np.stack([each.unknowns[0] for each in states]))
+    return Fields(scenes, states[0].grid, np.stack([each.unknowns[0] for each in states]))
 
 
 def residual(films: Fields) -> np.ndarray:

@@ -33,7 +33,6 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.solution import OUTPUTS, Outputs
 from squeezefilm.tables import merge_forces, read_forces, write_table
@@ -68,8 +67,7 @@ def on_nodes(scene: Scene, *, points: int, instants: int) -> WithUnknowns:
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     assert state.status[0] == 0
-    problems = problems_of([scene], grid)
-    fields = WithUnknowns(problems, grid, state.overpressure)
+    fields = WithUnknowns([scene], grid, state.overpressure)
     fields.unknowns = state.unknowns[0]
     return fields
 

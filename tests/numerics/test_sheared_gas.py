@@ -39,7 +39,7 @@ def added(film: Film, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         SimpleNamespace(
             sigma=strip.sigma,
             numbers=lambda name, *, absent: numbers.get(name, absent),
-            problems=SimpleNamespace(numbers={"flow": np.ones((1, 1))}),
+            equation={"flow": np.ones((1, 1))},
             grid=SimpleNamespace(outline=None),
             area=1.0,
             gap=gap,

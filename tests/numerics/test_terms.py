@@ -13,8 +13,8 @@ from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import numbers_table
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
     SLIP,

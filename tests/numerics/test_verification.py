@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from physics_facts import SINC_CONVERGED, SPRING_AT_20
 
-from squeezefilm.reynolds import problems, solve
+from squeezefilm.reynolds import packing, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm_workflow.verification.films import PISTON, SAMPLE, beyond, cases, film
 from squeezefilm_workflow.verification.reference import reference_force
@@ -83,7 +83,7 @@ def test_a_sound_solver_fails_no_case():
 
 def spoil_fields(change: Callable[[Fields], None]) -> Callable[..., Fields]:
     """The profile's fields by name, changed before the kernel sees them."""
-    sound = problems.profile_fields
+    sound = packing.profile_fields
 
     def spoilt(*args: Any, **options: Any) -> Fields:
         fields = sound(*args, **options)
@@ -123,8 +123,8 @@ def turn_slope(fields: Fields) -> None:
     ids=["dropped term", "wrong sign", "one phase", "even gap"],
 )
 def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
-    monkeypatch.setattr(problems, "profile_fields", spoil_fields(change))
-    monkeypatch.setattr(problems, "_kept_profiles", problems._profiles)  # kept no longer
+    monkeypatch.setattr(packing, "profile_fields", spoil_fields(change))
+    monkeypatch.setattr(packing, "_kept_profiles", packing._profiles)  # kept no longer
     assert red() == expected
 
 

@@ -32,7 +32,7 @@ class Solution:
         residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
         work: floating-point operations of the iterations, for sharing out run time; no column.
         states: the periodic state on the last two grids, the finer one last, where it was asked for
-            (reynolds/periodic/launch.State); no column.
+            (reynolds/periodic/launch.States); no column.
         derivatives: of the force, where they were asked for (quantities/derivatives.py).
         outputs: quantities beside the force, where they were requested (quantities/outputs.py).
     """

@@ -14,8 +14,8 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.states import Solved, alike, remainder, with_states
 from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import numbers_table
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
 from squeezefilm.solution import DERIVATIVES, Derivatives, Solution
 

@@ -15,12 +15,12 @@ from functools import partial
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.states import changes_with_errors, weights_with_edge
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.reynolds.terms.rarefaction import (
     flow_over_viscous,
@@ -119,18 +119,18 @@ class EdgeFilms:
     """
 
     def __init__(self, scenes: Sequence[Scene], grid: Grid) -> None:
-        problems = problems_of(scenes, grid)
-        self.grid, self.numbers = grid, problems.numbers
-        self.lengths = grid.lengths(problems.aspect)
+        scenes = Scenes.of(scenes)
+        self.grid, self.numbers = grid, numbers_table(scenes, terms_of_all(scenes))
+        self.lengths = grid.lengths(scenes[0].aspect)
         self.exponent = scenes[0].gas.polytropic_exponent
         reynolds = np.array([scene.modified_reynolds for scene in scenes])
-        self.bernoulli = (problems.numbers["sigma"] * reynolds / 24)[:, None, None, None]
+        self.bernoulli = (self.numbers["sigma"] * reynolds / 24)[:, None, None, None]
         self.axes = [axis for axis in (grid.x, grid.y) if isinstance(axis, Axis)]
-        parts = problems.parts[problems.places][..., None]
-        epsilon = problems.numbers["epsilon"][:, None, None, None]
+        parts = gap_parts(scenes, grid)[..., None]
+        epsilon = self.numbers["epsilon"][:, None, None, None]
         gap = 1 + epsilon * parts[:, 0] * np.sin(grid.t.nodes)
         if parts.shape[1] > 1:
-            per_rise = problems.numbers["per_rise"][:, None, None, None]
+            per_rise = self.numbers["per_rise"][:, None, None, None]
             gap = gap + epsilon * parts[:, 1] * np.cos(grid.t.nodes) + per_rise * parts[:, 2]
         # Over h0, on the nodes that are solved for, and at each axis' ends.
         self.gap = gap[:, grid.x.inner, grid.y.inner]

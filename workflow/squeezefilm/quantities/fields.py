@@ -6,13 +6,15 @@ an outline vectors are along its coordinates, times |dz/dζ|, and sources of mas
 the typical (reynolds/terms/outline.py).
 """
 
+from collections.abc import Sequence
 from functools import cached_property, lru_cache
 
 import numpy as np
 
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.states import weights_with_edge
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.problems import Problems
+from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
 from squeezefilm.reynolds.spectral import Around, Axis, even_and_odd
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
 
@@ -33,13 +35,15 @@ def derivatives_with_edge(axis: Axis | Around) -> tuple[np.ndarray, np.ndarray]:
 class Fields:
     """Films of like terms on one grid, each with its gap H, pressure P and density ρ.
 
-    Numbers of scenes come as columns, to go with fields: ``number``.
+    ``equation`` has the numbers of each scene's equation; they come as columns, to go with fields:
+    ``number``.
     """
 
-    def __init__(self, problems: Problems, grid: Grid, overpressure: np.ndarray) -> None:
+    def __init__(self, scenes: Sequence[Scene], grid: Grid, overpressure: np.ndarray) -> None:
         """Args: overpressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
-        self.problems, self.grid = problems, grid
-        self.lengths = grid.lengths(problems.aspect)
+        self.grid, scenes = grid, Scenes.of(scenes)
+        self.equation = numbers_table(scenes, terms_of_all(scenes))
+        self.lengths = grid.lengths(scenes[0].aspect)
         self.inner = (slice(None), grid.x.inner, grid.y.inner)
         nodes = [len(weights_with_edge(axis)) for axis in (grid.x, grid.y)]
         across = grid.x.all_nodes[: nodes[0]]
@@ -47,9 +51,9 @@ class Fields:
             np.asarray(of(across))[..., None] for of in (grid.area, grid.turn, grid.bend)
         )
         seen = (..., slice(nodes[0]), slice(nodes[1]), None)
-        parts = problems.parts[problems.places].swapaxes(0, 1)[seen]
+        parts = gap_parts(scenes, grid).swapaxes(0, 1)[seen]
         rest = 1 + self.numbers("per_rise", absent=0.0) * sum(parts[2:])
-        moving = self.number(problems.numbers["epsilon"]) * parts[:2]
+        moving = self.number(self.equation["epsilon"]) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         self.gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
         self.overpressure = self.on_all_nodes(overpressure)
@@ -60,9 +64,8 @@ class Fields:
 
     def numbers(self, name: str, *, absent: float) -> np.ndarray:
         """A number that a term gives the scenes, or what it is without the term."""
-        table = self.problems.numbers
-        known = name in (table.dtype.names or ())
-        return self.number(table[name] if known else np.full(len(table), absent))
+        known = name in (self.equation.dtype.names or ())
+        return self.number(self.equation[name] if known else np.full(len(self.equation), absent))
 
     def on_all_nodes(self, values: np.ndarray) -> np.ndarray:
         """Values at the unknowns with zeros on the rim."""
@@ -72,7 +75,7 @@ class Fields:
 
     @cached_property
     def sigma(self) -> np.ndarray:
-        return self.number(self.problems.numbers["sigma"])
+        return self.number(self.equation["sigma"])
 
     @cached_property
     def density(self) -> np.ndarray:
@@ -104,7 +107,7 @@ class Fields:
     @cached_property
     def mobility(self) -> np.ndarray:
         """H² W, by which a slope of pressure drives gas: W is the flow over a viscous gas'."""
-        return np.asarray(flow_over_viscous(self.problems.numbers, self.mass) * self.gap**2)
+        return np.asarray(flow_over_viscous(self.equation, self.mass) * self.gap**2)
 
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""

@@ -23,7 +23,7 @@ from squeezefilm.quantities.states import remainder, weights_with_edge, with_sta
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import State
+from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import planned, solve
 from squeezefilm.reynolds.spectral import (
@@ -288,7 +288,7 @@ class Sample:
         momentum_n: what leaves over the rim along the pad's x and y, of a gas with inertia.
     """
 
-    def __init__(self, scene: Scene, state: State) -> None:
+    def __init__(self, scene: Scene, state: States) -> None:
         grid, outline = state.grid, state.grid.outline
         mirrored: list[Any]
         # With zeros on the rim; what is not among the unknowns is an image.

@@ -6,7 +6,7 @@ from squeezefilm.errors import RunError
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.periodic.launch import State
+from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import period
 
@@ -52,7 +52,7 @@ def pressure(
     raise RunError(NO_STATE)
 
 
-def _at(state: State, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int) -> np.ndarray:
+def _at(state: States, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int) -> np.ndarray:
     """A state at other places and instants: (instants, y, x)."""
     grid, field = state.grid, state.unknowns[0]
     in_time = period(grid.nt).at(period(instants).nodes)

@@ -31,7 +31,6 @@ from squeezefilm.quantities.states import changes_with_errors
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.solution import Solution
 
 # Relative error of the force that an iteration of the state may leave.
@@ -59,7 +58,7 @@ def mean_changes(
         if not any(scene.bearing_number for scene in scenes):
             return np.zeros((1, len(scenes)))
         own = np.stack(unknowns)
-        source = mass_source(Fields(problems_of(scenes, grid), grid, own[:, 0]))
+        source = mass_source(Fields(scenes, grid, own[:, 0]))
         means = []
         for flow in (0 * source, source):
             edge = dict.fromkeys(NO_EDGE_PRESSURE, 0 * source) | {"edge_flow": flow}
@@ -119,7 +118,7 @@ def flux_by_inertia(films: Fields) -> np.ndarray:
     passed = wall_speed(films) * films.slide(mass) / films.area  # U·∇M
     shortfall = by_wall * mass / 2 + wall * (passed / 12) - v * (passed / 14)
     # Slip lengthens the lag as in terms/inertia.py.
-    flow = films.problems.numbers["flow"]
+    flow = films.equation["flow"]
     slip = films.number(flow[:, 1] / 1.5) if flow.shape[1] > 1 else 0.0
     return -films.numbers("lag", absent=0.0) * films.gap * (mass + slip) * shortfall
 

@@ -59,11 +59,12 @@ def _rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, An
     waiting = np.flatnonzero(solutions.status == "")
     solutions.status[waiting], expected_error[waiting] = "ok", tolerance
     solutions.domain[waiting] = plan.domains[waiting]
-    for group in first_grids(plan, waiting, tolerance=tolerance) if len(waiting) else ():
-        last, rows = group.grids[-1], group.rows
-        (solutions.nx[rows], solutions.ny[rows]), solutions.nt[rows] = last.across, last.nt
+    first = first_grids(plan, waiting, tolerance=tolerance) if len(waiting) else ()
+    for rows, terms, grids in first:
+        solutions.nx[rows], solutions.ny[rows] = grids[-1].across
+        solutions.nt[rows] = grids[-1].nt
         solutions.work[rows] = _expected_flops(
-            scenes.closure[rows], group.terms, group.grids, tolerance=tolerance
+            scenes.closure[rows], terms, grids, tolerance=tolerance
         )
     labels = ["; ".join(["squeeze", *(term.label for term in terms)]) for terms in plan.kinds]
     absent = [absent_terms(terms) for terms in plan.kinds]

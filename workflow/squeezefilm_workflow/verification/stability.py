@@ -21,7 +21,7 @@ from squeezefilm.film.validity import check_scene
 from squeezefilm.parallel import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.periodic.launch import State
+from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.spectral import period
 from squeezefilm_workflow.verification.films import beyond
 from squeezefilm_workflow.verification.numpy_periodic import Collocation
@@ -110,7 +110,7 @@ def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, fl
     return checks
 
 
-def check_state(scene: Scene, state: State) -> dict[str, float]:
+def check_state(scene: Scene, state: States) -> dict[str, float]:
     """Check a periodic state.
 
     Returns:

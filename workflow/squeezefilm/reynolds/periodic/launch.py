@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import accumulate
 from typing import Any
 
@@ -30,14 +30,13 @@ from squeezefilm.reynolds.layout import (
     packed,
     rows_of,
 )
-from squeezefilm.reynolds.periodic.time_modes import modes_of
-from squeezefilm.reynolds.problems import (
-    aspect_of,
+from squeezefilm.reynolds.packing import (
     mean_motion,
     numbers_table,
     profiles_at,
     terms_of_all,
 )
+from squeezefilm.reynolds.periodic.time_modes import modes_of
 from squeezefilm.reynolds.terms import (
     Terms,
     axes_of,
@@ -76,32 +75,32 @@ SAID = np.dtype(
     ]
 )
 
+# Where the means in time of a batch's scenes on a grid begin, one behind the other, and the size of
+# each; and their states, ABSENT and 0 where these do not come back.
+SPAN = np.dtype([(name, np.int64) for name in ("means", "means_size", "state", "state_size")])
 
-@dataclass(frozen=True)
-class State:
-    """The periodic state of one scene on one grid, on the host.
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """Periodic states of scenes on one grid, on the host; ``states[k]`` is that of one of them.
 
     Attributes:
         unknowns: p = P − 1 in units of the ambient pressure and the terms' own unknowns, shape
-            (fields, nx, ny, nt).
+            (scenes, fields, nx, ny, nt), of one scene (fields, nx, ny, nt); without fields where
+            the batch does not ask for them.
+        said: rows of what the device says of the scenes, SAID.
     """
 
     grid: Grid
     unknowns: np.ndarray
-
-
-@dataclass(frozen=True)
-class States:
-    """Results of the device, one entry per scene.
-
-    Attributes:
-        unknowns: as of a ``State``, (scenes, fields, nx, ny, nt); without fields where the batch
-            does not ask for them.
-        said: rows of what is said of the scenes, the properties' values.
-    """
-
-    unknowns: np.ndarray
     said: np.ndarray
+
+    def __getitem__(self, rows: Any) -> States:
+        return States(self.grid, self.unknowns[rows], self.said[rows])
+
+    def copy(self) -> States:
+        """The same in memory of their own, for the arrays of a launch are used again."""
+        return States(self.grid, self.unknowns.copy(), self.said.copy())
 
     @property
     def overpressure(self) -> np.ndarray:
@@ -152,14 +151,14 @@ def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
     return (*sizes, "guessed", "largest_state"), np.array(values, dtype=np.int64)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Batch:
     """Scenes on one grid after the other: the state on each is the first guess on the next.
 
     Attributes:
-        scenes: of one pad shape.
+        among, rows: some scenes, and which of these go together: all of one pad shape.
         terms: those that all of them have.
-        grids: each no coarser than the one before.
+        grids: each no coarser than the one before; the change to the last tells its error.
         tolerances: relative error of the force that the iteration may leave, on each grid.
         guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
             film at rest by default.
@@ -168,13 +167,44 @@ class Batch:
             the arrays' names, shape (scenes, nx, ny, nt) each; ``terms`` have EdgePressure then.
     """
 
-    scenes: Scenes
+    among: Scenes
+    rows: np.ndarray
     terms: Terms
-    grids: Sequence[Grid]
+    grids: tuple[Grid, ...]
     tolerances: Sequence[float]
     guess: np.ndarray | None = None
     every: bool = True
     edge: Mapping[str, np.ndarray] | None = None
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @cached_property
+    def scenes(self) -> Scenes:
+        """The scenes that go together; all of them themselves, for those know their numbers."""
+        whole = len(self) == len(self.among) and (self.rows == np.arange(len(self))).all()
+        return self.among if whole else self.among[self.rows]
+
+    @property
+    def aspect(self) -> float:
+        """Aspect ratio of their pads."""
+        pad = self.among.films[self.among.film_index[self.rows[0]]].pad
+        return pad.length_y_m / pad.length_x_m
+
+    def __getitem__(self, part: slice | np.ndarray) -> Batch:
+        guess = None if self.guess is None else self.guess[part]
+        return replace(self, rows=self.rows[part], guess=guess)
+
+    @classmethod
+    def joined(cls, batches: Sequence[Batch]) -> Batch:
+        """Batches that go together as one."""
+        first = batches[0]
+        if len(batches) == 1:
+            return first
+        guess = None
+        if first.guess is not None:
+            guess = np.concatenate([batch.guess for batch in batches])
+        return replace(first, rows=np.concatenate([batch.rows for batch in batches]), guess=guess)
 
 
 @lru_cache(maxsize=256)
@@ -213,10 +243,11 @@ def solve_batch(
     terms = terms_of_all(scenes)
     if edge is not None:
         terms = (EdgePressure(), *terms)
-    batch = Batch(scenes, terms, [grid], [tolerance], guess, edge=edge)
+    rows = np.arange(len(scenes))
+    batch = Batch(scenes, rows, terms, (grid,), [tolerance], guess, edge=edge)
     launched = launch([batch], device=device, most_newton=most_newton)
     (((states,),)) = launched.states(device)
-    kept = States(states.unknowns.copy(), states.said.copy())
+    kept = states.copy()
     device.release(*launched.arrays)
     return kept
 
@@ -229,9 +260,7 @@ class Launch:
         kind: the rows' type.
         results: room for what the device says of the scenes, and their first guesses. It begins
             with what is said in rows; kernels read states in vectors.
-        spans: on each grid of each batch, where the means in time of its scenes begin, one behind
-            the other, and the size of each, then of their states, ABSENT and 0 where these do not
-            come back.
+        spans: SPAN of each batch on each of its grids.
         arrays: what ``values`` and ``results`` are the beginnings of, of the device's pool.
         buffer: the device's of ``results``.
         done: the kernel's event.
@@ -243,7 +272,7 @@ class Launch:
     rows: np.ndarray
     values: np.ndarray
     results: np.ndarray
-    spans: Sequence[Sequence[tuple[int, int, int, int]]]
+    spans: Sequence[np.ndarray]
     arrays: Sequence[np.ndarray]
     buffer: Any = None
     done: Any = None
@@ -258,10 +287,11 @@ class Launch:
         for batch, spans in zip(self.batches, self.spans, strict=True):
             count, stages = len(batch.scenes), len(batch.grids)
             of_batch = []
-            for stage, (grid, (*_, at, size)) in enumerate(zip(batch.grids, spans, strict=True)):
-                unknowns = self.results[at : at + count * size].reshape(count, -1, *grid.shape)
+            for stage, (grid, span) in enumerate(zip(batch.grids, spans.tolist(), strict=True)):
+                _, _, state, size = span
+                unknowns = self.results[state : state + count * size]
                 of_scenes = said[first + stage : first + count * stages : stages]
-                of_batch.append(States(unknowns, of_scenes))
+                of_batch.append(States(grid, unknowns.reshape(count, -1, *grid.shape), of_scenes))
             states.append(of_batch)
             first += count * stages
         return states
@@ -349,11 +379,10 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
     for batch in batches:
         of_batch, end = _spans(batch, end)
         numbers = numbers_table(batch.scenes, batch.terms)
-        grids, guessed = tuple(batch.grids), batch.guess is not None
-        at = np.array(of_batch)
-        scene = np.arange(len(batch.scenes))
-        in_results = at[:, ::2] + np.multiply.outer(scene, at[:, 1::2])
-        columns = [_sizes(grids, batch.terms, guessed), (("means", "state"), in_results)]
+        columns = [_sizes(batch.grids, batch.terms, batch.guess is not None)]
+        for name in ("means", "state"):
+            behind = np.multiply.outer(np.arange(len(batch)), of_batch[f"{name}_size"])
+            columns.append(((name,), (of_batch[name] + behind)[..., None]))
         for items, which in _arrays(batch, numbers):
             begin = items.starts + size
             if which is not None:
@@ -369,14 +398,15 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
     arrays = device.host_array(end + PADDING), device.host_array(size + PADDING)
     results, values = arrays[0][: end + PADDING], arrays[1][: size + PADDING]
     np.concatenate(parts, out=values[:size])
-    for batch, ((_, _, state_at, _), *_) in zip(batches, spans, strict=True):
+    for batch, of_batch in zip(batches, spans, strict=True):
         if batch.guess is not None:
-            results[state_at : state_at + batch.guess.size] = batch.guess.ravel()
+            state = int(of_batch["state"][0])
+            results[state : state + batch.guess.size] = batch.guess.ravel()
     table = rows[0] if len(rows) == 1 else np.concatenate(rows)
     return Launch(batches, begins, kind, table, values, results, spans, arrays)
 
 
-def _spans(batch: Batch, end: int) -> tuple[list[tuple[int, int, int, int]], int]:
+def _spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
     """The spans of a batch whose results begin at some place, and where they end."""
     spans = []
     for stage, grid in enumerate(batch.grids):
@@ -388,12 +418,12 @@ def _spans(batch: Batch, end: int) -> tuple[list[tuple[int, int, int, int]], int
         behind = -(-(end + len(batch.scenes) * means) // 4) * 4
         spans.append((end, means, behind if returns else ABSENT, state))
         end = behind + len(batch.scenes) * state
-    return spans, end
+    return np.array(spans, dtype=SPAN), end
 
 
 def _arrays(batch: Batch, numbers: np.ndarray) -> Iterator[tuple[Packed, np.ndarray | None]]:
     """A batch's arrays on each grid, and which of them each scene has; None where all have one."""
-    grids, terms, aspect = tuple(batch.grids), batch.terms, aspect_of(batch.scenes)
+    grids, terms, aspect = batch.grids, batch.terms, batch.aspect
     yield _matrices(grids, terms, aspect), None
     fields, at, means = profiles_at(batch.scenes, grids, terms)
     yield fields, at

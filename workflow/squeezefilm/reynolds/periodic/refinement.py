@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -24,13 +24,11 @@ from squeezefilm.reynolds.periodic.launch import (
     STATUS,
     Batch,
     Launch,
-    State,
     States,
     launch,
 )
 from squeezefilm.reynolds.periodic.resolution import (
     MOST_UNKNOWNS,
-    Group,
     finer_grid,
     first_grids,
     least_fall,
@@ -64,6 +62,8 @@ MOST_FAILURES = 3
 # Iterations that a state takes at least on a first grid.
 LEAST_ITERATIONS = 4
 OVER_LIMIT = ENDINGS["OVER_LIMIT"]
+# What becomes of a scene after a launch: its force is good, it goes on, or it ends without one.
+ACCEPTED, REFINED, BEGUN_AGAIN, NO_STATE, NEGATIVE, EXHAUSTED = range(6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class Refinement:
     Attributes:
         change: how the mean pressure changed last (error_estimate.py), (2, n).
         failures: times that Newton's method failed on the last grid.
-        waiting: scenes that go on in one of the next launches, those that go together in a list.
+        waiting: batches that go on in one of the next launches, those that go together in a list.
     """
 
     plan: Plan
@@ -83,61 +83,62 @@ class Refinement:
     keep_states: bool
     change: np.ndarray
     failures: np.ndarray
-    waiting: dict[tuple[object, ...], list[Group]] = field(default_factory=dict)
+    waiting: dict[object, list[Batch]] = field(default_factory=dict)
 
-    def wait(self, group: Group) -> None:
-        key = group.grids, group.terms, group.aspect, group.guess is None
-        self.waiting.setdefault(key, []).append(group)
+    def wait(
+        self,
+        rows: np.ndarray,
+        terms: Terms,
+        grids: tuple[Grid, ...],
+        guess: np.ndarray | None = None,
+    ) -> None:
+        """Let scenes go through some grids, from rest or from a guess, with one of the launches."""
+        share = LEFT_SHARE if margin_of(terms) == 1 else ITERATION_SHARE
+        left = (KEPT if self.keep_states else 1.0) * share * self.tolerance
+        tolerances = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
+        if guess is not None:  # so that the finer grid does not take the state over as it is
+            tolerances = [GOING_ON * left] * len(grids)
+        batch = Batch(
+            self.plan.scenes, rows, terms, grids, tolerances, guess, every=self.keep_states
+        )
+        key = grids, terms, batch.aspect, guess is None
+        self.waiting.setdefault(key, []).append(batch)
 
-    def next_launch(self, *, most: int) -> list[Group]:
-        """Groups of like terms that fill a launch, those of the dearest grids first.
+    def next_launch(self, *, most: int) -> list[Batch]:
+        """Batches of like terms that fill a launch, those of the dearest grids first.
 
         So that no long solve is left over at the end.
         """
-        chosen: list[Group] = []
+        chosen: list[Batch] = []
         scenes, size = 0, 0
         for key in sorted(self.waiting, key=lambda key: -iteration_flops(key[0][-1])):  # type: ignore[index]
-            group = _joined(self.waiting[key])
-            scene_bytes = 8 * sum([grid.count for grid in group.grids])
+            batch = Batch.joined(self.waiting[key])
+            scene_bytes = 8 * sum([grid.count for grid in batch.grids])
             room = max((LAUNCH_BYTES - size) // scene_bytes, 0 if chosen else 1)
-            count = min(most - scenes, room, len(group.rows))
-            if count <= 0 or (chosen and group.terms != chosen[0].terms):
+            count = min(most - scenes, room, len(batch))
+            if count <= 0 or (chosen and batch.terms != chosen[0].terms):
                 continue
-            if count < len(group.rows):
-                self.waiting[key] = [_some(group, slice(count, None))]
-                group = _some(group, slice(count))
+            if count < len(batch):
+                self.waiting[key] = [batch[count:]]
+                batch = batch[:count]
             else:
                 del self.waiting[key]
-            chosen.append(group)
+            chosen.append(batch)
             scenes += count
             size += scene_bytes * count
         return chosen
 
-    def batch(self, group: Group) -> Batch:
-        """Return the batch of a group for the device."""
-        share = LEFT_SHARE if margin_of(group.terms) == 1 else ITERATION_SHARE
-        left = (KEPT if self.keep_states else 1.0) * share * self.tolerance
-        starts = len(group.grids) - 2
-        shares = [max(left, START_TOLERANCE)] * starts + [left] * min(len(group.grids), 2)
-        if group.guess is not None:  # so that the finer grid does not take the state over as it is
-            shares = [GOING_ON * left] * len(group.grids)
-        scenes = self.plan.scenes
-        every = len(group.rows) == len(scenes) and (group.rows == np.arange(len(scenes))).all()
-        if not every:  # those know their numbers
-            scenes = scenes[group.rows]
-        return Batch(scenes, group.terms, group.grids, shares, group.guess, self.keep_states)
-
-    def accept_or_refine(self, group: Group, batch: Batch, stages: Sequence[States]) -> int:
+    def accept_or_refine(self, batch: Batch, stages: Sequence[States]) -> int:
         """Write the solutions of scenes whose error is small enough, or that have no better one.
 
         The others wait for finer grids. Returns how many are finished.
         """
-        rows, terms, grids, solutions = group.rows, group.terms, group.grids, self.solutions
+        rows, terms, grids, solutions = batch.rows, batch.terms, batch.grids, self.solutions
         at: Rows = slice(None) if batch.scenes is self.plan.scenes else rows
-        said, grid, finer = stages[-1].said, grids[-1], finer_grid(grids[-1], room=self.room)
+        last, grid, finer = stages[-1], grids[-1], self._after(grids[-1])
         nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate(
-            said,
+            last.said,
             self.change[:, at],
             scenes=batch.scenes,
             terms=terms,
@@ -147,107 +148,96 @@ class Refinement:
         )
         if len(grids) == 1:  # a single grid tells no error
             error[:], change[:] = np.inf, np.nan
-        self.change[:, at] = change
-        for each, states in zip(grids, stages, strict=True):
+        for states in stages:
             newton, krylov = states.said["newton_steps"], states.said["krylov_iterations"]
             solutions.newton_steps[at] += newton
             solutions.krylov_iterations[at] += krylov
-            solutions.work[at] += iteration_flops(each, terms) * (newton + krylov)
+            solutions.work[at] += iteration_flops(states.grid, terms) * (newton + krylov)
+        solutions.residual[at] = last.said["residual"]
+        self.write_grid(at, grid)
+
         # A finer grid takes about as many iterations as the last one did.
         next_work = iteration_flops(finer, terms) * (newton + krylov) if finer else 0.0
-        over = solutions.work[at] + next_work > MOST_WORK
-        solutions.residual[at] = said["residual"]
-        self._write_grid(at, grid)
-        reasons: dict[int, str] = {}  # why scenes end without a force
-
-        def end(
-            which: np.ndarray, reason: str, *, with_error: bool = False, advice: str = ""
-        ) -> None:
-            for k in np.flatnonzero(which).tolist():
-                text = error_text(error[k], allowed=allowed[k], force=said["mean"][k])
-                reasons.setdefault(k, (f"{reason}: {text}" if with_error else reason) + advice)
-
-        begun = np.zeros(len(rows), dtype=bool)
-        statuses = [states.status for states in stages[-2:]]
-        unknown = np.logical_or.reduce(statuses)
-        if unknown.any():
-            begun = self._begin_again(group, (statuses[-1] != 0) & ~over, finer)
-            hopeless = ((statuses[-1] != 0) | (finer is None)) & ~begun
-            for each, status in zip(grids[:-3:-1], statuses[::-1], strict=True):
-                self._write_grid(rows[(status != 0) & hopeless], each)
-                for ending in range(1, len(STATUS)):
-                    advice = fewer_operations(terms) if STATUS[ending] == OVER_LIMIT else ""
-                    reason = f"{STATUS[ending]} ({_size(each)}){advice}"
-                    end((status == ending) & hopeless, reason)
+        too_dear = solutions.work[at] + next_work > MOST_WORK
+        no_state = last.status != 0
+        unknown = np.logical_or.reduce([states.status != 0 for states in stages[-2:]])
+        negative = ~(last.said["lowest"] > 0)
+        outcome = np.where(error <= allowed, ACCEPTED, REFINED)
+        if unknown.any() or negative.any():
             # What no coarser grid describes, a finer one may.
-            error[unknown] = np.inf
-            self.change[:, rows[unknown]] = np.nan
-        negative = ~(said["lowest"] > 0)
-        if np.count_nonzero(negative):
-            error[negative] = np.inf
+            change[:, unknown], error[unknown | negative] = np.nan, np.inf
+            outcome[unknown | negative] = REFINED
             if finer is None:
-                reason = f"not converged: the pressure is not positive everywhere ({_size(grid)})"
-                end(negative & ~begun, reason)
-        waiting = ~begun
-        if reasons:
-            waiting[list(reasons)] = False
-        good = ((error <= allowed) & waiting).nonzero()[0]
-        accepted, scale_n = rows[good], batch.scenes.force_scale_n
-        solutions.status[accepted] = "ok"
-        solutions.force_n[accepted] = (said["mean"] * scale_n)[good]
-        solutions.force_error_n[accepted] = (error * scale_n)[good]
-        if self.keep_states:
-            for k in good.tolist():
-                # Copies, for the launch's arrays are used again.
-                last = zip(grids[-2:], stages[-2:], strict=True)
-                kept = tuple(State(each, states.unknowns[k].copy()) for each, states in last)
-                solutions.states[rows[k]] = kept
-        waiting[good] = False
-        if np.count_nonzero(waiting):
-            limit, advice = f"within {MOST_WORK:.0e} operations", fewer_operations(terms)
-            if finer is None:
-                over, limit, advice = waiting, "on the finest grid", ""
-            reason = f"not converged: tolerance not reached {limit} ({_size(grid)})"
-            end(waiting & over, reason, with_error=True, advice=advice)
-            waiting[list(reasons)] = False
-            if finer and waiting.any():
-                guess = stages[-1].unknowns[waiting]
-                self.wait(Group(rows[waiting], (grid, finer), terms, group.aspect, guess))
-        for k, reason in reasons.items():
-            solutions.status[rows[k]] = reason
-        return len(rows) - int(np.count_nonzero(begun) + np.count_nonzero(waiting))
+                outcome[negative] = NEGATIVE
+            outcome[no_state if finer else unknown] = NO_STATE
+            outcome[no_state & ~too_dear & self._can_begin_again(batch)] = BEGUN_AGAIN
+        outcome[(outcome == REFINED) & (True if finer is None else too_dear)] = EXHAUSTED
+        self.change[:, at] = change
 
-    def _begin_again(self, group: Group, failed: np.ndarray, finer: Grid | None) -> np.ndarray:
-        """Let scenes without a state on the last grid wait for finer ones, from rest."""
-        again = finer_grid(finer, room=self.room) if finer else None
-        which = failed & (self.failures[group.rows] < MOST_FAILURES)
-        if finer is None or again is None or margin_of(group.terms) > 1:
-            return np.zeros_like(failed)
-        if which.any():
-            rows = group.rows[which]
-            self.wait(Group(rows, (finer, again), group.terms, group.aspect))
-            self.failures[rows] += 1
-        return which
+        accepted = np.flatnonzero(outcome == ACCEPTED)
+        scale_n = batch.scenes.force_scale_n
+        solutions.status[rows[accepted]] = "ok"
+        solutions.force_n[rows[accepted]] = (last.said["mean"] * scale_n)[accepted]
+        solutions.force_error_n[rows[accepted]] = (error * scale_n)[accepted]
+        for k in accepted.tolist() if self.keep_states else ():
+            solutions.states[rows[k]] = tuple(states[k].copy() for states in stages[-2:])
+        if len(accepted) == len(rows):
+            return len(rows)
 
-    def _write_grid(self, rows: Rows, grid: Grid) -> None:
+        begun_again = rows[outcome == BEGUN_AGAIN]
+        if finer and (finest := self._after(finer)) and len(begun_again):
+            self.failures[begun_again] += 1
+            self.wait(begun_again, terms, (finer, finest))
+        refined = outcome == REFINED
+        if finer and refined.any():
+            self.wait(rows[refined], terms, (grid, finer), last.unknowns[refined])
+        self._write_reasons(batch, stages, outcome, error=error, allowed=allowed)
+        return len(rows) - len(begun_again) - int(np.count_nonzero(refined))
+
+    def _after(self, grid: Grid) -> Grid | None:
+        return finer_grid(grid, room=self.room)
+
+    def _can_begin_again(self, batch: Batch) -> np.ndarray | bool:
+        """Return which scenes without a state may be tried on finer grids, from rest."""
+        finer = self._after(batch.grids[-1])
+        if finer is None or self._after(finer) is None or margin_of(batch.terms) > 1:
+            return False
+        return self.failures[batch.rows] < MOST_FAILURES
+
+    def _write_reasons(
+        self,
+        batch: Batch,
+        stages: Sequence[States],
+        outcome: np.ndarray,
+        *,
+        error: np.ndarray,
+        allowed: np.ndarray,
+    ) -> None:
+        """Write why scenes end without a force."""
+        rows, grid, status = batch.rows, batch.grids[-1], self.solutions.status
+        for states in stages[-2:]:  # of two that failed the last one's reason counts
+            failed = (outcome == NO_STATE) & (states.status != 0)
+            for k in np.flatnonzero(failed).tolist():
+                ending = STATUS[states.status[k]]
+                advice = fewer_operations(batch.terms) if ending == OVER_LIMIT else ""
+                status[rows[k]] = f"{ending} ({_size(states.grid)}){advice}"
+        before = stages[-2:][0]
+        self.write_grid(rows[(outcome == NO_STATE) & (before.status != 0)], before.grid)
+        for row in rows[outcome == NEGATIVE]:
+            status[row] = f"not converged: the pressure is not positive everywhere ({_size(grid)})"
+        limit, advice = f"within {MOST_WORK:.0e} operations", fewer_operations(batch.terms)
+        if self._after(grid) is None:
+            limit, advice = "on the finest grid", ""
+        reason = f"not converged: tolerance not reached {limit} ({_size(grid)})"
+        for k in np.flatnonzero(outcome == EXHAUSTED).tolist():
+            text = error_text(error[k], allowed=allowed[k], force=stages[-1].mean[k])
+            status[rows[k]] = f"{reason}: {text}{advice}"
+
+    def write_grid(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
         self.solutions.domain[rows] = self.plan.domains[rows]
         self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
         self.solutions.nt[rows] = grid.nt
-
-
-def _some(group: Group, part: slice) -> Group:
-    guess = None if group.guess is None else group.guess[part]
-    return replace(group, rows=group.rows[part], guess=guess)
-
-
-def _joined(groups: Sequence[Group]) -> Group:
-    """Groups that go together as one."""
-    if len(groups) == 1:
-        return groups[0]
-    guesses = [group.guess for group in groups if group.guess is not None]
-    rows = np.concatenate([group.rows for group in groups])
-    return replace(groups[0], rows=rows, guess=np.concatenate(guesses) if guesses else None)
 
 
 def solve_periodic(
@@ -272,29 +262,26 @@ def solve_periodic(
         change=np.full((2, len(plan)), np.nan),
         failures=np.zeros(len(plan), dtype=np.int64),
     )
-    room, count = refinement.room, 0
-    for group in first_grids(plan, rows, tolerance=tolerance, room=room, kept=keep_states):
-        count += len(group.rows)
-        if LEAST_ITERATIONS * iteration_flops(group.grids[-1], group.terms) > MOST_WORK:
-            grid = group.grids[-1]
-            refinement._write_grid(group.rows, grid)
-            solutions.status[group.rows] = (
-                f"{OVER_LIMIT} ({_size(grid)}){fewer_operations(group.terms)}"
-            )
-            report(len(group.rows))
+    room, count = refinement.room, int(np.count_nonzero(waiting))
+    for alike, terms, grids in first_grids(
+        plan, rows, tolerance=tolerance, room=room, kept=keep_states
+    ):
+        if LEAST_ITERATIONS * iteration_flops(grids[-1], terms) <= MOST_WORK:
+            refinement.wait(alike, terms, grids)
             continue
-        refinement.wait(group)
+        refinement.write_grid(alike, grids[-1])
+        reason = f"{OVER_LIMIT} ({_size(grids[-1])}){fewer_operations(terms)}"
+        solutions.status[alike] = reason
+        report(len(alike))
     size = min(max(-(-count // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
-    flying: deque[tuple[list[Group], Launch]] = deque()
+    flying: deque[Launch] = deque()
     with progress_of(count, unit="scene", name="periodic states") as progress:
         while refinement.waiting or flying:
             while refinement.waiting and len(flying) < IN_FLIGHT:
-                groups = refinement.next_launch(most=size)
-                batches = [refinement.batch(group) for group in groups]
-                flying.append((groups, launch(batches, device=device)))
-            groups, landing = flying.popleft()
-            progress.doing = _size(groups[0].grids[-1])
-            landed = zip(groups, landing.batches, landing.states(device), strict=True)
+                flying.append(launch(refinement.next_launch(most=size), device=device))
+            landing = flying.popleft()
+            progress.doing = _size(landing.batches[0].grids[-1])
+            landed = zip(landing.batches, landing.states(device), strict=True)
             finished = sum(refinement.accept_or_refine(*each) for each in landed)
             progress.update(finished)
             report(finished)

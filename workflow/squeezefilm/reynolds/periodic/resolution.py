@@ -6,7 +6,7 @@ The guess only decides the cost. The error estimate shows afterwards if it was r
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from math import ceil, inf, log, log10, pi, sqrt
 from typing import Any
@@ -70,23 +70,6 @@ MOST_FIRST, MOST_FIRST_FOLDED, MOST_FIRST_TIME = 268, 132, 160
 TINY = 1e-300
 
 
-@dataclass(frozen=True, eq=False)
-class Group:
-    """Scenes of like terms and pad shape that go through the same grids.
-
-    Attributes:
-        rows: which scenes they are, (k,).
-        grids: those of the next launch; the change to the last tells its error.
-        guess: states on the first of them, if they are known already, (k, fields, nx, ny, nt).
-    """
-
-    rows: np.ndarray
-    grids: tuple[Grid, ...]
-    terms: Terms
-    aspect: float
-    guess: np.ndarray | None = None
-
-
 def first_grids(
     plan: Plan,
     rows: Rows = slice(None),
@@ -94,8 +77,8 @@ def first_grids(
     tolerance: float,
     room: float = MOST_UNKNOWNS,
     kept: bool = False,
-) -> Iterator[Group]:
-    """Scenes with the grids of their first launch.
+) -> Iterator[tuple[np.ndarray, Terms, tuple[Grid, ...]]]:
+    """Scenes of like terms and pad shape, their terms, and the grids of their first launch.
 
     These are a start, if it pays, and those that it takes to know the error. Force errors on the
     first of the latter are about a share of the tolerance.
@@ -107,7 +90,7 @@ def first_grids(
     """
     for kind, film, alike in _alike(plan, rows):
         terms, pad = plan.kinds[kind], film.pad
-        outline, aspect = _outline_of(pad, terms), pad.length_y_m / pad.length_x_m
+        outline = _outline_of(pad, terms)
         share, step = FIRST_SHARE, FOURS
         if pad.smooth_outline is None and margin_of(terms) == 1 and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
@@ -117,7 +100,7 @@ def first_grids(
         numbers = np.arange(len(plan))[alike]
         for some in rows_alike(*columns):
             grids = _sequence(tuple(columns[:, some[0]].tolist()), outline, room, step)
-            yield Group(numbers[some], grids, terms, aspect)
+            yield numbers[some], terms, grids
 
 
 def _outline_of(pad: Pad, terms: Terms) -> Outline | None:

@@ -113,7 +113,7 @@ class Term:
         return {}
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
-        """Return fields of the gaps' parts (problems.py), shape (places, parts, nx, ny) each.
+        """Return fields of the gaps' parts (packing.py), shape (places, parts, nx, ny) each.
 
         ``parts`` have the shape (places, parts, full nx + 2, full ny + 2), ends included.
         """

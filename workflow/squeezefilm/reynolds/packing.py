@@ -1,16 +1,15 @@
-"""Scenes of like terms in the dimensionless form that kernels solve."""
+"""The numbers and profiles of scenes of like terms, in the dimensionless form of the kernels."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
 from typing import Any, TypeVar
 
 import numpy as np
 
-from squeezefilm.film.scene import Places, Scene, Scenes
+from squeezefilm.film.scene import Places, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Packed, packed
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of_each
@@ -22,44 +21,15 @@ MOST_KEPT = 100_000
 Found = TypeVar("Found")
 
 
-@dataclass(frozen=True)
-class Problems:
-    """Scenes on one grid.
+def gap_parts(scenes: Scenes, grid: Grid) -> np.ndarray:
+    """The parts of each scene's gap, (n, parts, nodes along x, nodes along y).
 
-    Attributes:
-        numbers: excursion ratio ``epsilon``, squeeze number ``sigma``, coefficients ``flow`` of the
-            flux's terms c_k H^(3−k) ∇g_k, and the terms' own numbers; one row per scene.
-        terms: those that all of the scenes have.
-        aspect: pad's length along y over that along x, one for all.
-        parts: of the gap 1 + ε s sin T the profile s, or of any gap (terms/gap.py) s₁, s₂ and by
-            how many metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends
-            and mirror images included, shape (places, parts, nodes along x, nodes along y).
-        places: row of ``parts`` that each scene has.
+    Of the gap 1 + ε s sin T the profile s, or of any gap (terms/gap.py) s₁, s₂ and by how many
+    metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends and mirror images
+    included.
     """
-
-    numbers: np.ndarray
-    terms: Terms
-    aspect: float
-    parts: np.ndarray
-    places: np.ndarray
-
-
-def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid) -> Problems:
-    """Scenes of one pad shape and like terms on one grid.
-
-    Raises:
-        ValueError: for scenes of unlike terms.
-    """
-    scenes = Scenes.of(scenes)
-    terms = terms_of_all(scenes)
     parts, places = _at_places(scenes, lambda at: _gap_parts(at, grid))
-    return Problems(
-        numbers=numbers_table(scenes, terms),
-        terms=terms,
-        aspect=aspect_of(scenes),
-        parts=np.concatenate(parts),
-        places=places,
-    )
+    return np.concatenate(parts)[places]
 
 
 def _at_places(scenes: Scenes, find: Callable[[Places], Found]) -> tuple[list[Found], np.ndarray]:
@@ -86,12 +56,6 @@ def terms_of_all(scenes: Scenes) -> Terms:
     return terms[0]
 
 
-def aspect_of(scenes: Scenes) -> float:
-    """Aspect ratio of scenes that all have the same."""
-    pad = scenes.films[scenes.film_index[0]].pad
-    return pad.length_y_m / pad.length_x_m
-
-
 def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
     """The numbers of the scenes' equation under their names, a row for each."""
     numbers = numbers_of(scenes, terms)
@@ -111,7 +75,7 @@ def _kind_of_numbers(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
 
 
 def _gap_parts(places: Places, grid: Grid) -> np.ndarray:
-    """The gap's parts at each place on all nodes of a grid, as of ``Problems``."""
+    """The gap's parts at each position, as of ``gap_parts``."""
     x, y = grid.positions
     values, gap = places.parts(x, y), places.under.pad.gap
     if not gap.flat or len(values) == 2:
