@@ -406,7 +406,7 @@ def read_columns(
     """
     path, needs = Path(path), ", ".join(columns)
     table, lines = _rows(path, columns=(*columns, *optional), needs=needs)
-    header, how = list(map(str, table)), {"needs": needs, "path": path}
+    header, how = list(map(str, table)), dict[str, Any](needs=needs, path=path)
     _check_header(header, as_in(columns, header), optional=(), others="ignored", **how)
     if not lines:
         raise InputError(NO_ROWS.format(path))
