@@ -16,7 +16,7 @@ from squeezefilm.models.force_model import get_model
 from squeezefilm.models.prediction_interval import error_sizes
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import random_plan
-from squeezefilm.studies.space import box_of
+from squeezefilm.studies.space import space_of
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks import physics_limits as limits
 from squeezefilm.studies.tasks.physics_limits import with_limits
@@ -34,7 +34,7 @@ def reference(name: str, paper: Study) -> tuple[Factors, np.ndarray]:
 @pytest.fixture(scope="module")
 def control(paper):
     """A thousand random points of the four-factor space, by the periodic state."""
-    ranges = box_of(paper).ranges
+    ranges = space_of(paper).limits
     table = limits_of(random_plan(points=1000, seed=11, **ranges), paper)
     scenes = scenes_in(table, paper)
     solutions = solve(scenes, tolerance=1e-5, method="periodic")
@@ -78,7 +78,7 @@ def with_inertia(table: pd.DataFrame, paper: Study) -> tuple[Factors, np.ndarray
 
 def test_with_inertia_too_it_needs_no_fitted_parameter(paper) -> None:
     """On the screen and on random points; inertia itself is 2 to 10 % of these forces."""
-    random = random_plan(points=200, seed=11, **box_of(paper).ranges)
+    random = random_plan(points=200, seed=11, **space_of(paper).limits)
     plan, _, plan_n = with_inertia(reference_table("four_factor"), paper)
     for table in (reference_table("screen"), random):
         factors, error_n, force_n = with_inertia(table, paper)
@@ -117,8 +117,8 @@ def test_a_table_of_limits_has_gaps_and_positions_enough(
     paper, monkeypatch, sections, ranges, error
 ) -> None:
     """Inertia grows like the square of the gap; 7 × 6 positions left half of a wavy force."""
-    box = box_of(paper).ranges | ranges
-    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(box)))
+    box = space_of(paper).limits | ranges
+    monkeypatch.setattr(limits, "space_of", lambda config: SimpleNamespace(limits=dict(box)))
     table = limits.limit_table_of(changed(paper, **sections))
     assert table.largest_relative_error < error
     assert len(table.coefficients["limit_n"]) <= limits.MOST_NODES

@@ -12,7 +12,7 @@ import pandas as pd
 import psutil
 import pytest
 
-COMMANDS = {"squeezefilm": "simulate", "verification": "random-studies"}
+COMMANDS = {"squeezefilm": "simulate", "squeezefilm_workflow.verification": "random-studies"}
 
 
 def interrupted(

@@ -9,9 +9,9 @@ import yaml
 from reference_forces import SCREEN_THETA
 
 from squeezefilm.cli.main import main
-from squeezefilm.designs.box import Box, grid
 from squeezefilm.designs.optimal import exchange, maximin_design, optimal_in_box, optimal_weights
 from squeezefilm.designs.paper_design import Criterion, search_design
+from squeezefilm.designs.space import Space
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import get_model
@@ -45,14 +45,14 @@ def powers(x: np.ndarray, *, degree: int) -> np.ndarray:
 )
 def test_known_designs_are_found_off_the_grid(gradients, limits, points):
     """Box and Lucas (1959); Duggleby (1979); Fedorov (1972): as many points as parameters."""
-    box = Box(("x",), limits[:1], limits[1:])
-    design = optimal_in_box(gradients, box, grid(box, 24))
+    space = Space({"x": limits})
+    design = optimal_in_box(gradients, space, space.levels(24))
     order = np.argsort(design.points[:, 0])
     span = limits[1] - limits[0]
     np.testing.assert_allclose(design.points[order, 0], points, atol=1e-5 * span)
     np.testing.assert_allclose(design.weights, 1 / len(points), atol=1e-6)
     assert design.efficiency_bound > 1 - 1e-7
-    found = search_design(Criterion(gradients, box), len(points), seed=1)
+    found = search_design(Criterion(gradients, space), len(points), seed=1)
     np.testing.assert_allclose(np.sort(found.points[:, 0]), points, atol=1e-5 * span)
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_FACTOR
 
-from squeezefilm.designs.box import Box, coordinates, grid, pair_distances
 from squeezefilm.designs.optimal import exchange, optimal_in_box
 from squeezefilm.designs.paper_design import (
     Criterion,
@@ -15,12 +14,11 @@ from squeezefilm.designs.paper_design import (
     find_regions,
     search_design,
 )
+from squeezefilm.designs.space import Space, coordinates, pair_distances
 from squeezefilm.models.data import Factors
 
-FILM = Box(("h0_m", "hv_m"), (5e-6, 0.2e-6), (10e-6, 2e-6))
-PLACED = Box(
-    ("h0_m", "hv_m", "phi_r_m", "phi_deg"), (5e-6, 0.2e-6, 0.0, 0.0), (10e-6, 2e-6, 2.9e-3, 45.0)
-)
+FILM = Space({"h0_m": (5e-6, 10e-6), "hv_m": (0.2e-6, 2e-6)})
+PLACED = Space(FILM.limits | {"phi_r_m": (0.0, 2.9e-3), "phi_deg": (0.0, 45.0)})
 # Criterion (11) of the best five points with a scene that occurs twice.
 TAKEN_TWICE = 3.927e11
 
@@ -61,7 +59,7 @@ def test_the_searches_end_in_two_patterns(patterns):
 
 
 def test_both_patterns_are_d_optimal(patterns):
-    best = optimal_in_box(film_gradient, FILM, grid(FILM, 15))
+    best = optimal_in_box(film_gradient, FILM, FILM.levels(15))
     for pattern in patterns:
         efficiency = d_efficiency(film_gradient(pattern.design.points), film_gradient(best.points))
         assert 0.99999 < efficiency < 1.0001
@@ -96,7 +94,7 @@ def test_distinct_scenes_cost_little_information():
     criterion = Criterion(placed_gradient, PLACED, apart=scenes, separation=0.25)
     found = search_design(criterion, 5, seed=0)
     assert pair_distances(scenes(found.points)).min() > 0.25 - 1e-8
-    places = grid(PLACED, 7)
+    places = PLACED.levels(7)
     apart = {"coordinates": scenes(places), "separation": 0.25}
     best = descend(criterion, places[exchange(placed_gradient(places), 5, **apart)])
     assert (best.value / found.value) ** (1 / 5) >= 0.999

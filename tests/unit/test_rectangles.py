@@ -16,7 +16,7 @@ from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.space import box_of, pad_positions
+from squeezefilm.studies.space import pad_positions, space_of
 from squeezefilm.studies.study import scene_of
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
@@ -73,10 +73,10 @@ def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):
     mirrored = pad_positions(config)
     assert mirrored[:4] == [(0.0, 0.0), (0.0, 0.005), (0.005, 0.0), (0.005, 0.005)]
     assert len(mirrored) == 3 * 2  # those on the mirrors are among them
-    assert box_of(config).ranges["x_m"] == (0.0, 0.0095)
+    assert space_of(config).limits["x_m"] == (0.0, 0.0095)
     sliding = study(config, pad={"speed_x_m_per_s": 0.1})
     assert sliding.symmetry() == Mirrors(x=False, y=True)
-    assert box_of(sliding).ranges["x_m"] == (-0.0095, 0.0095)
+    assert space_of(sliding).limits["x_m"] == (-0.0095, 0.0095)
     assert len(pad_positions(sliding)) == 1 + 4 * 2
     assert plate.symmetry() == Mirrors(x=False, y=False)  # a scan, with its noise
 

@@ -6,20 +6,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.designs.box import Box
-from squeezefilm.studies.space import Space
+from squeezefilm.designs.space import Space, coordinates
+from squeezefilm.studies.space import space_of
 from squeezefilm.studies.study import scenes_in
 
 
 @pytest.fixture(scope="module")
 def space(paper):
-    return Space.of(paper, centred=False)
+    return space_of(paper)
 
 
 def wide(space: Space) -> Space:
     """The same with amplitudes up to the gap and positions off the surface."""
-    limits = {"lower": (2e-6, 0.2e-6, 0.0, 0.0), "upper": (10e-6, 4e-6, 4e-3, 45.0)}
-    return replace(space, box=Box(space.box.names, **limits))
+    wider = {"h0_m": (2e-6, 10e-6), "hv_m": (0.2e-6, 4e-6), "phi_r_m": (0.0, 4e-3)}
+    return replace(space, limits=space.limits | wider)
 
 
 @pytest.mark.parametrize("kind", ["grid", "sample"])
@@ -27,14 +27,14 @@ def test_points_that_cannot_be_simulated_are_left_out(space, paper, kind):
     larger = wide(space)
     points = larger.grid(500, distinct=True) if kind == "grid" else larger.sample(300, seed=1)
     assert np.all(points[:, 1] < points[:, 0])
-    scenes_in(pd.DataFrame(points, columns=larger.box.names), paper)
+    scenes_in(pd.DataFrame(points, columns=larger.names), paper)
     corner = np.array([[9e-6, 2e-6, 3.5e-3, 0.0], [9e-6, 2e-6, 3.5e-3, 45.0]])
     assert list(larger.allowed(corner)) == [True, False]
 
 
 def test_a_sample_is_fair_and_repeatable(space):
     points = space.sample(400, seed=3)
-    unit = space.box.to_unit(points)
+    unit = space.to_unit(points)
     np.testing.assert_allclose(unit.mean(axis=0), 0.5, atol=0.02)
     np.testing.assert_allclose(unit.var(axis=0), 1 / 12, atol=0.01)
     np.testing.assert_array_equal(points, space.sample(400, seed=3))
@@ -43,14 +43,13 @@ def test_a_sample_is_fair_and_repeatable(space):
 
 def test_a_grid_has_its_limits_and_each_scene_once(space):
     points = space.grid(1500, distinct=True)
-    unit = space.box.to_unit(points)
+    unit = space.to_unit(points)
     assert unit.min() == 0
     assert unit.max() == 1
-    places = np.round(space.coordinates(points), 12)
+    places = np.round(coordinates("scene", space)(points), 12)
     assert len(np.unique(places, axis=0)) == len(points)
     assert len(space.grid(1500, distinct=False)) == 6**4
     # The first direction of a full circle is its last one.
-    box = Box(space.box.names, (*space.box.lower[:3], 0.0), (*space.box.upper[:3], 360.0))
-    around = replace(space, box=box)
+    around = replace(space, limits=space.limits | {"phi_deg": (0.0, 360.0)})
     points = around.grid(3000, distinct=True)
-    assert len(np.unique(np.round(around.coordinates(points), 9), axis=0)) == len(points)
+    assert len(np.unique(np.round(coordinates("scene", around)(points), 9), axis=0)) == len(points)

@@ -11,7 +11,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import plan_sizes
-from squeezefilm.studies.space import Space, box_of, pad_positions
+from squeezefilm.studies.space import pad_positions, space_of
 from squeezefilm.studies.study import scenes_in
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
@@ -84,5 +84,5 @@ def test_the_template_s_directions_stand_for_all_that_differ(quick):
     places = pad_positions(rectangle)
     assert {angle for _, angle in places} == {0, 45, 90}
     assert plan_sizes(rectangle)["four_factor"] == len(places) * quick.design.points
-    assert box_of(rectangle).ranges["phi_deg"] == (0, 90)
-    assert Space.of(rectangle, centred=False).box.upper[3] == 90
+    assert space_of(rectangle).limits["phi_deg"] == (0, 90)
+    assert space_of(rectangle).limits["phi_deg"] == (0, 90)

@@ -29,7 +29,7 @@ def _library(*without: str) -> list[str]:
 
 
 MODELS = _library("cli")
-SOLVER = [*_library("cli", "designs", "models"), "squeezefilm/designs/box.py"]
+SOLVER = [*_library("cli", "designs", "models"), "squeezefilm/designs/space.py"]
 SOURCES = {
     "solver": SOLVER,
     "models": MODELS,

@@ -20,7 +20,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError, RunError, naming, needing
 from squeezefilm.files import read_text, whole_file, write_text
-from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, form_of
+from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, with_position
 from squeezefilm.headers import Vocabulary, with_points
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
@@ -231,13 +231,15 @@ def _read(
     if not lines:
         raise InputError(NO_ROWS.format(path))
     wanted = [name for name in wanted if name in header]
+    statuses = table.get("status")
     table = table[wanted + [name for name in header if name not in wanted] * (others == "kept")]
     place = f"{path}: {word}"
     for name in [each for each in as_in(numbers, wanted) if each in wanted]:
         values = table[name].map(number_in).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
-            cell = table[name].tolist()[row]
-            raise InputError(f"{place} {lines[row]}: {name} is {cell!r}, not a finite number")
+            problem = f"{name} is {table[name].tolist()[row]!r}, not a finite number"
+            why = "" if statuses is None else f"; its status is {statuses.tolist()[row]!r}"
+            raise InputError(f"{place} {lines[row]}: {problem}{why}")
         for row in np.flatnonzero((values <= 0) & (name in UNCERTAINTY_COLUMNS))[:1]:
             raise InputError(f"{place} {lines[row]}: {name} is {values[row]:g}; it must be above 0")
         table[name] = values
@@ -252,8 +254,7 @@ def _read(
             f"{place} {lines[row]}: point_id {ids.iloc[row]!r} stands in {word} {first} already"
         )
     if POLAR[0] in columns:
-        form = form_of(table) if {*POLAR, *CARTESIAN} & {*table} else CARTESIAN
-        table = table.assign(**{name: 0.0 for name in form if name not in table})
+        table = with_position(table)
     return table if path.suffix == PARQUET else table.iloc[chunk_rows(*chunk, len(table))]
 
 
@@ -291,12 +292,12 @@ def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.Dat
     lines = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
     names = list(header)
-    wanted = {*as_in(columns, ()), *as_in(columns, CARTESIAN)} - {*header}
+    named = {*as_in(columns, ()), *as_in(columns, CARTESIAN)}
     for place, name in enumerate(header):
         column = HEADERS.column(name, place)
-        size = column.size if column and column.quantity in wanted else None
-        if column and size:
-            names[place] = column.quantity
+        size = None
+        if column and name not in named and column.quantity in named - {*header}:
+            size, names[place] = column.size, column.quantity if column.size else name
         if separator != ",":
             with naming(path):
                 table[place] = _with_decimal_points(table[place], name=name)
@@ -406,7 +407,7 @@ def read_columns(
     """
     path, needs = Path(path), ", ".join(columns)
     table, lines = _rows(path, columns=(*columns, *optional), needs=needs)
-    header, how = list(map(str, table)), {"needs": needs, "path": path}
+    header, how = list(map(str, table)), dict[str, Any](needs=needs, path=path)
     _check_header(header, as_in(columns, header), optional=(), others="ignored", **how)
     if not lines:
         raise InputError(NO_ROWS.format(path))

@@ -15,7 +15,7 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import naming
-from squeezefilm.film.positions import as_in
+from squeezefilm.film.positions import CARTESIAN, as_in, with_position
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
 from squeezefilm.formatting import NUMBERS, in_lines, scene_row
@@ -236,7 +236,9 @@ def _scan_errors(
     return scan_errors(scenes, smoothed, **how).to_dict("records")
 
 
-def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
+def forces_table(
+    points: pd.DataFrame, forces: Sequence[Force], *, whole: bool = False
+) -> pd.DataFrame:
     """Forces of some points as a table, a row for each.
 
     ``force_error_n`` is the numerical error; a scan adds ``measurement_noise_n`` and
@@ -244,12 +246,15 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     there is no force; ``validity`` is ``ok``, or the limits of validity that the scene exceeds.
     What was asked for stands behind: derivatives, outputs and, with a budget,
     ``modelling_error_lower_percent`` and ``…_upper_percent``, the bounds of the effects that the
-    film equation neglects, all together.
+    film equation neglects, all together. With ``whole`` it has all columns of a table of scenes
+    and their forces.
     """
-    rows = []
+    rows, names = [], ["force_n", "force_error_n", "method", "status", "validity"]
+    if whole:
+        names, points = [*SOLUTION_COLUMNS], with_position(points)
+        points.insert(0, "point_id", [force.scene.point_id for force in forces])
     for force in forces:
-        shared = ("force_n", "force_error_n", "method", "status", "validity")
-        row = {name: getattr(force.solution, name) for name in shared}
+        row = {name: getattr(force.solution, name) for name in names}
         row |= {**force.scan_columns, **force.solution.asked_columns}
         if force.budget.status != NOT_ASKED:
             least, most = force.modelling_error_percent
@@ -279,8 +284,9 @@ def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator
     rows = []
     expected = dry_run(scenes, tolerance=settings.tolerance, method=settings.method)
     for scene, row in zip(scenes, expected, strict=True):
+        factors = ("point_id", "h0_m", "hv_m", *CARTESIAN)
+        row = {name: getattr(scene, name) for name in (*factors, *NUMBERS)} | row
         absent = row.pop("absent")
-        row = {name: getattr(scene, name) for name in ("point_id", *NUMBERS)} | row
         row |= {
             "validity": validity(scene),
             "absent_terms": "; ".join(each.name for each in absent),

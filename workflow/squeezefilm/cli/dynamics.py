@@ -17,6 +17,7 @@ from squeezefilm.cli.options import (
     points_in,
     points_or_scenes,
     shown,
+    study_column,
     write_rows,
 )
 from squeezefilm.dynamics.levitation import levitations, trustworthy
@@ -92,7 +93,7 @@ def levitate(options: argparse.Namespace) -> None:
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     status = table["status"].iloc[0]
     if options.json or status == OK or not alone:
-        write_rows(table, options)
+        write_rows(table.assign(**study_column(options)), options)
     if alone and status != OK:
         raise RunError(f"{status}; {trustworthy(scenes[0], **how)}")
 

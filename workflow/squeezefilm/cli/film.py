@@ -22,6 +22,7 @@ from squeezefilm.cli.options import (
     points,
     points_or_scenes,
     shown,
+    study_column,
     write_rows,
 )
 from squeezefilm.errors import InputError, RunError, naming
@@ -49,8 +50,18 @@ def simulate(options: argparse.Namespace) -> None:
       squeezefilm simulate --h0 5um --hv 2.2um --x -2mm
       squeezefilm simulate --h0 5um --hv 0.5:2.5:9um --output CURVE.csv
 
-    The first takes a table of scenes. The others take quantities: a number with its unit, several
-    with commas, or evenly spaced ones as first:last:count; every combination is a point. One point
+    The first takes a table of scenes, CSV or Parquet, such as
+
+      h0 [µm], hv [µm], x [mm]
+      5, 2.2, 0
+      5, 2.2, -2
+      6, 2.2, 0
+
+    Its columns are a gap, an amplitude and, where they are known, a position (x, y or phi_r, phi)
+    and point_id; results of other commands beside them are ignored.
+
+    The others take quantities: a number with its unit, several with commas, or evenly spaced ones
+    as first:last:count; every combination is a point. One point
     is shown with its force, errors and numbers; several make a table. `force_error_n` is
     the numerical error; with a scan `measurement_noise_n` is what its noise adds (95 %), and each
     quantity beside the force has a column `…_measurement_noise_…`. With `--budget`,
@@ -102,7 +113,8 @@ def _simulate_points(
     if alone:
         print(shown(forces[0].row, options))
     else:
-        write_rows(forces_table(pd.DataFrame(points), forces), options)
+        table = forces_table(pd.DataFrame(points), forces, whole=bool(options.output))
+        write_rows(table.assign(**study_column(options)), options)
         for warning in film.scan.warnings if film.scan else ():
             print(warning, file=sys.stderr)
     failures = [

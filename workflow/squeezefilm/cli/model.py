@@ -6,11 +6,12 @@ from squeezefilm.api.models import Fit
 from squeezefilm.cli.options import FIT, SHOWN, command, option, points, points_in, write_rows
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
+from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.models.export import LANGUAGES
 from squeezefilm.models.fit_file import FILM_UNKNOWN
-from squeezefilm.tables import read_columns
+from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_columns, unregistered
 
 
 @command(FIT, option("--points", "POINTS.csv", "points as a table"), *SHOWN, points())
@@ -35,7 +36,11 @@ def predict(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     if options.points:
-        table, place = read_columns(options.points, columns=("h0_m", "hv_m")), options.points
+        needed, place = ("h0_m", "hv_m"), options.points
+        table = read_columns(place, columns=needed, optional=FACTOR_COLUMNS)
+        # Results of the points, which the table may have, are not the model's.
+        kept = {*SCENE_COLUMNS, *CARTESIAN, *unregistered(map(str, table))}
+        table = table[[name for name in table if name in kept]]
     else:
         table, place = pd.DataFrame(points_in(options)), "predict"
         if not {"h0_m", "hv_m"} <= set(table):

@@ -115,6 +115,11 @@ def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]
     return points
 
 
+def study_column(options: argparse.Namespace) -> dict[str, str]:
+    """The column of a table for ``--output`` that names the study; none for one that is printed."""
+    return {"study": Path(options.config or PAPER_CONFIG).stem} if options.output else {}
+
+
 def check_json(options: argparse.Namespace, count: int) -> None:
     """Raise InputError where ``--json`` is given for other than one point, or with a table."""
     if getattr(options, "json", False) and (count > 1 or options.output):

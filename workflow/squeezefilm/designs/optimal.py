@@ -36,7 +36,7 @@ from scipy.linalg import qr
 from scipy.optimize import minimize
 from scipy.spatial.distance import cdist
 
-from squeezefilm.designs.box import Array, Box
+from squeezefilm.designs.space import Array, Space
 from squeezefilm.errors import InputError
 
 Indices = NDArray[np.int64]
@@ -240,9 +240,9 @@ def _best_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Arra
 
 
 def optimal_in_box(
-    gradients: Gradients, box: Box, candidates: Array, *, gap: float = 1e-10
+    gradients: Gradients, space: Space, candidates: Array, *, gap: float = 1e-10
 ) -> ContinuousDesign:
-    """The best approximate design anywhere in the box, from a grid of candidates, shape (n, k).
+    """The best approximate design anywhere in the space, from a grid of candidates, shape (n, k).
 
     Peaks of the sensitivity join the candidates, until the equivalence theorem holds at every peak.
     efficiency_bound holds against the grid and all peaks between its points. Raises InputError
@@ -257,7 +257,7 @@ def optimal_in_box(
         weights = design.weights
         level = sensitivity(own, known, weights=weights)
         starts = np.concatenate([points, places[np.argsort(level)[-PEAKS:]]])
-        peaks = _climbed(own, weights, gradients, box, starts)
+        peaks = _climbed(own, weights, gradients, space, starts)
         added = stacked_derivatives(gradients(peaks))
         bound = float(1 / max(1.0, level.max(), sensitivity(own, added, weights=weights).max()))
         if bound > highest:
@@ -269,15 +269,17 @@ def optimal_in_box(
     return best
 
 
-def _climbed(own: Array, weights: Array, gradients: Gradients, box: Box, starts: Array) -> Array:
+def _climbed(
+    own: Array, weights: Array, gradients: Gradients, space: Space, starts: Array
+) -> Array:
     """The maxima of a design's sensitivity next to points, shape (n, k): all climb at once."""
-    unit, shift = np.clip(box.to_unit(starts), 0, 1), 1e-6 * np.eye(starts.shape[1])
+    unit, shift = np.clip(space.to_unit(starts), 0, 1), 1e-6 * np.eye(starts.shape[1])
 
     def loss(flat: Array) -> tuple[float, Array]:
         at = flat.reshape(unit.shape)[:, None]
         above, below = np.minimum(at + shift, 1), np.maximum(at - shift, 0)
         near = np.concatenate([at, above, below], axis=1)
-        there = gradients(box.from_unit(near.reshape(-1, len(shift))))
+        there = gradients(space.from_unit(near.reshape(-1, len(shift))))
         level = sensitivity(own, there, weights=weights).reshape(near.shape[:2])
         height, higher, lower = np.split(level, [1, 1 + len(shift)], axis=1)
         return -float(height.sum()), -((higher - lower) / (above - below).sum(axis=-1)).ravel()
@@ -290,7 +292,7 @@ def _climbed(own: Array, weights: Array, gradients: Gradients, box: Box, starts:
         bounds=[(0.0, 1.0)] * unit.size,
         options={"ftol": 1e-15, "gtol": 1e-9},
     )
-    return box.from_unit(found.x.reshape(unit.shape))
+    return space.from_unit(found.x.reshape(unit.shape))
 
 
 def _merged(f: Array, weights: Array) -> Indices:

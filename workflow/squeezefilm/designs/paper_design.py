@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
-from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
 from squeezefilm.designs.optimal import Gradients, log_determinant
+from squeezefilm.designs.space import Array, Coordinates, Space, pair_distances
 from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
 
@@ -78,7 +78,7 @@ class Criterion:
     """
 
     gradient: Gradients
-    box: Box
+    space: Space
     distance: Coordinates | None = None
     apart: Coordinates | None = None
     separation: float = 0.0
@@ -122,10 +122,10 @@ def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
     Equal arguments give an equal result. Raises InputError where no design with a finite
     criterion was found.
     """
-    box = criterion.box
-    shape = (points, len(box.names))
+    space = criterion.space
+    shape = (points, len(space.names))
     found = genetic_search(
-        lambda flat: criterion.value(box.from_unit(flat.reshape(-1, *shape))),
+        lambda flat: criterion.value(space.from_unit(flat.reshape(-1, *shape))),
         lower=np.zeros(np.prod(shape)),
         upper=np.ones(np.prod(shape)),
         seed=seed,
@@ -133,9 +133,9 @@ def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
         first=10 * POPULATION,
         generations=GENERATIONS,
     )
-    best = descend(criterion, box.from_unit(found.x.reshape(shape)))
+    best = descend(criterion, space.from_unit(found.x.reshape(shape)))
     for kick in np.random.default_rng(seed).normal(scale=KICK, size=(KICKS, *shape)):
-        start = box.from_unit(np.clip(box.to_unit(best.points) + kick, 0, 1))
+        start = space.from_unit(np.clip(space.to_unit(best.points) + kick, 0, 1))
         if float(criterion.value(start)) < SINGULAR:
             best = min(best, descend(criterion, start), key=lambda design: design.value)
     return best
@@ -147,7 +147,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
     Sequential quadratic programming in unit factors, on the logarithm of the criterion, repeated
     until it no longer falls. Raises InputError for a design whose criterion is not finite.
     """
-    box = criterion.box
+    space = criterion.space
     start = float(criterion.value(points))
     if start >= SINGULAR:
         raise InputError(
@@ -156,7 +156,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
         )
 
     def designs(unit: Array) -> Array:
-        return box.from_unit(unit.reshape(*unit.shape[:-1], *points.shape))
+        return space.from_unit(unit.reshape(*unit.shape[:-1], *points.shape))
 
     # The separation is left to the constraint: a wall in the objective would stop the descent.
     smooth = replace(criterion, apart=None)
@@ -168,7 +168,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
         return criterion.spares(designs(unit))
 
     apart = {"type": "ineq", "fun": spares, "jac": lambda u: _with_slopes(spares, u)[1]}
-    best, value = np.clip(box.to_unit(points).ravel(), 0, 1), 0.0
+    best, value = np.clip(space.to_unit(points).ravel(), 0, 1), 0.0
     for _ in range(20):
         step = minimize(
             lambda u: _with_slopes(objective, u),
@@ -186,7 +186,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
         if fell < 1e-11:
             break
     found = designs(best)
-    return Design(_sorted(found, box), float(criterion.value(found)))
+    return Design(_sorted(found, space), float(criterion.value(found)))
 
 
 def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:
@@ -197,9 +197,9 @@ def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, s
     Point by point, of PLACES on its line those are taken at which the criterion is the same, and of
     them the one with the least sum of inverse distances in unit factors.
     """
-    box = criterion.box
-    columns = [box.names.index(name) for name in ratio]
-    low, high = np.array(box.lower)[columns], np.array(box.upper)[columns]
+    space = criterion.space
+    columns = [space.names.index(name) for name in ratio]
+    low, high = space.ends[:, columns]
     points = design.points
     for number, point in enumerate(points):
         both = point[columns]
@@ -208,9 +208,9 @@ def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, s
         trials = np.repeat(points[None], len(scale), axis=0)
         trials[:, number, columns] = np.clip(scale[:, None] * both, low, high)
         equal = criterion.value(trials) <= design.value * (1 + EQUAL)
-        distances = np.where(equal, inverse_distances(box.to_unit(trials)), np.inf)
+        distances = np.where(equal, inverse_distances(space.to_unit(trials)), np.inf)
         points = trials[int(np.argmin(distances))] if equal.any() else points
-    return replace(design, points=_sorted(points, box))
+    return replace(design, points=_sorted(points, space))
 
 
 def _with_slopes(function: Callable[[Array], Array], unit: Array) -> tuple[Array, Array]:
@@ -226,9 +226,9 @@ def _with_slopes(function: Callable[[Array], Array], unit: Array) -> tuple[Array
     return value[0], (rise.T / width).squeeze()
 
 
-def _sorted(points: Array, box: Box) -> Array:
+def _sorted(points: Array, space: Space) -> Array:
     """Points in a fixed order: by the first factor, then the second, and so on."""
-    return points[np.lexsort(np.round(box.to_unit(points), 4).T[::-1])]
+    return points[np.lexsort(np.round(space.to_unit(points), 4).T[::-1])]
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,7 +252,7 @@ class Region:
     origins: list[str]
 
 
-def find_patterns(designs: Sequence[Design], box: Box) -> list[Pattern]:
+def find_patterns(designs: Sequence[Design], space: Space) -> list[Pattern]:
     """Designs gathered into patterns, the best first, named A, B, C ...
 
     Two designs are the same pattern where their points can be paired so that no pair is further
@@ -262,7 +262,7 @@ def find_patterns(designs: Sequence[Design], box: Box) -> list[Pattern]:
     groups: dict[int, list[int]] = {}
     for index in np.argsort([design.value for design in designs], kind="stable").tolist():
         points = designs[index].points
-        same = (best for best in groups if _mismatch(points, designs[best].points, box) <= SAME)
+        same = (best for best in groups if _mismatch(points, designs[best].points, space) <= SAME)
         groups.setdefault(next(same, index), []).append(index)
     return [
         Pattern(chr(ord("A") + number), designs[best], tuple(group))
@@ -270,7 +270,7 @@ def find_patterns(designs: Sequence[Design], box: Box) -> list[Pattern]:
     ]
 
 
-def find_regions(patterns: Sequence[Pattern], box: Box) -> list[Region]:
+def find_regions(patterns: Sequence[Pattern], space: Space) -> list[Region]:
     """The distinct points of all patterns, each with the patterns it occurs in.
 
     Of points that are one the first pattern's is kept.
@@ -278,7 +278,7 @@ def find_regions(patterns: Sequence[Pattern], box: Box) -> list[Region]:
     regions: list[Region] = []
     for pattern in patterns:
         for point in pattern.design.points:
-            gaps = [np.linalg.norm(box.to_unit(point) - box.to_unit(r.point)) for r in regions]
+            gaps = [np.linalg.norm(space.to_unit(point) - space.to_unit(r.point)) for r in regions]
             if min(gaps, default=np.inf) > SAME:
                 regions.append(Region(point, [pattern.name]))
             elif pattern.name not in (near := regions[int(np.argmin(gaps))]).origins:
@@ -300,8 +300,8 @@ def augment(criterion: Criterion, regions: Sequence[Region], points: int) -> lis
             f"ask for at least {len(regions)}"
         )
     # Without distances in the criterion a replicate would be as good as any other point.
-    spaced = replace(criterion, distance=criterion.distance or criterion.box.to_unit)
-    candidates, extended = grid(criterion.box, levels=2), list(regions)
+    spaced = replace(criterion, distance=criterion.distance or criterion.space.to_unit)
+    candidates, extended = criterion.space.levels(2), list(regions)
     while len(extended) < points:
         kept = [region.point for region in extended]
         trials = np.array([[*kept, corner] for corner in candidates])
@@ -312,9 +312,9 @@ def augment(criterion: Criterion, regions: Sequence[Region], points: int) -> lis
     return extended
 
 
-def _mismatch(points: Array, others: Array, box: Box) -> float:
+def _mismatch(points: Array, others: Array, space: Space) -> float:
     """Largest distance within pairs of points of two designs, paired by least squares."""
     if len(points) != len(others):
         return float("inf")
-    gaps = np.linalg.norm(box.to_unit(points)[:, None] - box.to_unit(others)[None], axis=-1)
+    gaps = np.linalg.norm(space.to_unit(points)[:, None] - space.to_unit(others)[None], axis=-1)
     return float(gaps[linear_sum_assignment(gaps**2)].max())

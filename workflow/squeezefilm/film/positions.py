@@ -1,5 +1,7 @@
 """Pad positions: their two forms, and those of a study in the form of its surface."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from typing import Annotated, Any
 
@@ -7,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
+from squeezefilm.lazy import pd
 from squeezefilm.sections import DERIVED, Different, Number, Section
 
 POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
@@ -23,6 +26,12 @@ def as_in(columns: Iterable[str], table: Iterable[object]) -> list[str]:
     """Columns that are named for polar positions, in the form that a table has them in."""
     form = dict(zip(POLAR, form_of(table), strict=True))
     return [form.get(name, name) for name in columns]
+
+
+def with_position(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with both coordinates of its position: 0 for one that it has not."""
+    form = form_of(table) if {*POLAR, *CARTESIAN} & {*table} else CARTESIAN
+    return table.assign(**{name: 0.0 for name in form if name not in table})
 
 
 def cartesian(phi_r_m: ArrayLike, phi_deg: ArrayLike) -> dict[str, Any]:

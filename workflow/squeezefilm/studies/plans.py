@@ -21,7 +21,15 @@ from squeezefilm.film.positions import as_in, form_of
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.dry_run import dry_run
-from squeezefilm.studies.space import CENTRED, Space, box_of, pad_positions, plan, sobol, twelve
+from squeezefilm.studies.space import (
+    CENTRED,
+    pad_positions,
+    plan,
+    sobol,
+    space_of,
+    table_of,
+    twelve,
+)
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
 
@@ -99,7 +107,7 @@ def write_scenes(
     """
     with table_writer(output) as write:
         if name == "sweep":
-            sweep: Any = config.sweep.model_dump() | box_of(config).ranges
+            sweep: Any = config.sweep.model_dump() | space_of(config).limits
             for piece in sweep_pieces(**sweep):
                 write(piece)
         elif name == "extrapolation":
@@ -116,11 +124,12 @@ def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -
         return plan(level_grid(name, config), position=position)
     if name == "four_factor_control":
         control = config.four_factor_control
-        return random_plan(points=control.points, seed=control.seed, **box_of(config).ranges)
+        return random_plan(points=control.points, seed=control.seed, **space_of(config).limits)
     if name in VALIDATION_SAMPLES:
         sample = config.validation
-        space = Space.of(config, centred=name == "validation_two_factor")
-        return space.table(space.independent_sample(sample.points, seed=sample.seed))
+        space = space_of(config, centred=name == "validation_two_factor")
+        points = space.independent_sample(sample.points, seed=sample.seed)
+        return table_of(points, space)
     assert design is not None, f"the plan {name} is made from a design"
     if name == "four_factor":
         positions = pd.DataFrame(pad_positions(config), columns=position)
@@ -177,7 +186,7 @@ def chunk_counts(config: Study) -> dict[str, int]:
 
 def expected_seconds(config: Study, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
-    sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
+    sample = random_plan(points=SAMPLE, seed=1, **space_of(config).limits)
     if centred:
         sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
     scenes = scenes_in(sample, config, profile=config.planned_profile())

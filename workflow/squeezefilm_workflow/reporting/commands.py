@@ -1,14 +1,21 @@
 """Commands for a finished study: figures, the recommended model, the check."""
 
+from __future__ import annotations
+
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from squeezefilm.cli.options import OUTPUT, command, option, write_rows
 from squeezefilm.errors import InputError, RunError, naming
-from squeezefilm.tables import read_columns, write_table
+from squeezefilm.lazy import pd
+from squeezefilm.tables import FACTOR_COLUMNS, read_columns, write_table
 from squeezefilm_workflow.reporting.results import Results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 RESULTS = option("results", "RESULTS", "the study's results", type=Path)
 STUDY = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
@@ -19,28 +26,33 @@ PICTURES = (".png", ".svg", ".pdf")
 
 
 @command(
-    option("figure", "FIGURE", "such as fig05 or models/two_factor_errors, or CURVE.csv"),
-    option("results", "RESULTS", "the study's results", type=Path, nargs="?"),
+    option("figure", "FIGURE", "such as fig05 or models/two_factor_errors, or TABLE.csv"),
+    option("results", "RESULTS", "the study's results, or PROFILE.csv", type=Path, nargs="?"),
     STUDY,
     FILES,
 )
 def plot(options: argparse.Namespace) -> None:
-    """Draw a figure of a finished study, or its table, or a curve of forces.
+    """Draw a figure of a finished study, or its table, or a table that a command wrote.
 
       squeezefilm plot fig08 results/paper --output fig08.pdf
       squeezefilm simulate --h0 5um --hv 0.5:2.5:9um --output curve.csv
       squeezefilm plot curve.csv --output curve.png
+      squeezefilm plot profile PROFILE.csv --output profile.png
 
-    The format follows the name: .png, .svg or .pdf; .csv is the table that a numbered figure of the
-    paper draws. The same results give the same file, byte for byte.
+    Drawn are forces, by `simulate` or `predict`, gaps by `levitate` and amplitudes by
+    `amplitude-for`: over the factor with most values, or as a map over x and y. The format follows
+    the name: .png, .svg or .pdf; .csv is the table that a numbered figure of the paper draws. The
+    same results give the same file, byte for byte.
     """
-    if options.figure.endswith(".csv"):
-        from squeezefilm_workflow.reporting.figures import curve, style
+    tables = (".csv", ".parquet")
+    if options.figure.endswith(tables):
+        from squeezefilm_workflow.reporting.figures.curve import curve
 
-        check_formats(options.output, PICTURES)
-        table = read_columns(options.figure, columns=curve.COLUMNS)
-        with style.settings(), naming(options.figure):
-            return style.save(curve.curve(table), options.output)
+        return _draw_table(options.figure, ("h0_m", "hv_m"), curve, options.output)
+    if options.figure == "profile" and options.results and options.results.suffix in tables:
+        from squeezefilm_workflow.reporting.figures.maps import PROFILE_COLUMNS, profile_of
+
+        return _draw_table(options.results, PROFILE_COLUMNS, profile_of, options.output)
     check_formats(options.output, (*PICTURES, ".csv"))
     if options.results is None:
         raise InputError(f"{options.figure}: give the folder of the study's results too")
@@ -54,6 +66,20 @@ def plot(options: argparse.Namespace) -> None:
         known = ", ".join(name.removeprefix("figures/") for name in figures)
         raise InputError(f"there is no figure {options.figure!r}; the figures are {known}")
     save(figures[place], Results.of(options.results, options.config), options.output)
+
+
+def _draw_table(
+    path: Path | str,
+    columns: Sequence[str],
+    draw: Callable[[pd.DataFrame], Figure],
+    output: Sequence[Path],
+) -> None:
+    from squeezefilm_workflow.reporting.figures import style
+
+    check_formats(output, PICTURES)
+    table = read_columns(path, columns=columns, optional=FACTOR_COLUMNS)
+    with style.settings(), naming(path):
+        style.save(draw(table), output)
 
 
 @command(option("field", "FIELD.nc", "by `squeezefilm pressure`"), FILES)

@@ -27,7 +27,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
 from squeezefilm.quantities.model_error import ErrorBudget
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.space import Space
+from squeezefilm.studies.space import space_of, table_of
 from squeezefilm_workflow.verification.reference import reference_force
 
 # Tolerances of direct solutions; the second with inertia or thermal effects, and under ellipses.
@@ -113,8 +113,8 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
         seed: of their draw.
     """
     settings = study.solver(outputs=())
-    space = Space.of(study.config, centred=False)
-    scenes = study.scenes(space.table(space.independent_sample(points, seed=seed)))
+    space = space_of(study.config, centred=False)
+    scenes = study.scenes(table_of(space.independent_sample(points, seed=seed), space))
     forces = forces_of(scenes, settings=settings, smoothed=None, budget=True)
     for force in forces:
         yield from _of_force(force, study, valid=force.status == force.validity == "ok")
@@ -309,8 +309,8 @@ def coverage(
 
     @cache
     def solved(centred: bool) -> tuple[pd.DataFrame, np.ndarray]:
-        space = Space.of(study.config, centred=centred)
-        points = space.table(space.independent_sample(fresh, seed=FRESH_SEED + seed))
+        space = space_of(study.config, centred=centred)
+        points = table_of(space.independent_sample(fresh, seed=FRESH_SEED + seed), space)
         return points, forces_and_errors(study.scenes(points), study)
 
     for name in models:

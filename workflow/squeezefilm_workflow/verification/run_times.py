@@ -20,7 +20,7 @@ from squeezefilm.parallel import say
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.plans import random_plan
-from squeezefilm.studies.space import box_of
+from squeezefilm.studies.space import space_of
 from squeezefilm_workflow.verification.origin import origin
 from squeezefilm_workflow.verification.work_precision import FILMS, measure, work_precision
 
@@ -105,7 +105,7 @@ def batch_times() -> pd.DataFrame:
     The host is the main thread; on a processor kernels run on others.
     """
     study, rows = load(PAPER), []
-    points = random_plan(points=BATCHES[-1][0], seed=1, **box_of(study.config).ranges)
+    points = random_plan(points=BATCHES[-1][0], seed=1, **space_of(study.config).limits)
     for (count, repeats), tolerance in product(BATCHES, (1e-4, 1e-6)):
         call = partial(solve, study.scenes(points[:count]), tolerance=tolerance)
         _, times = measure(call, repeats=repeats, long_seconds=np.inf)

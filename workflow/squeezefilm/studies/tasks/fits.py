@@ -38,7 +38,7 @@ from squeezefilm.models.prediction_interval import (
     measured_interval,
     relative_errors,
 )
-from squeezefilm.studies.space import declared_ranges
+from squeezefilm.studies.space import space_of
 from squeezefilm.studies.study import film_of, scenes_in
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits, with_physics
 from squeezefilm.studies.tasks.scan_errors import errors_in_study
@@ -214,7 +214,7 @@ def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> Fitte
         force_n=force,
         force_error_n=sample["force_error_n"],
         scale=fit.error_scale,
-        ranges=declared_ranges(config, centred=not factors.phi_r_m.any()),
+        ranges=space_of(config, centred=not factors.phi_r_m.any()).limits_of_all,
         profile_uncertainty=fit.profile_uncertainty,
     )
     return fit.model_copy(update={"interval": interval})

@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config.study import Optimal, Study
-from squeezefilm.designs.box import grid
 from squeezefilm.designs.optimal import (
     ContinuousDesign,
     Gradients,
@@ -22,13 +21,14 @@ from squeezefilm.designs.optimal import (
     optimal_weights,
     sensitivity,
 )
+from squeezefilm.designs.space import coordinates
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.models.data import SLACK, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
-from squeezefilm.studies.space import Space, plan
+from squeezefilm.studies.space import plan, points_of, space_of, table_of
 from squeezefilm.studies.tasks.physics_limits import with_physics
 
 MAP_LINES = 31
@@ -60,14 +60,15 @@ class FittedSpace:
         lower = [each.theta_lower for each in ranges if np.isfinite(each.lower)]
         upper = [each.theta_upper for each in ranges if np.isfinite(each.upper)]
         self.thetas = np.array([theta, *lower, *upper])
-        self.space = Space.of(config, centred=self.model.is_centred)
+        self.space = space_of(config, centred=self.model.is_centred)
+        self.coordinates = coordinates("scene", self.space)
         most = config.optimal.candidates
         self.grid = self.space.grid(most, distinct=True)
         self.everywhere = self.space.grid(most, distinct=False)
 
     def derivatives(self, points: np.ndarray, *, every: bool = False) -> np.ndarray:
         """dη/dθ at points for the fit, or for every parameter vector, shape (K, n, p)."""
-        names, position = list(self.space.box.names), self.space.position
+        names, position = list(self.space.names), self.space.position
         table = plan(pd.DataFrame(points, columns=names), position=position)
         thetas = self.thetas if every else self.thetas[:1]
         factors = factors_of(with_physics(self.model, table, self.config))
@@ -75,7 +76,7 @@ class FittedSpace:
 
     def outside(self, points: np.ndarray) -> np.ndarray:
         """Mask of the points, shape (n, k), that lie outside the ranges, shape (n,)."""
-        return np.any(np.abs(self.space.box.to_unit(points) - 0.5) > 0.5 + SLACK, axis=1)
+        return np.any(np.abs(self.space.to_unit(points) - 0.5) > 0.5 + SLACK, axis=1)
 
 
 def optimal_designs(
@@ -94,9 +95,8 @@ def optimal_designs(
         "maximin": maximin.on(study.everywhere),
     }
     derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
-    coordinates = study.space.coordinates(study.grid)
     apart: dict[str, Any] = {
-        "coordinates": coordinates,
+        "coordinates": study.coordinates(study.grid),
         "separation": settings.separation,
         "seed": settings.seed,
     }
@@ -106,12 +106,12 @@ def optimal_designs(
             designs[f"exact-{count}"] = _equal(study.grid[chosen])
     designs = {name: _sorted(design) for name, design in designs.items()}
     if existing is not None:
-        there = study.space.points(existing)
+        there = points_of(existing, study.space)
         added = exchange(
             derivatives,
             parameters,
             existing=study.derivatives(there),
-            existing_coordinates=study.space.coordinates(there),
+            existing_coordinates=study.coordinates(there),
             **apart,
         )
         designs["augmented"] = _equal(np.concatenate([there, study.grid[added]]))
@@ -120,10 +120,10 @@ def optimal_designs(
 
 def _anywhere(study: FittedSpace, gradients: Gradients) -> ContinuousDesign:
     """The best weights on the grid; and off it, where derivatives cost no physics and the whole
-    box can be simulated.
+    space can be simulated.
     """
-    if not study.model.column_names and study.space.allowed(grid(study.space.box, levels=2)).all():
-        return optimal_in_box(gradients, study.space.box, study.everywhere, gap=1e-8)
+    if not study.model.column_names and study.space.allowed(study.space.levels(2)).all():
+        return optimal_in_box(gradients, study.space, study.everywhere, gap=1e-8)
     return optimal_weights(gradients(study.everywhere)).on(study.everywhere)
 
 
@@ -139,7 +139,7 @@ def _sorted(design: ContinuousDesign) -> ContinuousDesign:
 def _table(
     study: FittedSpace, name: str, design: ContinuousDesign, existing: pd.DataFrame | None
 ) -> pd.DataFrame:
-    table = study.space.table(design.points)
+    table = table_of(design.points, study.space)
     table["point_id"] = [f"{name}-{number}" for number in table["point_id"]]
     table = table.assign(design=name, weight=design.weights, origin="design")
     if name == "augmented" and existing is not None:
@@ -176,7 +176,7 @@ def efficiencies(
             {
                 "plan": name,
                 "points": len(points),
-                "scenes": len(np.unique(np.round(study.space.coordinates(points), 9), axis=0)),
+                "scenes": len(np.unique(np.round(study.coordinates(points), 9), axis=0)),
                 "d_efficiency": float(efficiency[0]),
                 "d_efficiency_lower": max(1 / max(float(level.max()), 1.0), by_local),
                 "d_efficiency_min": float(efficiency.min()),
@@ -196,12 +196,12 @@ def _notes(study: FittedSpace, sizes: Sequence[int], existing: pd.DataFrame | No
                 f"{parameters} parameters of {study.model.name}; give {parameters} or more"
             )
     if existing is not None:
-        outside = study.outside(study.space.points(existing))
+        outside = study.outside(points_of(existing, study.space))
         points = existing.loc[outside, "point_id"].tolist()
         if points:
             ids = ", ".join(points[:MOST_NAMED]) + ", …" * (len(points) > MOST_NAMED)
-            box = study.space.box.ranges.items()
-            ranges = ", ".join(f"{name} {low:.4g} … {high:.4g}" for name, (low, high) in box)
+            limits = study.space.limits.items()
+            ranges = ", ".join(f"{name} {low:.4g} … {high:.4g}" for name, (low, high) in limits)
             notes.append(
                 f"augmented: {len(points)} of {len(existing)} existing points lie outside the "
                 f"study's ranges ({ranges}): {ids}; the D-efficiency is relative to the best "
@@ -216,25 +216,25 @@ def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame
     Over gap and amplitude it is the largest over positions; over the position that of the smallest
     gap and the largest amplitude.
     """
-    box, own = study.space.box, study.derivatives(local.points)
+    space, own = study.space, study.derivatives(local.points)
     layers = {"design": local.points}
     lines = np.linspace(0, 1, MAP_LINES)
     gaps = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
-    if len(box.names) == 2:
-        layers["gap"] = box.from_unit(gaps)
+    if len(space.names) == 2:
+        layers["gap"] = space.from_unit(gaps)
     else:
         ends = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0]]
-        if box.names[2:] == CARTESIAN:
+        if space.names[2:] == CARTESIAN:
             ends = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [1.0, 1.0]]
         everywhere = np.repeat(gaps, len(ends), axis=0), np.tile(ends, (len(gaps), 1))
-        layers["gap"] = box.from_unit(np.hstack(everywhere))
+        layers["gap"] = space.from_unit(np.hstack(everywhere))
         narrow = np.tile([0.0, 1.0], (len(gaps), 1))
-        layers["position"] = box.from_unit(np.column_stack([narrow, gaps]))
+        layers["position"] = space.from_unit(np.column_stack([narrow, gaps]))
     parts = []
     for layer, points in layers.items():
-        points = points[study.space.allowed(points)]
+        points = points[space.allowed(points)]
         level = sensitivity(own, study.derivatives(points), weights=local.weights)
-        at = factors_of(study.space.table(points))
+        at = factors_of(table_of(points, space))
         micrometres = {"h0_um": 1e6 * at.h0_m, "hv_um": 1e6 * at.hv_m}
         place = {"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m}
         part = pd.DataFrame({"layer": layer, **micrometres, **place}).round(9)
@@ -272,11 +272,11 @@ def designs_of_fit(
     Raises InputError where the model cannot be used on these points, or has no parameters.
     """
     study = FittedSpace(fit, config, forces=forces)
-    others = {name: study.space.points(scenes) for name, scenes in (plans or {}).items()}
+    others = {name: points_of(scenes, study.space) for name, scenes in (plans or {}).items()}
     for kind in ("scalings", "forms"):
         for search, found in (patterns or {}).get(kind, {}).items():
             for pattern in found:
-                table = pd.DataFrame(pattern["points"])[list(study.space.box.names)]
+                table = pd.DataFrame(pattern["points"])[list(study.space.names)]
                 others[f"pattern {pattern['pattern']} ({search})"] = table.to_numpy()
     designs = optimal_designs(study, config.optimal, existing=existing)
     table = efficiencies(study, designs, others)

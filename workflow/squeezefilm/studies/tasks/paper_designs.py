@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config.study import Design, FourFactorDesign, Study
-from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.designs.paper_design import (
     Criterion,
     Pattern,
@@ -22,11 +21,12 @@ from squeezefilm.designs.paper_design import (
     search_design,
     spread_on_lines,
 )
+from squeezefilm.designs.space import Space, coordinates
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import get_model
 from squeezefilm.parallel import parallel_map
-from squeezefilm.studies.space import box_of, plan, twelve
+from squeezefilm.studies.space import plan, space_of, twelve
 
 DIGITS = 6
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
@@ -37,19 +37,19 @@ PaperDesigns = dict[str, pd.DataFrame | dict[str, Any]]
 
 
 def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
-    settings, box = config.design, box_of(config, centred=True)
-    determinant = _criterion(fit, box)
+    settings, space = config.design, space_of(config, centred=True)
+    determinant = _criterion(fit, space)
     searches, summary = [], {}
     for scaling in TWO_FACTOR_SCALINGS:
-        criterion = replace(determinant, distance=coordinates(scaling, box))
+        criterion = replace(determinant, distance=coordinates(scaling, space))
         patterns, table, summary[scaling] = _patterns(
             scaling, criterion, len(fit.theta), settings, processes=processes
         )
         searches.append(table)
         if scaling == settings.scaling:
-            regions = augment(criterion, find_regions(patterns, box), settings.points)
+            regions = augment(criterion, find_regions(patterns, space), settings.points)
     points = np.array([region.point for region in regions])
-    design = plan(_factors(points, box), position=fit.position)
+    design = plan(_factors(points, space), position=fit.position)
     design["origin"] = [" and ".join(region.origins) for region in regions]
     about = {"scaling": settings.scaling, "searches": settings.searches, "scalings": summary}
     found = pd.concat(searches, ignore_index=True)
@@ -57,19 +57,19 @@ def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> Pa
 
 
 def four_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
-    settings, box = config.four_factor_design, box_of(config)
-    criterion, scene = _criterion(fit, box), coordinates("scene", box)
+    settings, space = config.four_factor_design, space_of(config)
+    criterion, scene = _criterion(fit, space), coordinates("scene", space)
     distinct = replace(criterion, apart=scene, separation=settings.separation)
     designs, summary = {}, {}
     for form, each in {"paper": criterion, "distinct": distinct}.items():
         patterns, _, summary[form] = _patterns(
             form, each, len(fit.theta), settings, ratio=("h0_m", "hv_m"), processes=processes
         )
-        designs[form] = plan(_factors(patterns[0].design.points, box)).assign(origin=form)
+        designs[form] = plan(_factors(patterns[0].design.points, space)).assign(origin=form)
     return designs | {"summary": {"searches": settings.searches, "forms": summary}}
 
 
-def _criterion(fit: FittedModel, box: Box) -> Criterion:
+def _criterion(fit: FittedModel, space: Space) -> Criterion:
     """The determinant for a fit's parameters, to the digits that they have.
 
     A search ends at any of equally good points; of digits that are round-off, round-off chooses.
@@ -78,9 +78,9 @@ def _criterion(fit: FittedModel, box: Box) -> Criterion:
     theta = np.array([float(f"{value:.{DIGITS}g}") for value in fit.theta])
 
     def gradient(points: np.ndarray) -> np.ndarray:
-        return model.gradient(theta, Factors.of(**dict(zip(box.names, points.T, strict=True))))
+        return model.gradient(theta, Factors.of(**dict(zip(space.names, points.T, strict=True))))
 
-    return Criterion(gradient, box)
+    return Criterion(gradient, space)
 
 
 def _patterns(
@@ -93,7 +93,7 @@ def _patterns(
     processes: int,
 ) -> tuple[list[Pattern], pd.DataFrame, list[dict[str, Any]]]:
     """The patterns that searches ended in, a row for each point of each, and what patterns are."""
-    box = criterion.box
+    space = criterion.space
     seeds = range(settings.first_seed, settings.first_seed + settings.searches)
     designs = parallel_map(
         lambda seed: search_design(criterion, points, seed=seed),
@@ -102,10 +102,10 @@ def _patterns(
     )
     if ratio:
         designs = [spread_on_lines(criterion, design, ratio=ratio) for design in designs]
-    patterns = find_patterns(designs, box)
+    patterns = find_patterns(designs, space)
     names = {index: pattern.name for pattern in patterns for index in pattern.members}
     searches = [
-        _factors(design.points, box).assign(search=index + 1, objective=design.value)
+        _factors(design.points, space).assign(search=index + 1, objective=design.value)
         for index, design in enumerate(designs)
     ]
     table = pd.concat(searches, ignore_index=True)
@@ -116,14 +116,14 @@ def _patterns(
             "count": len(pattern.members),
             "objective": pattern.design.value,
             "objective_excess": pattern.design.value - patterns[0].design.value,
-            "points": _factors(pattern.design.points, box).to_dict("records"),
+            "points": _factors(pattern.design.points, space).to_dict("records"),
         }
         for pattern in patterns
     ]
-    columns = ["scaling", "search", "pattern", *box.names, "objective"]
+    columns = ["scaling", "search", "pattern", *space.names, "objective"]
     return patterns, table[columns], summaries
 
 
-def _factors(points: np.ndarray, box: Box) -> pd.DataFrame:
+def _factors(points: np.ndarray, space: Space) -> pd.DataFrame:
     """Points with their factors' names; twelve digits, so that a limit reads 2e-06."""
-    return pd.DataFrame(twelve(points), columns=list(box.names))
+    return pd.DataFrame(twelve(points), columns=list(space.names))

@@ -28,7 +28,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
     not_derived_for,
 )
 from squeezefilm.reynolds.plan import plan_of
-from squeezefilm.studies.space import box_of, plan
+from squeezefilm.studies.space import plan, space_of
 from squeezefilm.studies.study import scenes_in
 
 TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
@@ -91,13 +91,14 @@ def limit_table_of(config: Study) -> LimitTable:
     """The table of a study's limits, checked at random points.
 
     A limit over ε² is smooth; how many Chebyshev points each factor needs is measured on a few
-    lines through the box, for over the position it bends as often as the profile.
+    lines through the space, for over the position it bends as often as the profile.
 
     Raises InputError where the limits do not hold all over the space.
     """
-    box = box_of(config).ranges
-    box.pop("hv_m")
-    ranges = {"h0_m": box.pop("h0_m"), "epsilon_square": (0.0, LARGEST_EPSILON_SQUARE), **box}
+    ranges = dict(space_of(config).limits)
+    del ranges["hv_m"]
+    epsilon_square = {"epsilon_square": (0.0, LARGEST_EPSILON_SQUARE)}
+    ranges = {"h0_m": ranges.pop("h0_m"), **epsilon_square, **ranges}
     random = np.random.default_rng(CHECK_SEED)
     counts = _counts(config, ranges, random)
     nodes = np.meshgrid(*[_nodes(ranges[axis], counts[axis]) for axis in ranges], indexing="ij")

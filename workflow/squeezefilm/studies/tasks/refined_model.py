@@ -8,6 +8,7 @@ import pandas as pd
 
 from squeezefilm.config.study import Study
 from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
+from squeezefilm.designs.space import coordinates
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.positions import as_in
 from squeezefilm.models.data import factors_of
@@ -17,7 +18,7 @@ from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.prediction_interval import error_by_region
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.space import Space
+from squeezefilm.studies.space import points_of, space_of, table_of
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.fits import fit_values, validated
 from squeezefilm.studies.tasks.physics_limits import with_limits
@@ -43,20 +44,20 @@ class SimulatedSpace:
 
     def __init__(self, config: Study, *, centred: bool) -> None:
         settings = config.refine
-        space = Space.of(config, centred=centred)
+        space = space_of(config, centred=centred)
         kinds = [
             space.grid(settings.candidates, distinct=True),
             space.sample(settings.verification, seed=settings.seed),
             space.sample(TYPICAL, seed=settings.seed + 1),
         ]
         self.config = config
-        self.table = space.table(np.concatenate(kinds))
+        self.table = table_of(np.concatenate(kinds), space)
         self.scenes = scenes_in(self.table, config)
         self.known = with_limits(self.table, self.scenes)
         self.solved = pd.DataFrame()
         self.pool = Pool(
             factors_of(self.known),
-            space.coordinates(space.points(self.table)),
+            coordinates("scene", space)(points_of(self.table, space)),
             *np.split(np.arange(len(self.table)), np.cumsum([len(each) for each in kinds])[:-1]),
         )
 

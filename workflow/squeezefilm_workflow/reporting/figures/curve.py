@@ -1,4 +1,12 @@
-"""A curve of forces, as ``squeezefilm simulate`` writes it for several points."""
+"""Pictures of tables that commands write: forces, gaps under loads, amplitudes for a force.
+
+Results over the factor with most values, a line for each combination of the others; or a map where
+the pad moves along both axes.
+"""
+
+from dataclasses import dataclass
+from itertools import cycle
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -6,55 +14,140 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import CARTESIAN, POLAR, cartesian
 from squeezefilm.film.validity import OK
-from squeezefilm_workflow.reporting.figures import style
+from squeezefilm_workflow.reporting.figures import parts, style
 
 AXES = {
+    "load_n": ("load", "N", 1.0),
     "h0_m": ("mean gap $h_0$", "µm", 1e6),
     "hv_m": ("amplitude $h_v$", "µm", 1e6),
     "x_m": ("position $x$", "mm", 1e3),
     "y_m": ("position $y$", "mm", 1e3),
     "phi_r_m": (r"radial position $\phi_r$", "mm", 1e3),
     "phi_deg": (r"angular position $\phi_\varphi$", "°", 1.0),
+    "force_n": ("mean force $F$", "N", 1.0),
 }
-"""Factors in words, the unit in which they are drawn, and how many of it make one of a column's."""
-COLUMNS = ("h0_m", "hv_m", "force_n", "force_error_n", "validity")
-ERRORS = ("force_error_n", "measurement_noise_n", "misfit_n", "quadrature_n")
-"""Of which a bar is the sum: the numerical error, and those of a scan."""
-MOST_LINES = 12
+"""Factors and results in words, the unit in which they are drawn, and how many of it make one of a
+column's."""
+MARKERS = "os^DvPX*<>ph"
+MOST_LINES = len(MARKERS)
+
+
+@dataclass(frozen=True)
+class Result:
+    """A column that is drawn, those of errors of which a bar is the sum, and its factors."""
+
+    column: str
+    errors: tuple[str, ...]
+    factors: tuple[str, ...]
+
+
+POSITION = (*CARTESIAN, *POLAR)
+RESULTS = {
+    "load_n": Result("h0_m", ("h0_error_m", "h0_measurement_noise_m"), ("load_n", "hv_m")),
+    "hv_error_95_m": Result("hv_m", ("hv_error_95_m",), ("force_n", "h0_m")),
+    "force_n": Result(
+        "force_n",
+        ("force_error_n", "measurement_noise_n", "misfit_n", "quadrature_n", "error_95_n"),
+        ("h0_m", "hv_m"),
+    ),
+}
+"""What is drawn of a table that has a column: of levitations, amplitudes, forces."""
 
 
 def curve(table: pd.DataFrame) -> Figure:
-    """Return forces over the factor with most values, a line for each combination of the others.
+    """Return a picture of a table's result.
 
     Args:
-        table: columns COLUMNS, and those of a position, if any.
+        table: factors, a result of RESULTS with its errors, and ``validity`` and ``study``, if any.
 
-    Raises InputError for a single point, and for more than MOST_LINES.
+    Raises InputError for a table without such a result, for a single point, and for more than
+    MOST_LINES lines.
     """
-    counts = {name: table[name].nunique() for name in AXES if name in table}
+    result = next((RESULTS[name] for name in RESULTS if name in table), None)
+    if result is None or result.column not in table:
+        raise InputError(f"there is nothing to draw; a table has one of {', '.join(RESULTS)}")
+    factors = [name for name in (*result.factors, *POSITION) if name in table]
+    counts = {name: table[name].nunique() for name in factors}
+    varied = [name for name in factors if counts[name] > 1]
+    known = table[table[result.column].notna()]
+    error = known[[name for name in result.errors if name in table]].sum(axis=1)
+    known = known.assign(error=error, within=known.get("validity", OK) == OK)
+    at_one = [name for name in factors if counts[name] == 1]
+    title = [_equation(name, known[name].iloc[0]) for name in at_one if len(known)]
+    title += [] if {*factors} & {*POSITION} else ["pad centred"]
+    title += [f"study {name}" for name in table.get("study", pd.Series(dtype=str)).unique()]
+    if varied in ([*CARTESIAN], [*POLAR]):
+        figure, *notes = _map(known, result, varied)
+    else:
+        figure, *notes = _lines(known, result, counts, varied)
+    figure.axes[0].set_title(", ".join(title), fontsize=7)
+    notes = [*notes, "Hollow: outside the limits of validity."]
+    if without := len(table) - len(known):
+        notes.append(f"Without a result: {without} of {len(table)} points.")
+    style.add_note(figure, *notes)
+    return figure
+
+
+def _equation(name: str, value: float) -> str:
+    words, unit, size = AXES[name]
+    return f"{words.split()[-1]} = {value * size:.4g} {unit}"
+
+
+def _label(name: str) -> str:
+    words, unit, _ = AXES[name]
+    return f"{words} ({unit})"
+
+
+def _lines(
+    known: pd.DataFrame, result: Result, counts: dict[str, int], varied: list[str]
+) -> tuple[Figure, str]:
+    """The result over the factor with most values, a line for each combination of the others."""
     along = max(counts, key=counts.__getitem__)
-    others = [name for name in counts if counts[name] > 1 and name != along]
-    lines = list(table.groupby(others)) if others else [((), table)]
+    others = [name for name in varied if name != along]
+    lines = list(known.groupby(others)) if others else [((), known)]
     if counts[along] < 2 or len(lines) > MOST_LINES:
         what = f"{len(lines)} lines over {counts[along]} points"
         raise InputError(f"{what}: a curve has 2 points or more, and at most {MOST_LINES} lines")
     figure, axes = style.subplots(height_in=3.0)
-    label, unit, size = AXES[along]
-    axes.set(xlabel=f"{label} ({unit})", ylabel="mean force $F$ (N)")
+    axes.set(xlabel=_label(along), ylabel=_label(result.column))
     axes.grid(True)
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, len(lines)))
-    for colour, (_, rows) in zip(colours, lines, strict=True):
-        named = [(*AXES[name], rows[name].iloc[0]) for name in others]
-        text = ", ".join(f"{word.split()[-1]} = {v * k:.4g} {u}" for word, u, k, v in named)
-        error_n = rows[[name for name in ERRORS if name in rows]].sum(axis=1)
-        data = rows.assign(at=rows[along] * size, error_n=error_n).sort_values("at")
-        axes.errorbar("at", "force_n", "error_n", data=data, c=colour, fmt=".-", label=text)
-        outside = data[data["validity"] != OK]
-        axes.plot(outside["at"], outside["force_n"], ".", color="white", markersize=3, zorder=3)
+    size = AXES[result.column][2]
+    for (_, rows), colour, marker in zip(lines, colours, cycle(MARKERS)):
+        text = ", ".join(_equation(name, rows[name].iloc[0]) for name in others)
+        rows = rows.sort_values(along)
+        at, value, error = rows[along] * AXES[along][2], rows[result.column] * size, rows["error"]
+        look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 3, "label": text}
+        axes.errorbar(at, value, error * size, **look)
+        outside = ~rows["within"]
+        look |= {"linestyle": "", "markerfacecolor": "white", "label": "", "zorder": 3}
+        axes.plot(at[outside], value[outside], **look)
     if others:
         axes.legend()
-    style.add_note(
-        figure, "Bars: numerical error and scan. Hollow: outside the limits of validity."
+    predicted = any("95" in name for name in result.errors if name in known)
+    return (
+        figure,
+        f"Bars: {'prediction error (95 %)' if predicted else 'numerical error and scan'}.",
     )
-    return figure
+
+
+def _map(known: pd.DataFrame, result: Result, position: list[str]) -> tuple[Figure, str]:
+    """The result over the pad's position."""
+    at = {name: known[name] for name in position}
+    x_m, y_m = (at if position == [*CARTESIAN] else cartesian(**at)).values()
+    size = AXES[result.column][2]
+    dots = pd.DataFrame({"x": 1e3 * x_m, "y": 1e3 * y_m, "value": size * known[result.column]})
+    dots = dots.assign(within=known["within"]).round({"x": 9, "y": 9}).drop_duplicates(["x", "y"])
+    figure, axes = style.subplots(height_in=3.2)
+    try:
+        drawn = axes.tricontourf(dots["x"], dots["y"], dots["value"], levels=14)
+    except (ValueError, RuntimeError):
+        raise InputError("the positions lie on a line, or are fewer than three: no map") from None
+    for within, fill in ((True, "black"), (False, "white")):
+        parts.dots(axes, dots[dots["within"] == within], fill=fill, x="x", y="y", markersize=2.6)
+    axes.set(aspect="equal", xlabel=_label("x_m"), ylabel=_label("y_m"))
+    figure.colorbar(drawn, ax=axes, shrink=0.8, pad=0.02, format="%g", label=_label(result.column))
+    error = f"Largest error: {size * known['error'].max():.2g} {AXES[result.column][1]}."
+    return figure, f"{error} Colours: interpolated linearly between dots."

@@ -21,6 +21,8 @@ FEW = 100
 """Simulations of a map, at most, that are drawn as dots."""
 MARKERS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
 """Of positions: whether a model has an amplitude there, and whether it is validated."""
+PROFILE_COLUMNS = ("layer", "amplitude_um", "residual_um", "noise_um")
+"""Of a table of a profile, among others."""
 LINES = 101
 """Of the grid along each side on which a vibration is drawn."""
 
@@ -135,18 +137,23 @@ def vibration(results: Results) -> Figure:
 
 def profile(results: Results) -> Figure:
     """Amplitude and residual, over the distance from the centre of a disc, or as maps."""
-    data = results.table("figures/profile.csv", "layer", "noise_um")
+    data = results.table("figures/profile.csv", *PROFILE_COLUMNS)
+    noise = results.summary("profile/summary.json").get("largest_force_noise_fraction")
+    note = (
+        f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
+    )
+    return profile_of(data, note, results.beyond)
+
+
+def profile_of(data: pd.DataFrame, *notes: str) -> Figure:
+    """The same of a table that ``squeezefilm profile`` wrote."""
     figure, (amplitude, residual) = style.subplots(1, 2, wide=True, height_in=3.0)
     residual.set_title("(b) residuals")
     if "map" in set(data["layer"]):
         _draw_profile(figure, amplitude, residual, data)
     else:
         _draw_over_radius(amplitude, residual, data)
-    noise = results.summary("profile/summary.json").get("largest_force_noise_fraction")
-    note = (
-        f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
-    )
-    style.add_note(figure, note, results.beyond)
+    style.add_note(figure, *notes)
     return figure
 
 

@@ -1,0 +1,156 @@
+"""A table that a command writes is read by every command that takes such a table."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from squeezefilm.cli.main import main
+from squeezefilm.errors import InputError
+from squeezefilm_workflow.reporting.figures.curve import curve
+
+POINTS = ["--h0=5um:9um:3", "--hv=0.5um:1.5um:3"]
+# Of each table the command that writes it; {TABLE} stands for another one, or a fit.
+WRITERS = {
+    "forces": ["simulate", "{given}"],
+    "curve": ["simulate", *POINTS],
+    "map": ["simulate", "--h0=5um", "--hv=1um", "--x=0mm,1mm", "--y=0mm,1mm"],
+    "along": ["simulate", "--h0=5um", "--hv=1um", "--phi-r=0mm,1mm"],
+    "preview": ["simulate", "{given}", "--dry-run"],
+    "budget": ["error-budget", *POINTS[:1], "--hv=1um"],
+    "levitation": ["levitate", "--load=0.1N,0.2N", "--hv=1um"],
+    "response": ["response", "{given}"],
+    "fit": ["fit", "{curve}", "--model=two_factor", "--seeds=1"],
+    "predictions": ["predict", "{fit}", "--points={curve}"],
+    "amplitudes": ["amplitude-for", "{fit}", "--force=0.2N", "--h0=5um,6um"],
+    "errors": ["validate", "{fit}", "{curve}"],
+    "designs": ["optimal", "{fit}", "--forces={forces}"],
+}
+WITHOUT_STUDY = ("predict", "amplitude-for", "plot")
+FORCES = ("forces", "curve")
+DRAWN = (*FORCES, "map", "along", "levitation", "predictions", "amplitudes")
+SCENES = [name for name in WRITERS if name != "fit"]
+READERS = {
+    "simulate": (["simulate"], SCENES),
+    "error-budget": (["error-budget"], SCENES),
+    "predict": (["predict", "{fit}", "--points"], SCENES),
+    "response": (["response"], SCENES),
+    "optimal": (["optimal", "{fit}", "--forces={curve}", "--existing"], ("curve", "designs")),
+    "fit": (["fit", "--model=two_factor", "--seeds=1"], FORCES),
+    "validate": (["validate", "{fit}"], FORCES),
+    "plot": (["plot"], DRAWN),
+}
+ENDINGS = {"fit": "json", "plot": "svg"}
+
+
+@pytest.fixture(scope="module")
+def study(repository, tmp_path_factory) -> Path:
+    """A study of a pad that is a disc, and a table of scenes as a spreadsheet writes it."""
+    folder = tmp_path_factory.mktemp("tables")
+    text = (repository / "config/quick.yaml").read_text(encoding="utf-8")
+    text = text.replace("shape: rectangle", "shape: ellipse").replace("paper: true", "paper: false")
+    (folder / "study.yaml").write_text(text, encoding="utf-8")
+    (folder / "given.csv").write_text("h0 [µm];hv [µm]\n5;1,5\n6;1,0\n7;0,5\n8;1,0\n9;0,5\n")
+    return folder / "study.yaml"
+
+
+@pytest.fixture(scope="module")
+def run(study):
+    """A function that runs a command on tables of the study's folder, and returns what it wrote."""
+
+    def run(words: list[str], name: str) -> Path:
+        folder = study.parent
+        output = folder / f"{name}.{ENDINGS.get(words[0], 'csv')}"
+        tables = {path.stem: path for path in folder.glob("*.*")}
+        words = [word.format(**tables) for word in words] + [f"--output={output}"]
+        words += [] if words[0] in WITHOUT_STUDY else [f"--config={study}"]
+        assert main(words) == 0, words
+        return output
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def written(run) -> dict[str, Path]:
+    return {name: run(words, name) for name, words in WRITERS.items()}
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_every_table_is_read_by_every_command_that_takes_such_a_table(reader, run, written):
+    words, tables = READERS[reader]
+    for name in tables:
+        output = run([*words, str(written[name])], f"{reader}-{name}")
+        if output.suffix == ".csv" and reader in ("simulate", "error-budget", "predict"):
+            read, given = pd.read_csv(output), pd.read_csv(written[name])
+            assert read["h0_m"].tolist() == given["h0_m"].tolist(), (reader, name)
+
+
+def points(**changes: object) -> pd.DataFrame:
+    """Forces of a pad at four places, as `simulate` writes them."""
+    rows = pd.DataFrame({"x_m": [0.0, 0.0, 1e-3, 1e-3], "y_m": [0.0, 1e-3, 0.0, 1e-3]})
+    known = {"h0_m": 5e-6, "hv_m": 1e-6, "force_n": [1.0, 0.9, 0.8, 0.7], "force_error_n": 1e-6}
+    return rows.assign(**{**known, "validity": "ok", "study": "mine", **changes})
+
+
+def test_forces_over_x_and_y_are_a_map_that_names_gap_amplitude_and_study():
+    figure = curve(points())
+    map_axes, bar = figure.axes
+    assert (map_axes.get_xlabel(), map_axes.get_ylabel()) == (
+        "position $x$ (mm)",
+        "position $y$ (mm)",
+    )
+    assert bar.get_ylabel() == "mean force $F$ (N)"
+    assert map_axes.get_title() == "$h_0$ = 5 µm, $h_v$ = 1 µm, study mine"
+    on_a_line = points(y_m=[0.0, 1e-3, 2e-3, 3e-3], x_m=[0.0, 1e-3, 2e-3, 3e-3])
+    with pytest.raises(InputError, match="the positions lie on a line"):
+        curve(on_a_line)
+
+
+def test_curves_are_told_apart_without_colours_and_name_what_is_constant():
+    figure = curve(
+        points(x_m=1e-3, y_m=0.0, h0_m=[5e-6, 6e-6, 5e-6, 6e-6], hv_m=[1e-6, 1e-6, 2e-6, 2e-6])
+    )
+    (axes,) = figure.axes
+    assert axes.get_title() == "$x$ = 1 mm, $y$ = 0 mm, study mine"
+    markers = [bars.lines[0].get_marker() for bars in axes.containers]
+    assert len({*markers}) == len(markers) == 2
+
+
+def test_a_point_without_a_gap_is_counted_and_not_drawn():
+    table = points(x_m=0.0, y_m=0.0, load_n=[1.0, 2.0, 3.0, 4.0], h0_m=[5e-6, 4e-6, 3e-6, None])
+    figure = curve(table.drop(columns=["force_n", "force_error_n"]))
+    (axes,) = figure.axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("load (N)", "mean gap $h_0$ (µm)")
+    assert axes.containers[0].lines[0].get_ydata() == pytest.approx([5, 4, 3])
+    assert "Without a result: 1 of 4 points." in figure.texts[0].get_text()
+
+
+def test_the_table_of_a_profile_is_drawn(tmp_path):
+    """`squeezefilm profile --table PROFILE.csv`; the line is in the help of `profile`."""
+    scan = {"layer": "points", "r_mm": [0.0, 1.0], "amplitude_um": [1.0, 0.8], "residual_um": 0.01}
+    drawn = {"layer": "profile", "r_mm": [0.0, 1.0], "error_um": 0.01}
+    drawn |= {"profile_min_um": [1.0, 0.8], "profile_max_um": [1.0, 0.8]}
+    table = pd.concat([pd.DataFrame(scan), pd.DataFrame(drawn)]).assign(noise_um=0.01)
+    table.to_csv(tmp_path / "profile.csv", index=False)
+    picture = tmp_path / "profile.svg"
+    assert main(["plot", "profile", str(tmp_path / "profile.csv"), "--output", str(picture)]) == 0
+    assert "(b) residuals" in picture.read_text(encoding="utf-8")
+
+
+def test_results_of_other_commands_do_not_stand_beside_predictions(run, written):
+    predicted = pd.read_csv(written["predictions"])
+    assert "force_error_n" not in predicted
+    assert {"point_id", "h0_m", "hv_m", "force_n", "error_95_n"} <= {*predicted}
+
+
+def test_a_file_is_named_once(written, refused, study):
+    fit, config = written["fit"], f"--config={study}"
+    for words in (
+        ["fit", fit.with_name("none.csv"), "--model=two_factor", config, "--output=x.json"],
+        ["validate", fit, fit.with_name("none.csv"), config, "--output=x.csv"],
+        ["optimal", fit, f"--forces={written['budget']}", config, "--output=x.csv"],
+        ["fit", written["budget"], "--model=two_factor", config, "--output=x.json"],
+    ):
+        told = refused(*words)
+        named = next(word for word in map(str, words) if word.rpartition("=")[2].endswith(".csv"))
+        assert told.count(named.rpartition("=")[2]) == 1, told
