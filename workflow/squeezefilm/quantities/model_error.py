@@ -21,7 +21,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
-from squeezefilm.quantities import edge_loss, sheared_gas
+from squeezefilm.quantities import edge_loss, moving_profile, sheared_gas
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
@@ -41,7 +41,7 @@ MOST_SCENES = 128
 OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
 NAMES = (
-    *(*OPEN, "depth_averaged", "sheared_gas"),
+    *(*OPEN, "depth_averaged", "sheared_gas", "moving_profile"),
     *("slip", "flow_factor", "edge_loss", "bearing"),
 )
 # Name of all neglected effects at once, where each alone was solved for.
@@ -253,6 +253,7 @@ def _budgets(
     for effect, scenes in (
         (edge_loss, vibrating),
         (sheared_gas, with_still),
+        (moving_profile, complete),
     ):
         changes = effect.mean_changes(
             list(scenes), [solutions[scene] for scene in scenes], device=device
@@ -279,6 +280,7 @@ def _budget(
     solutions: Mapping[Scene, Solution],
     edge_losses: Mapping[Scene, np.ndarray],
     sheared: Mapping[Scene, np.ndarray],
+    carried: Mapping[Scene, np.ndarray],
 ) -> ErrorBudget:
     """A scene's budget from the forces of its films.
 
@@ -323,6 +325,8 @@ def _budget(
     # Those of the film with all other effects, over that film's force.
     with_all = solutions[film.together].force_n / own.force_n
     percent, sheared_error = 100 * abs(with_all) * sheared[film.together][:, 0]
+    moved_percent, moved_error = 100 * abs(with_all) * carried[film.together][:, 0]
+    effects["moving_profile"] = Effect(float(moved_percent), float(moved_error))
 
     def gas_effects_n(film: FilmWithEffects) -> np.ndarray:
         """Changes of the force by inertia, by thermal effects and by gas that the wall drags."""
@@ -342,7 +346,7 @@ def _budget(
         effects["sheared_gas"] = UNKNOWN
     ends, errors = 100 * with_all * edge_losses[film.together]
     error += max(map(abs, errors))
-    for name in ("flow_factor", "depth_averaged", "sheared_gas"):
+    for name in ("flow_factor", "depth_averaged", "sheared_gas", "moving_profile"):
         together += effects[name].percent
         error += effects[name].error_percent
     if film.unsolvable:
