@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.states import changes_with_errors, weights_with_edge
+from squeezefilm.quantities.states import EDGE_PRESSURE, changes_with_errors, weights_with_edge
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
@@ -179,7 +179,7 @@ class EdgeFilms:
     def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
         """Return what a pressure on the edge adds, by the kernels' names of arrays."""
         found = {"edge_flow": np.zeros_like(self.gap)}
-        for name in ("edge_values_x", "edge_slope_x", "edge_values_y", "edge_slope_y"):
+        for name in EDGE_PRESSURE:
             found[name] = np.zeros_like(self.gap)
         flows = self._flow_at_ends(edge)
         for k, (axis, name) in enumerate(zip(self.axes, "xy", strict=False)):

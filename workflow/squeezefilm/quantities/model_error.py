@@ -3,8 +3,9 @@
 An effect is the difference of two solved forces, with and without it: slip, inertia and thermal
 effects are terms of the solver, the edge loss is a pressure on the edge that is solved for
 (edge_loss.py), and inertia and heat of gas that a sliding wall drags are a source of mass
-(sheared_gas.py). Effects interact, so all that are neglected together are one solve more, and not
-the sum of the rows. What cannot be solved for is unknown, and so is the total then.
+(sheared_gas.py), as is a profile that it carries along (moving_profile.py). Effects interact, so
+all that are neglected together are one solve more, and not the sum of the rows. What cannot be
+solved for is unknown, and so is the total then.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
-from squeezefilm.quantities import edge_loss, sheared_gas
+from squeezefilm.quantities import edge_loss, moving_profile, sheared_gas
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
@@ -39,7 +40,10 @@ MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
 OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
-NAMES = (*OPEN, "depth_averaged", "sheared_gas", "slip", "flow_factor", "edge_loss", "bearing")
+NAMES = (
+    *(*OPEN, "depth_averaged", "sheared_gas", "moving_profile"),
+    *("slip", "flow_factor", "edge_loss", "bearing"),
+)
 # Name of all neglected effects at once, where each alone was solved for.
 TOGETHER = "all effects together"
 
@@ -68,10 +72,11 @@ class ErrorBudget:
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as averages over the
-            gap; ``sheared_gas``, what the motion of a sliding pad adds to both; ``slip`` of first
-            order, with the flow factor's flow in a gap at rest, or as the scene has it;
-            ``flow_factor``, the difference of the flow factor from that;
-            ``edge_loss`` for the coefficient C = 1; ``bearing`` of a sliding pad.
+            gap; ``sheared_gas``, what the motion of a sliding pad adds to both;
+            ``moving_profile``, of the profile past such a pad; ``slip`` of first order, with the
+            flow factor's flow in a gap at rest, or as the scene has it; ``flow_factor``, the
+            difference of the flow factor from that; ``edge_loss`` for the coefficient C = 1;
+            ``bearing`` of a sliding pad.
         edge_loss_upper_percent: the edge loss for the largest C.
         modelling_error_percent: lower and upper end of all neglected effects together, with C from
             its smallest to its largest; NaN where an effect is unknown.
@@ -150,6 +155,8 @@ class FilmWithEffects:
         flow_factor: the film with that flow, and with first-order slip, without inertia and
             thermal effects; empty where the scene has it.
         unsolvable: neglected effects that the solver has no term for.
+        still: under a sliding pad, the films without vibration; of a level gap, which has no
+            force then, and of a pad at rest there are none.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -191,23 +198,40 @@ class FilmWithEffects:
                 viscous.with_gas(**slip or {"rarefaction": "slip"}),
             ]
         )
+        presses = scene.bearing_number and scene.epsilon and not scene.pad.gap.flat
+        self.still = FilmWithEffects(replace(scene, hv_m=0.0)) if presses else None
+
+    @property
+    def by_gas(self) -> list[tuple[Scene, Scene]]:
+        """The films with and without inertia, and with and without thermal effects."""
+        return [
+            (self.scene, self.without[name])
+            if name in self.without
+            else (self.alone.get(name, self.reference), self.reference)
+            for name in OPEN
+        ]
+
+    @property
+    def neighbours(self) -> list[Scene]:
+        """The films of the same motion, whose forces differ by what the gas does alone."""
+        without = [scene for name, scene in self.without.items() if name != "bearing"]
+        return [self.scene, self.reference, self.together, *without, *self.alone.values()]
 
     @property
     def scenes(self) -> list[Scene]:
         """All of them; some may be the same."""
-        return [
-            *(self.scene, self.reference, self.together),
-            *self.without.values(),
-            *self.alone.values(),
-            *self.flow_factor,
-        ]
+        scenes = [*self.neighbours, *self.without.values(), *self.flow_factor]
+        return scenes + self.still.neighbours if self.still else scenes
 
 
 def _budgets(
     films: Sequence[FilmWithEffects], tolerances: Sequence[float], device: Device
 ) -> list[ErrorBudget]:
     moving = [film for film in films if film.scene.epsilon]
-    with_states = {scene: None for film in moving for scene in (film.scene, film.together)}
+    vibrating = {scene: None for film in moving for scene in (film.scene, film.together)}
+    complete = {film.together: None for film in moving}
+    with_still = complete | {film.still.together: None for film in moving if film.still}
+    with_states = vibrating | with_still
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
     for tolerance in tolerances:
@@ -225,16 +249,17 @@ def _budgets(
             for scene, solution in zip(asked, solved, strict=True):
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
-    changes = [
-        by_state.mean_changes(
-            list(with_states), [solutions[scene] for scene in with_states], device=device
+    by_state: list[dict[Scene, np.ndarray]] = []
+    for effect, scenes in (
+        (edge_loss, vibrating),
+        (sheared_gas, with_still),
+        (moving_profile, complete),
+    ):
+        changes = effect.mean_changes(
+            list(scenes), [solutions[scene] for scene in scenes], device=device
         )
-        for by_state in (edge_loss, sheared_gas)
-    ]
-    edge_losses, sheared = (
-        dict(zip(with_states, np.moveaxis(change, -1, 0), strict=True)) for change in changes
-    )
-    return [_budget(film, solutions, edge_losses, sheared) for film in films]
+        by_state.append(dict(zip(scenes, np.moveaxis(changes, -1, 0), strict=True)))
+    return [_budget(film, solutions, *by_state) for film in films]
 
 
 def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> bool:
@@ -244,7 +269,7 @@ def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> boo
     known = [solutions[scene] for scene in film.scenes]
     if any(solution.status != "ok" for solution in known):
         return True
-    forces_n = [solution.force_n for solution in known]
+    forces_n = [solutions[each].force_n for each in film.neighbours]
     error_n = max(solution.force_error_n for solution in known)
     dearest = max(solution.work for solution in known)
     return dearest > DEAR or error_n <= EFFECT_TOLERANCE * (max(forces_n) - min(forces_n))
@@ -255,12 +280,14 @@ def _budget(
     solutions: Mapping[Scene, Solution],
     edge_losses: Mapping[Scene, np.ndarray],
     sheared: Mapping[Scene, np.ndarray],
+    carried: Mapping[Scene, np.ndarray],
 ) -> ErrorBudget:
     """A scene's budget from the forces of its films.
 
     Args:
         edge_losses: relative changes of forces, and their errors, (2, coefficients).
-        sheared: the same by gas that a sliding wall drags, (2, 1).
+        sheared, carried: the same by gas that a sliding wall drags and by the profile that the wall
+            carries along, (2, 1).
     """
     scene = film.scene
     if not scene.epsilon:
@@ -298,15 +325,28 @@ def _budget(
     # Those of the film with all other effects, over that film's force.
     with_all = solutions[film.together].force_n / own.force_n
     percent, sheared_error = 100 * abs(with_all) * sheared[film.together][:, 0]
-    by_gas = [effects[name].percent for name in OPEN] + [percent]
-    sheared_error += sheared_gas.remainder_of(scene) * sum(map(abs, by_gas))
+    moved_percent, moved_error = 100 * abs(with_all) * carried[film.together][:, 0]
+    effects["moving_profile"] = Effect(float(moved_percent), float(moved_error))
+
+    def gas_effects_n(film: FilmWithEffects) -> np.ndarray:
+        """Changes of the force by inertia, by thermal effects and by gas that the wall drags."""
+        forces_n = [[solutions[each].force_n for each in pair] for pair in film.by_gas]
+        dragged_n = solutions[film.together].force_n * sheared[film.together][0, 0]
+        return np.append(-np.diff(forces_n), dragged_n)
+
+    if scene.bearing_number and not film.unsolvable:
+        effects_n = gas_effects_n(film)
+        by_vibration_n = effects_n - gas_effects_n(film.still) if film.still else effects_n
+        size_n, vibrating_n = (float(np.abs(each).sum()) for each in (effects_n, by_vibration_n))
+        missed = sheared_gas.remainder_of(scene, vibrating=vibrating_n / size_n) * size_n
+        sheared_error += 100 * missed / abs(own.force_n)
     sheared_error += 6 * scene.knudsen * abs(percent)  # of the wall's velocity no slip is known
     effects["sheared_gas"] = Effect(float(percent), float(sheared_error))
     if scene.bearing_number and film.unsolvable:
         effects["sheared_gas"] = UNKNOWN
     ends, errors = 100 * with_all * edge_losses[film.together]
     error += max(map(abs, errors))
-    for name in ("flow_factor", "depth_averaged", "sheared_gas"):
+    for name in ("flow_factor", "depth_averaged", "sheared_gas", "moving_profile"):
         together += effects[name].percent
         error += effects[name].error_percent
     if film.unsolvable:

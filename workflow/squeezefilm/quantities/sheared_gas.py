@@ -27,10 +27,9 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields, dot
-from squeezefilm.quantities.states import changes_with_errors
+from squeezefilm.quantities.states import changes_with_errors, solved_beside
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.solution import Solution
 
 # Relative error of the force that an iteration of the state may leave.
@@ -59,42 +58,43 @@ def mean_changes(
             return np.zeros((1, len(scenes)))
         own = np.stack(unknowns)
         source = mass_source(Fields(scenes, grid, own[:, 0]))
-        means = []
-        for flow in (0 * source, source):
-            edge = dict.fromkeys(NO_EDGE_PRESSURE, 0 * source) | {"edge_flow": flow}
-            states = solve_batch(
-                scenes, grid, tolerance=STATE_TOLERANCE, device=device, guess=own, edge=edge
-            )
-            means.append(np.where(states.status == 0, states.mean, np.nan))
-        return np.array([means[1] / means[0] - 1])
+        without, with_source = (
+            solved_beside(scenes, grid, own, each, tolerance=STATE_TOLERANCE, device=device)[0]
+            for each in (0 * source, source)
+        )
+        return np.array([with_source / without - 1])
 
     return changes_with_errors(scenes, solutions, on_grid, changes=1, tolerance=STATE_TOLERANCE)
 
 
-NO_EDGE_PRESSURE = ("edge_values_x", "edge_slope_x", "edge_values_y", "edge_slope_y")
+def remainder_of(scene: Scene, *, vibrating: float) -> float:
+    """Return what first order misses, over the sizes of the effects of inertia and heat.
 
-
-def remainder_of(scene: Scene) -> float:
-    """Return what first order misses, over the sizes of the effects of inertia and heat."""
+    Args:
+        vibrating: fraction of the effects that is not there in the same film without vibration.
+    """
     widest = float(Scenes.of([scene]).rest_range[1][0]) ** 2
     return remainder(
         bearing=abs(scene.bearing_number),
         shear_reynolds=widest * scene.shear_reynolds,
-        reynolds=widest * scene.modified_reynolds,
+        vibrating_reynolds=widest * scene.modified_reynolds * vibrating,
     )
 
 
-def remainder(*, bearing: float, shear_reynolds: float, reynolds: float) -> float:
+def remainder(*, bearing: float, shear_reynolds: float, vibrating_reynolds: float) -> float:
     """Return what first order misses, over the sizes of the effects; NaN where it is unknown.
 
-    Second orders go with Re* (1 + |Λ|) and, where the state is another one than at rest, with Re;
-    Re* Λ is 6 ρ₀ U²/p₀, of a Mach number: pressure falls along no more of the pad than 1/Λ of it.
+    A force is that of the steady film and what vibration adds. Second orders of both go with
+    Re* (1 + |Λ|): Re* Λ is 6 ρ₀ U²/p₀, of a Mach number, as pressure falls along no more of the pad
+    than 1/Λ of it. Those of what vibration adds go with Re too; a steady film has no ω.
 
     Args:
         bearing: |Λ|.
-        shear_reynolds, reynolds: Re* = ρ₀ |U| h²/(μ l), Re = ρ₀ ω h²/μ of the widest gap at rest.
+        shear_reynolds: Re* = ρ₀ |U| h²/(μ l) of the widest gap at rest.
+        vibrating_reynolds: Re = ρ₀ ω h²/μ there, times the fraction of the effects that vibration
+            adds.
     """
-    second_order = shear_reynolds * (1 + bearing) + reynolds * bearing / (1 + bearing)
+    second_order = shear_reynolds * (1 + bearing) + vibrating_reynolds * bearing / (1 + bearing)
     return REMAINDER * second_order if second_order <= MOST_SECOND_ORDER else nan
 
 

@@ -11,6 +11,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after, margin_of
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
@@ -80,6 +81,8 @@ def alike(solved: Solved, *, numbers: int) -> Iterator[Solved]:
 
 # Numbers of the finer states of films that are solved together.
 MOST_TOGETHER = 2**19
+# The arrays of a pressure on the edge (terms/edge_pressure.py).
+EDGE_PRESSURE = ("edge_values_x", "edge_slope_x", "edge_values_y", "edge_slope_y")
 
 
 def changes_with_errors(
@@ -120,6 +123,30 @@ def changes_with_errors(
         factor = np.array([remainder(*each, tolerance=tolerance)[0] for each in group.values()])
         found[:, :, list(group)] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
     return found
+
+
+def solved_beside(
+    scenes: Sequence[Scene],
+    grid: Grid,
+    guess: np.ndarray,
+    source: np.ndarray,
+    *,
+    tolerance: float,
+    device: Device,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Solve for the states of films to which a source of mass is added.
+
+    Args:
+        guess: unknowns of a state, (scenes, fields, nx, ny, times).
+        source: added to the film equation at the unknowns, (scenes, nx, ny, times).
+
+    Returns:
+        The mean pressures, (scenes,), NaN where there is no state, and the unknowns.
+    """
+    ambient = dict.fromkeys(EDGE_PRESSURE, np.zeros_like(source))
+    edge = ambient | {"edge_flow": source}
+    states = solve_batch(scenes, grid, tolerance=tolerance, device=device, guess=guess, edge=edge)
+    return np.where(states.status == 0, states.mean, np.nan), states.unknowns
 
 
 def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[float, float]:
