@@ -11,6 +11,7 @@ from films import PISTON, film
 from periodic_strip import PeriodicStrip
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.lazy import cl
 from squeezefilm.quantities.model_error import (
     NAMES,
     Effect,
@@ -18,7 +19,9 @@ from squeezefilm.quantities.model_error import (
     budget_row,
     error_budgets,
 )
+from squeezefilm.reynolds import device as devices
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
 
 
 def slipping(scene: Scene, rarefaction: str = "slip") -> Scene:
@@ -70,6 +73,19 @@ def test_effects_together_are_one_solve_more(scene: Scene) -> None:
     assert alone["thermal"] + inertia.percent == pytest.approx(together, abs=0.02)
     assert with_both.effects["inertia"].included
     assert "inertia" not in with_both.neglected
+
+
+@pytest.mark.parametrize(("every", "programs"), [("none", 3), ("included", 2)])
+def test_a_force_with_its_budget_waits_for_few_programs(
+    scene: Scene, every: str, programs: int
+) -> None:
+    """With velocities, with a rarefied gas, with neither: each takes seconds to compile."""
+    device = choose_device()
+    unused = replace(device, queue=cl.CommandQueue(device.context))
+    built = devices._program.cache_info().misses
+    (found,) = error_budgets([scene.with_gas(inertia=every, thermal=every)], device=unused)
+    assert not found.unknown
+    assert devices._program.cache_info().misses - built == programs
 
 
 def test_slip_with_the_flow_factor_is_the_difference_of_two_forces() -> None:

@@ -26,6 +26,30 @@ def c_struct(name: str, row: np.dtype[Any]) -> str:
     return f"typedef struct {{ {' '.join(members)} }} {name};"
 
 
+def with_absent(numbers: np.ndarray, terms: Terms) -> np.ndarray:
+    """Return rows of numbers with all that a program's terms have; what a film lacks is 0."""
+    kind = _kind_in_program(numbers.dtype, terms)
+    if kind == numbers.dtype:
+        return numbers
+    wide = np.zeros(len(numbers), dtype=kind)
+    for name in numbers.dtype.names or ():
+        own = numbers[name]
+        if own.ndim > 1:
+            wide[name][:, : own.shape[1]] = own
+        else:
+            wide[name] = own
+    return wide
+
+
+@lru_cache(maxsize=64)
+def _kind_in_program(own: np.dtype[Any], terms: Terms) -> np.dtype[Any]:
+    kinds = {name: own[name] for name in own.names or ()}
+    for term in terms:
+        for name, count in term.NUMBERS.items():
+            kinds[name] = np.dtype((np.float64, (count,) if count else ()))
+    return np.dtype(sorted(kinds.items()))
+
+
 def c_terms(terms: Terms) -> str:
     """Every hook of the equation as the calls of the terms that fill it."""
     lines = []
@@ -114,6 +138,6 @@ def _row_type(
     whole: tuple[tuple[str, ...], ...], numbers: np.dtype[Any]
 ) -> tuple[np.dtype[Any], list[list[int]]]:
     """The rows' type, and where among their plain numbers those of ``whole`` lie."""
-    names = list(dict.fromkeys(name for some in whole for name in some))
+    names = sorted({name for some in whole for name in some})
     kinds = [*((name, np.int64) for name in names), *numbers.descr, ("tolerance", np.float64)]
     return np.dtype(kinds), [[names.index(name) for name in some] for some in whole]

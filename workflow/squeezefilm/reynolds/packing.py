@@ -58,7 +58,7 @@ def terms_of_all(scenes: Scenes) -> Terms:
 
 def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
     """The numbers of the scenes' equation under their names, a row for each."""
-    numbers = numbers_of(scenes, terms)
+    numbers = dict(sorted(numbers_of(scenes, terms).items()))
     widths = (len(value) if isinstance(value, tuple) else 0 for value in numbers.values())
     kind = _kind_of_numbers(tuple(zip(numbers, widths, strict=True)))
     each = [value if isinstance(value, tuple) else (value,) for value in numbers.values()]

@@ -1,6 +1,6 @@
 /* The film over one period: the Reynolds equation collocated in space and time.
  *
- * Unknown: the overpressure p = P − 1, zero on the rim. The mass flux is a sum of FLOW_TERMS terms
+ * Unknown: the overpressure p = P − 1, zero on the rim. The mass flux is a sum of one or two terms
  * c_k H^a grad g_k with a = 3 − k and dg_k/dP = ρ^(1−k): the viscous flow, and that by slip of a
  * rarefied gas, or as rarefaction_over_period.cl has them. With v = H^(a/2) g each term needs second
  * derivatives only (Liouville's transformation),
@@ -48,7 +48,7 @@ static double4 flow_slope(const Film *film, double4 p, int k)
 static void set_gap(const Grid *whole_grid, const Film *whole_film)
 {
     AS_COPIES(whole_grid, whole_film)
-    for (int k = 0; k < FLOW_TERMS; k++) {
+    for (int k = 0; k < FLOW_TERMS_OF(film); k++) {
         const double half_exponent = 0.5 * (3 - k);
         FOR_EACH_POINT(g, row, t, i)
         {
@@ -168,7 +168,8 @@ static double4 flow_from(const Grid *whole_grid, const Film *whole_film, int k, 
         const double4 power = factor * gap_power[i];
         double4 potential = flow_potential(film, p, k), slope = flow_slope(film, p, k);
 #ifdef HAS_flow_factor
-        set_rarefied(film, gap, p, k, i, &potential, &slope);
+        if (film->row->has_flow_factor)
+            set_rarefied(film, gap, p, k, i, &potential, &slope);
 #endif
         const double4 response = power * slope / (gap * density_slope(film, p));
         v[i] = power * potential;
@@ -193,7 +194,7 @@ static void add_flow(const Grid *whole_grid, const Film *whole_film, int k, fiel
         const double4 before =
             k == 0 ? -film->sigma * rate_by(g, film, film->amplitude, row, t) : r4[i];
         r4[i] = before + power[i] * (curvature[i] - q[i] * v4[i]);
-        if (k == FLOW_TERMS - 1)
+        if (k == FLOW_TERMS_OF(film) - 1)
             v4[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
     }
     SYNC;
@@ -209,7 +210,7 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
     double4 diffusivity = (double4)(0.0);
-    for (int k = 0; k < FLOW_TERMS; k++) {
+    for (int k = 0; k < FLOW_TERMS_OF(film); k++) {
         diffusivity += flow_from(g, film, k, (field4)v);
         add_flow(g, film, k, v, work, r);
     }
@@ -238,7 +239,7 @@ static void apply_jacobian(const Grid *g, Film *film, vector w, vector out)
 {
     vector v = (vector)film->work_a, work = (vector)film->work_b, r = (vector)film->work_c;
 #ifdef SINGLE
-    vector on_nodes = film->nodal + (w - film->basis) / UNKNOWN_FIELDS;
+    vector on_nodes = film->nodal + (w - film->basis);
 #else
     vector on_nodes = out; /* until the terms are added up */
 #endif
@@ -246,7 +247,7 @@ static void apply_jacobian(const Grid *g, Film *film, vector w, vector out)
     __global const lanes *nodal = (__global const lanes *)on_nodes;
     __global lanes *values = (__global lanes *)v, *sum = (__global lanes *)r;
     __global const lanes *curvature = (__global const lanes *)work;
-    for (int k = 0; k < FLOW_TERMS; k++) {
+    for (int k = 0; k < FLOW_TERMS_OF(film); k++) {
         __global const lanes *response = (__global const lanes *)film->response[k];
         __global const lanes *power = (__global const lanes *)film->power[k];
         __global const lanes *bend = (__global const lanes *)film->bend[k];

@@ -29,7 +29,8 @@ typedef struct {
 
 /* One scene: its numbers and profile, and the fields of the state that is being improved. What terms
  * have of their own they find through the scene's row: numbers as film->row->NAME, and arrays by
- * ARRAY. A vector of the linear system is `length` long: UNKNOWN_FIELDS fields. */
+ * ARRAY; of those whose term it may not have it says whether it has. A vector of the linear system
+ * is `length` long: all unknown fields. */
 typedef struct {
     __global const Row *row;
     matrix values;
@@ -85,7 +86,7 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     Grid g;
     g.nx = row->nx; g.ny = row->ny; g.nt = row->nt;
     g.rows = g.nx * g.ny; g.count = g.rows * g.nt;
-    g.length = UNKNOWN_FIELDS * g.count; g.length4 = g.length / 4;
+    g.length = row->unknown_fields * g.count; g.length4 = g.length / 4;
     g.nt4 = g.nt / 4; g.count4 = g.count / 4;
     g.whole_x = row->whole_x; g.whole_y = row->whole_y; g.whole_modes_x = row->whole_modes_x;
     g.laplace_x = values + row->laplace_x;

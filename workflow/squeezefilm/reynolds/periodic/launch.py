@@ -29,6 +29,7 @@ from squeezefilm.reynolds.layout import (
     c_terms,
     packed,
     rows_of,
+    with_absent,
 )
 from squeezefilm.reynolds.packing import (
     mean_motion,
@@ -38,8 +39,11 @@ from squeezefilm.reynolds.packing import (
 )
 from squeezefilm.reynolds.periodic.time_modes import modes_of
 from squeezefilm.reynolds.terms import (
+    SWITCHED,
     Terms,
     axes_of,
+    compiled_terms,
+    flow_terms_of,
     is_radial,
     own_fields,
     parts_of,
@@ -131,8 +135,13 @@ def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
     sizes = (
         *("nx", "ny", "nt", "most_krylov", "most_iterations"),
         *("whole_x", "whole_y", "whole_modes_x", "around"),
+        *("guessed", "largest_state", "unknown_fields", "flow_terms"),
     )
-    largest = unknown_fields(terms) * max(grid.count for grid in grids)
+    compiled = compiled_terms(terms)
+    own = {term.NAME for term in terms}
+    switched = [term.NAME for term in compiled if term.NAME in SWITCHED]
+    fields, flow_terms = unknown_fields(terms), flow_terms_of(terms)
+    largest = fields * max(grid.count for grid in grids)
     breaks_x = any("x" in term.BREAKS for term in terms)
     values = [
         (
@@ -145,10 +154,13 @@ def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
             grid.outline is not None and grid.outline.varies_around,
             guessed and stage == 0,
             largest,
+            fields,
+            flow_terms,
+            *(name in own for name in switched),
         )
         for stage, grid in enumerate(grids)
     ]
-    return (*sizes, "guessed", "largest_state"), np.array(values, dtype=np.int64)
+    return (*sizes, *(f"has_{name}" for name in switched)), np.array(values, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +223,7 @@ class Batch:
 def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
     most, fields = _most_krylov(grid, terms), unknown_fields(terms)
-    own = 2 * flow_terms + 3 + own_fields(terms)
+    own = 2 * flow_terms + 3 + own_fields(compiled_terms(terms))
     linear = 3 * flow_terms + 10 + (most + 1) * fields
     matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
     if grid.outline:
@@ -309,7 +321,7 @@ def in_single(terms: Terms) -> bool:
 
 @lru_cache(maxsize=64)
 def sources_of(terms: Terms, *, single: bool) -> tuple[str, ...]:
-    """Files that a kernel for some terms is made of, in order."""
+    """Files that a program of some terms is made of, in order."""
     own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
     vectors = ["vectors.cl"] * (2 if single else 1)
     grid = ["linear_algebra.cl", *vectors, "periodic/grid_over_period.cl"]
@@ -337,12 +349,12 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
             "where none are asked for"
         )
     launched = _prepared(batches, device)
-    single = in_single(terms)
+    single, compiled = in_single(terms), compiled_terms(terms)
     periodic_state = kernel(
         device,
         "periodic_state",
-        sources=sources_of(terms, single=single),
-        header=_header(terms, launched.kind, single=single),
+        sources=sources_of(compiled, single=single),
+        header=_header(compiled, launched.kind, single=single),
         numbers=ARGUMENTS,
     )
     (flow_terms,) = launched.kind["flow"].shape
@@ -378,8 +390,12 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
     spans, rows, parts, size = [], [], [], 0
     for batch in batches:
         of_batch, end = _spans(batch, end)
+        compiled = compiled_terms(batch.terms)
         numbers = numbers_table(batch.scenes, batch.terms)
-        columns = [_sizes(batch.grids, batch.terms, batch.guess is not None)]
+        columns = [
+            (tuple(name for term in compiled for name in term.OPERATORS), np.array(ABSENT)),
+            _sizes(batch.grids, batch.terms, batch.guess is not None),
+        ]
         for name in ("means", "state"):
             behind = np.multiply.outer(np.arange(len(batch)), of_batch[f"{name}_size"])
             columns.append(((name,), (of_batch[name] + behind)[..., None]))
@@ -392,6 +408,7 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
             size += items.values.size
         # A mass error w moves the pressure by w/H.
         tolerance = np.multiply.outer(batch.scenes.narrowest, batch.tolerances)
+        numbers = with_absent(numbers, compiled)
         kind, table = rows_of(columns, numbers=numbers, tolerance=tolerance)
         spans.append(of_batch)
         rows.append(table)
@@ -444,18 +461,20 @@ def _matrices(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
         carrying = carrying_matrices(coarse, grid, terms=terms) if coarse else {}
         matrices = {**carrying, **grid_matrices(grid, aspect=aspect, terms=terms)}
         stages.append({name: matrix[None] for name, matrix in matrices.items()})
-    absent = [*CARRYING, *(name for term in terms for name in term.CARRYING)]
+    absent = [*CARRYING, *(name for term in compiled_terms(terms) for name in term.CARRYING)]
     return packed(stages, absent=absent)
 
 
 @lru_cache(maxsize=64)
 def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
-    """Return the definitions for the sources; terms that no scene of a launch has are absent."""
+    """Return the definitions for the sources of a program of some terms."""
     (flow_terms,) = row["flow"].shape
+    # Compilers unroll what they know.
+    known = flow_terms == 1 or not own_fields(terms)
     return "\n".join(
         [
             f"#define FLOW_TERMS {flow_terms}",
-            f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
+            f"#define FLOW_TERMS_OF(film) {flow_terms if known else '((film)->row->flow_terms)'}",
             f"#define AXES {axes_of(terms)}",
             f"#define ROW_PARTS {parts_of(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",

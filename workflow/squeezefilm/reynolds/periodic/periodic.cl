@@ -93,7 +93,7 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 #else
 #define LINEAR_ROUNDING 1e-10
 #endif
-#define NONLINEARITY (UNKNOWN_FIELDS == 1 ? 2.0 : 8.0)
+#define NONLINEARITY(g) ((g)->length == (g)->count ? 2.0 : 8.0)
 /* Newton steps that may fail, one after the other, to take a tenth off the least residual. */
 #define PATIENCE 8
 
@@ -162,7 +162,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         for (int k = 0; k < steps; k++)
             square += factors[k] * factors[k];
         const double bent = fmax(change.x, change.y) * sqrt(square);
-        left += LINEAR_ROUNDING * s.residual + NONLINEARITY * bent;
+        left += LINEAR_ROUNDING * s.residual + NONLINEARITY(g) * bent;
         if (share == 1.0 && left <= tolerance * fabs(s.mean)) {
             s.residual = left;
             s.newton_steps++;

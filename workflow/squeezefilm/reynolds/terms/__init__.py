@@ -14,11 +14,12 @@ import numpy as np
 from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.film.symmetry import axisymmetric
 from squeezefilm.reynolds.terms.bearing import Bearing
+from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 from squeezefilm.reynolds.terms.gap import AnyGap
-from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.inertia import Inertia, VelocityTerm
 from squeezefilm.reynolds.terms.outline import Radius, SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
-from squeezefilm.reynolds.terms.rarefaction import Rarefaction
+from squeezefilm.reynolds.terms.rarefaction import FlowFactor, Rarefaction
 from squeezefilm.reynolds.terms.term import HOOKS, AbsentTerm, Arrays, Numbers, Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 
@@ -35,10 +36,35 @@ TERMS: tuple[type[Term], ...] = (
 )
 Terms = tuple[Term, ...]
 
+# Terms that a program has which is compiled for others, and that a film's row turns on: the budget
+# of one force solves films with and without each of them, and a program takes seconds to compile.
+OF_ANY_FILM: Terms = (EdgePressure(),)
+OF_VELOCITIES: Terms = (Rarefaction("slip"), Inertia(), Thermal())
+OF_RAREFIED: Terms = (FlowFactor("fukui-kaneko"),)
+SWITCHED = tuple([term.NAME for term in (*OF_ANY_FILM, *OF_VELOCITIES, *OF_RAREFIED)])
+
 
 def terms_of(scene: Scene) -> Terms:
     """The terms that a scene has."""
     return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
+
+
+@lru_cache(maxsize=64)
+def compiled_terms(terms: Terms) -> Terms:
+    """Return the terms of the program that solves films of some terms, and others."""
+    more = OF_ANY_FILM
+    if any(isinstance(term, VelocityTerm) for term in terms):
+        more += OF_VELOCITIES
+    elif any(isinstance(term, Rarefaction) for term in terms):
+        more += OF_RAREFIED
+    compiled = {term.NAME: term for term in (*more, *terms)}
+    if FlowFactor.NAME in compiled:  # its program has first-order slip too
+        compiled.pop(Rarefaction.NAME, None)
+    return tuple(sorted(compiled.values(), key=_place))
+
+
+def _place(term: Term) -> int:
+    return next((place for place, kind in enumerate(TERMS) if isinstance(term, kind)), -1)
 
 
 def absent_terms(terms: Terms) -> tuple[AbsentTerm, ...]:
@@ -107,6 +133,11 @@ def is_radial(terms: Terms) -> bool:
 def unknown_fields(terms: Terms) -> int:
     """Fields that the periodic state solves for."""
     return 1 + axes_of(terms) * sum(term.VELOCITIES for term in terms)
+
+
+def flow_terms_of(terms: Terms) -> int:
+    """Terms of the mass flux: viscous flow, and that of a rarefied gas."""
+    return 1 + any(isinstance(term, Rarefaction) for term in terms)
 
 
 def parts_of(terms: Terms) -> int:

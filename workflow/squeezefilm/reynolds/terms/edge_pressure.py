@@ -23,6 +23,10 @@ class EdgePressure(Term):
     NAME = "edge_pressure"
     OVER_PERIOD = "terms/edge_pressure_over_period.cl"
     HOOKS = ("residual",)
+    OPERATORS = (
+        *("edge_flow", "edge_values_x", "edge_slope_x"),
+        *("edge_values_y", "edge_slope_y"),
+    )
 
     @classmethod
     def of(cls, scene: Scene) -> EdgePressure | None:

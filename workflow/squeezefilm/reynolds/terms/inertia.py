@@ -17,8 +17,9 @@ Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -85,6 +86,7 @@ class Inertia(VelocityTerm):
     label: str = "inertia"
 
     NAME = "inertia"
+    NUMBERS: ClassVar[Mapping[str, int]] = {"reynolds": 0, "reversing": 0}
     ABSENT = AbsentTerm("inertia", "gas.inertia does not include it", "no inertia")
     OVER_PERIOD = "terms/inertia_over_period.cl"
     HOOKS = ("residual", "response", "step", "carry")

@@ -123,6 +123,8 @@ static void add_carried_out(const Grid *g, const Film *film, const Direction *d,
 static void residual_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
                              field out)
 {
+    if (!whole_film->row->has_inertia)
+        return;
     AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
@@ -136,9 +138,7 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         field4 logarithm = (field4)spare;
         along_axis(g, axis, d.values, NODES_TO_NODES, (field)film->p, (field)p, 0);
         along_axis(g, axis, d.slope, NODES_TO_SLOPES, (field)film->p, (field)slope, 0);
-#ifdef HAS_edge_pressure
         add_edge_pressure(g, film, axis, (field)p, (field)slope);
-#endif
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
@@ -223,6 +223,8 @@ static void driven(const Grid *whole_grid, const Film *whole_film, int axis, fie
 static void response_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
                              field out)
 {
+    if (!whole_film->row->has_inertia)
+        return;
     AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
@@ -309,6 +311,8 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
 /* b as a step of the pressure and Krylov's solution change it; the latter has the other sign. */
 static void step_inertia(const Grid *g, const Film *film, field step, double share)
 {
+    if (!film->row->has_inertia)
+        return;
     for (int axis = 0; axis < AXES; axis++) {
         driven(g, film, axis, step);
         matrix4 beta = (matrix4)(film->own_in + axis * g->count);
@@ -324,6 +328,8 @@ static void step_inertia(const Grid *g, const Film *film, field step, double sha
 /* b from a coarser grid. */
 static void carry_inertia(const Grid *g, const Film *film, __global const Row *coarser, field coarse)
 {
+    if (!film->row->has_inertia)
+        return;
     const int count = coarser->nx * coarser->ny * coarser->nt;
     matrix in_t = ARRAY(film, carry_t);
     carry_field(g, film, coarser, in_t, ARRAY(film, carry_flux_x), ARRAY(film, carry_y), coarse,

@@ -7,10 +7,11 @@ flow, a function of the local inverse Knudsen number x = D ρ H.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -88,6 +89,7 @@ class Rarefaction(Term):
     """
 
     NAME = "rarefaction"
+    NUMBERS: ClassVar[Mapping[str, int]] = {"flow": 2}
     ABSENT = AbsentTerm("rarefaction", "gas.rarefaction is none", "no slip")
     IN_EXPANSIONS = True
 
@@ -106,6 +108,7 @@ class FlowFactor(Rarefaction):
     """Flow by the linearised Boltzmann equation, as of Fukui and Kaneko, J. Tribology 110, 1988."""
 
     NAME = "flow_factor"
+    NUMBERS: ClassVar[Mapping[str, int]] = {"flow": 2, "inverse_knudsen": 0, "slip_series": POWERS}
     OVER_PERIOD = "terms/rarefaction_over_period.cl"
     IN_EXPANSIONS = False
 

@@ -64,6 +64,8 @@ class Term:
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
+        OPERATORS, NUMBERS: names of what ``operators`` and ``numbers`` have that films without it
+            lack in a program which has the term (``compiled_terms``); how many numbers, 0 for one.
         IN_EXPANSIONS: whether the expansions for σ → ∞ (asymptotics/) are derived with the term.
     """
 
@@ -81,6 +83,8 @@ class Term:
     SPACE_PRODUCTS: ClassVar[int] = 0
     TIME_PRODUCTS: ClassVar[int] = 0
     CARRYING: ClassVar[tuple[str, ...]] = ()
+    OPERATORS: ClassVar[tuple[str, ...]] = ()
+    NUMBERS: ClassVar[Mapping[str, int]] = {}
     IN_EXPANSIONS: ClassVar[bool] = False
 
     @classmethod

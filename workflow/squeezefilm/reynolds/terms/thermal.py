@@ -25,8 +25,9 @@ for 6j². The numbers in w are those of no slip.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -53,10 +54,18 @@ class Thermal(VelocityTerm):
     label: str = "thermal effects"
 
     NAME = "thermal"
+    NUMBERS: ClassVar[Mapping[str, int]] = {
+        "heating": 0,
+        "thermal_lag": 0,
+        "viscosity_exponent": 0,
+        "jump_warms": 0,
+        "jump_lags": 0,
+    }
     ABSENT = AbsentTerm("thermal effects", "gas.thermal does not include them", "isothermal")
     OVER_PERIOD = "terms/thermal_over_period.cl"
     HOOKS = ("residual", "response")
     OWN_FIELDS = 9
+    OPERATORS = ("warming",)
     # Of 50 random films at 1e-4 one, at ε Re = 2, was 2.6 times as far off as its grids were apart.
     ESTIMATE_MARGIN = 3.0
 

@@ -102,17 +102,14 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
         field4 u4 = (field4)u;
         along_axis(g, axis, ON_AXIS(axis, flux_values), NODES_TO_NODES, (field)film->p, pressure, 0);
         along_axis(g, axis, ON_AXIS(axis, flux_slope), NODES_TO_SLOPES, (field)film->p, u, 0);
-#ifdef HAS_edge_pressure
         add_edge_pressure(g, film, axis, pressure, u);
-#endif
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);
             const double4 density = 1.0 + ((matrix4)pressure)[i];
             u4[i] *= -mobility(film, gap, density);
-#if UNKNOWN_FIELDS > 1 /* what it falls short by inertia */
-            u4[i] -= ((matrix4)(film->own + axis * g->count))[i];
-#endif
+            if (film->row->has_inertia) /* what it falls short by it */
+                u4[i] -= ((matrix4)(film->own + axis * g->count))[i];
         }
         SYNC;
         along_axis(g, axis, ON_AXIS(axis, flux_nodes), NODES_TO_NODES, u, nodal, 0);
@@ -121,6 +118,8 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
 
 static void residual_thermal(const Grid *g, const Film *film, field mass, field work, field out)
 {
+    if (!film->row->has_thermal)
+        return;
     field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->count;
     field velocity = warmth + g->count, nodal = velocity + 2 * g->count;
     field first = nodal + 2 * g->count, second = first + g->count;
@@ -182,6 +181,8 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
 /* The mass that a change of pressure moves by warming the gas: its rise lags as on average. */
 static void response_thermal(const Grid *g, const Film *film, field mass, field work, field out)
 {
+    if (!film->row->has_thermal)
+        return;
     field first = film->own_work + (OWN_FIELDS - THERMAL_FIELDS + 5) * g->count, second = first + g->count;
     field4 pressure = (field4)first, rise = (field4)second;
     FOR_EACH_POINT(g, row, t, i) pressure[i] = ((matrix4)mass)[i] / gap_at(g, film, row, t);
