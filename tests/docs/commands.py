@@ -69,7 +69,7 @@ BY_HAND = {
         "ten minutes; some of these films are a test"
     ),
     "squeezefilm-verification auto-terms --films 156 --output TABLE.csv": ("an hour"),
-    "squeezefilm-verification estimates --films 1640 --seed 41 --output FORCES.csv "
+    "squeezefilm-verification estimates --films 5000 --seed 41 --output FORCES.csv "
     "--summary TABLE.csv": "ten minutes of a core; four such films are a test",
     "make benchmarks": "needs a machine where nothing else runs",
     "pip install pyarrow": "a part of requirements-dev.lock",
