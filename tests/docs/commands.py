@@ -68,9 +68,9 @@ BY_HAND = {
     "squeezefilm-verification modelling-errors --films 60 --output TABLE.csv": (
         "ten minutes; some of these films are a test"
     ),
-    "squeezefilm-verification auto-terms --films 200 --output TABLE.csv": ("an hour"),
-    "squeezefilm-verification estimates --films 1640 --seed 41 --output FORCES.csv "
-    "--summary TABLE.csv": "ten minutes of a core; four such films are a test",
+    "squeezefilm-verification auto-terms --films 200 --output TABLE.csv": "an hour",
+    "squeezefilm-verification estimates --films 5000 --seed 41 --output FORCES.csv "
+    "--summary TABLE.csv": "an hour of a core; four such films are a test",
     "make benchmarks": "needs a machine where nothing else runs",
     "pip install pyarrow": "a part of requirements-dev.lock",
     "make lock": "takes the newest versions of all packages from the network",
