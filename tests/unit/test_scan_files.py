@@ -8,7 +8,8 @@ import pytest
 import pyuff
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.read import Scan, read_scan
+from squeezefilm.film.measured.read import read_scan
+from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
 

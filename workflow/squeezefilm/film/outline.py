@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval
 
 from squeezefilm.errors import InputError, naming
-from squeezefilm.film.measured.read import read_points
+from squeezefilm.film.measured.table import read_points
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
 # of the disc itself would need no ν at the centre.

@@ -31,7 +31,8 @@ import numpy as np
 
 from squeezefilm.errors import InputError, naming, refuse
 from squeezefilm.files import digest, whole_file
-from squeezefilm.film.measured.read import SAME_PLACE_M, Scan, read_scan
+from squeezefilm.film.measured.read import read_scan
+from squeezefilm.film.measured.scan import SAME_PLACE_M, Scan
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
