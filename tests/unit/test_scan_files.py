@@ -83,6 +83,68 @@ FORMS: dict[str, bytes] = {
     "both": text(
         "x_mm,y_mm,real_um,imag_um,amplitude_um,phase_deg", X, Y, U, 0 * U, abs(U), PHASE
     ).encode(),
+    "units in a second line": text(
+        "Index\tX\tY\tZ\tMagnitude\tPhase\n\t[m]\t[m]\t[m]\t[m/s]\t[deg]",
+        *(np.arange(len(X)), X / 1e3, Y / 1e3, 0 * X, abs(SPEED) / 1e3, PHASE),
+    )
+    .replace(",", "\t")
+    .encode(),
+    "COMSOL": text(
+        "% Model:   disc.mph\n% Dimension:   3\n% Length unit:   mm\n"
+        "% x         y          z          w (m) @ freq=42000      w (m) @ freq=43270",
+        *(X, Y, 0 * X, X, U / 1e6),
+    )
+    .replace(",", "      ")
+    .encode(),
+    "complex cells": (
+        "% Length unit,mm\n% x,y,w (µm) @ freq=43270\n"
+        + "".join(
+            f"{x:.9g},{y:.9g},{u.real:.9g}{u.imag:+.9g}i\n"
+            for x, y, u in zip(X, Y, TURNED, strict=True)
+        )
+    ).encode(),
+    "ANSYS": text(
+        "Node Number\tX Location (m)\tY Location (m)\tZ Location (m)\tDirectional Deformation (m)",
+        *(np.arange(len(X)), X / 1e3, Y / 1e3, 0 * X, U / 1e6),
+    )
+    .replace(",", "\t")
+    .encode(),
+    "ANSYS, three directions": text(
+        "NODE,X [m],Y [m],Z [m],UX [m],UY [m],UZ [m],USUM [m]",
+        *(np.arange(len(X)), X / 1e3, Y / 1e3, 0 * X, X, Y, U / 1e6, abs(U)),
+    ).encode(),
+    "ParaView": text(
+        '"Points:0 [mm]","Points:1 [mm]","Points:2","u:0","u:1","u:2 [um]","u_Magnitude [um]"',
+        *(X, Y, 0 * X, X, Y, U, abs(U)),
+    ).encode(),
+    "German": text(
+        "Messpunkt;X-Koordinate [mm];Y-Koordinate [mm];Auslenkung [µm];Phase [Grad]",
+        *(np.arange(len(X)), X, Y, abs(U), PHASE),
+        comma=True,
+    ).encode("latin-1"),
+    "German parts": text(
+        "X Pos. [mm];Y Pos. [mm];Realteil [µm];Imaginärteil [µm]",
+        *(X, Y, TURNED.real, TURNED.imag),
+        comma=True,
+    ).encode(),
+    "German polar": text(
+        "Radius [mm];Winkel [Grad];Betrag [µm];Vorzeichen",
+        *(np.hypot(X, Y), np.degrees(np.arctan2(Y, X)), abs(U), np.where(U < 0, -1.0, 1.0)),
+        comma=True,
+    ).encode(),
+    "French": text(
+        "Point;Abscisse (mm);Ordonnée (mm);Déplacement (µm);Phase (degrés)",
+        *(np.arange(len(X)), X, Y, abs(U), PHASE),
+        comma=True,
+    ).encode("latin-1"),
+    "parts of the velocity": text(
+        "X (mm),Y (mm),Re(Velocity) (mm/s),Im(Velocity) (mm/s)",
+        *(X, Y, SPEED * np.cos(0.7), SPEED * np.sin(0.7)),
+    ).encode(),
+    "acceleration": text(
+        "x_mm,y_mm,Acceleration (m/s^2),Phase (degrees)",
+        *(X, Y, abs(SPEED) * 2 * np.pi * FREQUENCY_HZ / 1e3, PHASE),
+    ).encode(),
     "velocity": text(
         "x_mm,y_mm,Velocity [mm/s],Phase [rad]", X, Y, abs(SPEED), np.radians(PHASE)
     ).encode(),
@@ -121,6 +183,16 @@ def test_what_is_ignored_is_noted(tmp_path):
 
 
 WRONG = {
+    "no units": (
+        with_header('"Points:0","Points:1","u:2",Phase'),
+        "as in Points:0 [mm], Points:1 [mm], u:2 [um], Phase [deg]",
+    ),
+    "no places": (with_header("NODE,UX,UY,UZ"), "in the same table as its amplitude"),
+    "an unknown column before an empty cell": (
+        with_header("x_mm,y_mm,amplitud_um,phase_deg").replace("-", "", 1).replace("1.4", ","),
+        "'amplitude_um' is missing; a scan has columns such as x_mm, y_mm, amplitude_um, phase_deg "
+        "or r_mm, amplitude_um; the columns are x, y, phase; not understood: 'amplitud_um'",
+    ),
     "decibels": (with_header("x_mm,y_mm,Amplitude [dB],phase_deg"), "decibels are not supported"),
     "no header": (PLAIN.split("\n", 1)[1], "line 1: no header names the columns"),
 }
@@ -135,6 +207,26 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
         read_scan(path, frequency_hz=FREQUENCY_HZ)
     assert message in str(refusal.value)
     assert "scan.csv: line" in str(refusal.value)
+
+
+def test_another_coordinate_that_is_not_understood_is_asked_for(tmp_path):
+    content = with_header("x_mm,height_mm,amplitude_um,phase_deg")
+    with pytest.raises(InputError, match=r"'height_mm' tells apart.*or call it x, y or phi"):
+        read(tmp_path / "scan.csv", content)
+
+
+@pytest.mark.parametrize("name", ["x_mm", "r_mm", "Y [mm]"])
+def test_a_line_across_the_middle_is_an_axisymmetric_shape(name, tmp_path):
+    """From one side to the other; a distance below zero is on the other side."""
+    path, r = tmp_path / "scan.csv", np.linspace(-9.9, 9.9, 41)
+    path.write_text(text(f"{name},displacement_um", r, np.sinc(0.1098 * r)), encoding="utf-8")
+    surface = Disc(RADIUS_M)
+    profile = smoothed_scan(path, surface=surface, axisymmetric=True).profile
+    x_m, y_m, _ = surface.net()
+    exact = np.sinc(109.8 * np.hypot(x_m, y_m))
+    assert profile.amplitude(x_m=x_m, y_m=y_m) == pytest.approx(exact, abs=2e-3)
+    with pytest.raises(InputError, match="axisymmetric: true"):
+        smoothed_scan(path, surface=surface, axisymmetric=False)
 
 
 def measured_at(name: str, values: list[float], factors: list[float]) -> str:

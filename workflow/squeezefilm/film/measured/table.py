@@ -2,32 +2,42 @@
 
 It is in UTF-8, UTF-16 or Latin-1, its cells separated by commas, semicolons, tabs or blanks, with a
 decimal point, or a comma where it does not separate cells. A row stands for a point; lines before
-the one that names columns, and lines that begin with #, are ignored. The header names quantities,
-each with its unit (``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm``):
+the one that names columns, and lines that begin with #, % or !, are ignored. The header names
+quantities, each with its unit (``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm``), or the line
+below has the units, or a line above that of lengths:
 
-    x_mm, y_mm          or  r_mm  or  r_mm, phi_deg     place, from the actuator's centre
+    x_mm, y_mm          or  r_mm, phi_deg               place, from the actuator's centre
+    x_mm                or  y_mm  or  r_mm              the same on a line through the centre
     amplitude_um        or  real_um, imaginary_um       peak amplitude, or with its sign
     phase_deg           or  sign                        optional
 
-Velocities (mm/s) are divided by the angular frequency. Of several measurements at each
-place one is taken: that at the actuator's frequency, or the rows that are asked for. A row whose
-amplitude is empty or ``nan`` is a point that was not measured: it is excluded from profile and
-noise, and a note names its line.
+An amplitude may be complex (``1.2-0.3i``). Velocities (mm/s) are divided by the angular frequency,
+accelerations by its square. Of several measurements at each place one is taken: that at the
+actuator's frequency, or the rows that are asked for. A row whose amplitude is empty or ``nan`` is a
+point that was not measured: it is excluded from profile and noise, and a note names its line.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-import math
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from squeezefilm.errors import InputError, naming, refuse
+from squeezefilm.errors import InputError, naming
+from squeezefilm.film.measured.columns import (
+    QUANTITIES,
+    UNITS,
+    Column,
+    check_units,
+    chosen_columns,
+    column_of,
+    named_columns,
+    with_units,
+)
 from squeezefilm.film.measured.scan import (
     LARGEST,
     PLACES_NAMED,
@@ -37,116 +47,23 @@ from squeezefilm.film.measured.scan import (
     missing_points,
     nearest_line,
 )
+from squeezefilm.headers import unit_in
 from squeezefilm.lazy import pd
-from squeezefilm.units import sizes
 
-LENGTHS_M = sizes("m")
-SPEEDS_M_PER_S = {f"{name}/s": size for name, size in LENGTHS_M.items()}
-MOTIONS = LENGTHS_M | SPEEDS_M_PER_S
-ANGLES_RAD = {name: math.radians(degrees) for name, degrees in sizes("deg").items()}
-MOTION_NAMES = ("displacement", "disp", "displ", "velocity", "vel")
-# Each with its units, in small letters, and their sizes, and its names.
-QUANTITIES = {
-    "x": (LENGTHS_M, ("x",)),
-    "y": (LENGTHS_M, ("y",)),
-    "r": (LENGTHS_M, ("r", "radius")),
-    "phi": (ANGLES_RAD, ("phi", "theta", "angle")),
-    "amplitude": (MOTIONS, ("amplitude", "magnitude", "amp", "ampl", "mag", *MOTION_NAMES)),
-    "real": (MOTIONS, ("real", "re")),
-    "imaginary": (MOTIONS, ("imaginary", "imag", "im")),
-    "phase": (ANGLES_RAD, ("phase", "phase angle")),
-    "sign": ({"": 1.0}, ("sign",)),
-}
-OTHERS = {
-    "frequency": (
-        {name.lower(): size for name, size in sizes("Hz").items()},
-        ("frequency", "freq"),
-    ),
-    "time": (sizes("s"), ("time",)),
-}
-"""Quantities by which rows of a place may differ, likewise."""
-KNOWN = QUANTITIES | OTHERS
-NAMES = {name: quantity for quantity, (_, names) in KNOWN.items() for name in names}
-# Words beside the one that names the quantity.
-BESIDE = {"position", "pos", "coordinate", "coord", "part", "value", *MOTION_NAMES}
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
 
-BLANKS = " "
-SEPARATORS = ("\t", ";", ",", BLANKS)
+BLANKS, WIDE = " ", "  "
+"""Separators: any blanks, and in a header whose names have blanks two or more of them."""
+SEPARATORS = ("\t", ";", ",", WIDE, BLANKS)
 # Among which the line that names columns is sought, and by how many quantities it is known.
 FIRST_LINES, FEWEST_NAMED = 100, 2
-COMMENT = re.compile(r"\s*#[#\s]*")
+COMMENT = re.compile(r"\s*[#%!][#%!\s]*")
+LENGTH_UNIT = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
+"""How a program says, above the header, in which unit places are."""
+COMPLEX = r"[\s\d.,eE+-]*\d\s*[ij]"
 MISSING = ("", "nan", "na", "n/a", "-")
 # So many rows at a place that differ in time are a time series.
 INSTANTS = 8
-
-
-class Column(NamedTuple):
-    """A quantity, the unit it is in ("" if none is named), its place in a row, and its name.
-
-    ``size`` is the unit's in SI units and radians; None of one that the quantity has not.
-    """
-
-    quantity: str
-    unit: str
-    size: float | None
-    place: int
-    name: str
-
-
-def column_of(name: str, place: int = 0) -> Column | None:
-    """The column that a cell of a header names; None for one that a scan does not have."""
-    name = name.strip("\"' \t")
-    breaks = re.finditer(r"[\s_/,\[(]+", name)
-    ends = [(name[: at.start()], name[at.end() :].strip(" ])").lower()) for at in breaks]
-    # The likeliest first. Decibels are known, to be named in a message: the file does not tell what
-    # 0 dB is.
-    known = [each for each in ends if each[1] in MOTIONS | ANGLES_RAD or "db" in each[1]]
-    for words, unit in (*known, (name, ""), *ends[-1:]):
-        parts = [part for part in re.split(r"[\s_\-.:]+", words.lower()) if part]
-        core = [part for part in parts if part not in BESIDE] or parts[:1]
-        if quantity := NAMES.get(" ".join(core)):
-            return Column(quantity, unit, KNOWN[quantity][0].get(unit), place, name)
-    return None
-
-
-def _named(header: Sequence[str]) -> list[Column]:
-    """The columns that a header names; ``X centre (mm)`` is x where nothing else is."""
-    columns = [column for at, name in enumerate(header) if (column := column_of(name, at))]
-    known = {column.quantity for column in columns if column.size}
-    for at, name in enumerate(header):
-        quantity, *words = re.split(r"[\s_\[(]+", name.strip("\"' \t").lower().rstrip(" ])"))
-        if quantity in {"x", "y"} - known and words and words[-1] in LENGTHS_M:
-            columns.append(Column(quantity, words[-1], LENGTHS_M[words[-1]], at, name))
-    return columns
-
-
-def _columns(header: Sequence[str], wanted: Collection[str]) -> dict[str, Column]:
-    """The columns of some quantities, by these, each with its unit.
-
-    Raises InputError for a quantity without a unit, or that stands twice.
-    """
-    named = _named(header)
-    usable = {column.quantity for column in named if column.size}
-    if "imaginary" in usable and "phase" not in usable:
-        wanted = {*wanted} - {"amplitude"}
-    elif "amplitude" in usable:
-        wanted = {*wanted} - {"real", "imaginary"}
-    columns: dict[str, Column] = {}
-    for column in sorted(named, key=lambda each: each.size is None):
-        if column.quantity not in wanted:
-            continue
-        first = columns.setdefault(column.quantity, column)
-        units = ", ".join(f"{column.quantity}_{unit}" for unit in QUANTITIES[column.quantity][0])
-        if not first.size:
-            hint = "; decibels are not supported" * column.unit.startswith("db")
-            raise InputError(f"column {column.name!r} needs a unit, one of {units}{hint}")
-        if column.size and first is not column:
-            raise InputError(
-                f"the column {column.quantity!r} stands twice: {first.name!r} and "
-                f"{column.name!r}; leave one of them out"
-            )
-    return columns
 
 
 def read_points(
@@ -155,48 +72,64 @@ def read_points(
     *,
     what: str,
     form: str,
+    complete: Callable[[Collection[str]], dict[str, bool]],
     frequency_hz: float | None = None,
     rows: str | None = None,
-) -> tuple[pd.DataFrame, int, pd.Index, list[str]]:
+) -> tuple[pd.DataFrame, list[int], list[str]]:
     """Points of a table of text, by their lines in the file.
 
     Args:
         wanted: quantities.
         what, form: what the table is and what it needs, for messages.
+        complete: the problems of a table with some quantities, and whether it has them.
         frequency_hz: by which velocities become displacements.
         rows: of which measurement, as in ``read_scan``; None where a place may stand repeatedly.
 
-    Returns: the quantities, in SI units and radians; the line of the header; the lines of points
-    that lack an amplitude, which are excluded; and notes on how the file was read.
+    Returns: the quantities, in SI units and radians; the lines of points that lack an amplitude,
+    which are excluded; and notes on how the file was read.
 
     Raises:
         InputError: naming the line or column that is wrong.
     """
-    header, line, cells, notes = _cells(path, what=what, form=form)
-    with naming(f"line {line}"):
-        columns = _columns(header, wanted)
+    lines, notes = _lines(path, what=what)
+    index, header, separator = _header(lines, what=what, form=form)
+    header, first = _units_beside(header, lines, index, separator)
+    with naming(f"line {index + 1}"):
+        columns, at_frequency = chosen_columns(header, wanted, frequency_hz=frequency_hz)
         motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
-        if len({column.unit in SPEEDS_M_PER_S for column in motion}) > 1:
+        if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
-    taken = {column.place for column in columns.values()}
-    if ignored := [repr(name) for at, name in enumerate(header) if at not in taken]:
-        notes.append(f"ignored columns: {', '.join(ignored)}")
+        taken = {column.place for column in columns.values()}
+        ignored = [repr(name) for at, name in enumerate(header) if at not in taken]
+        others = [f"ignored columns: {', '.join(ignored)}"] * bool(ignored)
+        for problem, wrong in complete(columns).items():
+            if wrong:
+                beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
+                raise InputError(f"{problem}; the columns are {', '.join(columns)}{beside}")
+        check_units(columns.values())
+    cells = _cells(lines, first, separator, names=len(header))
+    above = sum(bool(line.strip()) and not COMMENT.match(line) for line in lines[:index])
+    notes += [f"{above} lines before the header ignored"] * bool(above)
+    notes += [*others, *at_frequency]
     amplitudes = cells[[column.place for column in motion]]
     lacking = cells.index[amplitudes.map(str.lower).isin(MISSING).any(axis=1)]
     cells = cells.drop(lacking)
     table = pd.DataFrame({name: _numbers(cells, column) for name, column in columns.items()})
     if rows is not None:
-        others = [
+        settings = [
             column_of(name, at) or Column("", "", None, at, name) for at, name in enumerate(header)
         ]
-        others = [column for column in others if column.place not in taken]
-        table, chosen = _one_measurement(table, cells, others, rows=rows, frequency_hz=frequency_hz)
+        settings = [column for column in settings if column.place not in taken]
+        table, chosen = _one_measurement(
+            table, cells, settings, rows=rows, frequency_hz=frequency_hz
+        )
         notes += chosen
     for column in motion:
-        if column.unit in SPEEDS_M_PER_S:
-            table[column.quantity] /= angular_frequency(frequency_hz)
-            notes.append(f"{column.name!r} divided by the angular frequency")
-    return table, line, lacking, [*notes, *missing_points(lacking.tolist(), what="line")]
+        if column.power:
+            table[column.quantity] /= angular_frequency(frequency_hz) ** column.power
+            twice = " squared" * (column.power == 2)
+            notes.append(f"{column.name!r} divided by the angular frequency{twice}")
+    return table, lacking.tolist(), [*notes, *missing_points(lacking.tolist(), what="line")]
 
 
 def _one_measurement(
@@ -259,10 +192,12 @@ def _one_measurement(
                 "shape; export amplitude and phase at the actuator's frequency"
             )
         if recurs:
+            axis = "; or call it x, y or phi, with its unit, if it is the other coordinate"
+            axis *= len({"x", "y", "r", "phi"} & {*table}) < 2
             raise InputError(
                 f"places have several rows each, which column {column.name!r} tells apart: "
                 f"{_values_in(values)}; take one by actuator.profile.rows: {column.name} = "
-                f"{values.iloc[0]}"
+                f"{values.iloc[0]}{axis}"
             )
     return table, notes
 
@@ -299,73 +234,103 @@ def _recurs(table: pd.DataFrame, values: pd.Series) -> bool:
     return 0 < values.nunique() <= 2 * len(values) / _places_of(table).nunique()
 
 
+def _complete(known: Collection[str]) -> dict[str, bool]:
+    """What a scan with some quantities lacks, or has in excess."""
+    place = {*known} & {"x", "y", "r", "phi"}
+    return {
+        "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
+        "table as its amplitude": place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
+        f"column 'amplitude_um' is missing; a scan has {FORM}": not {*known}
+        & {"amplitude", "real", "imaginary"},
+        "real and imaginary part go together": len({*known} & {"real", "imaginary"}) == 1,
+        "give sign or phase, not both": {"sign", "phase"} <= {*known},
+    }
+
+
 def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     """The scan in a table of text."""
-    table, line, lacking, notes = read_points(
-        path, what="scan", form=FORM, frequency_hz=frequency_hz, rows=rows
+    table, lacking, notes = read_points(
+        path, what="scan", form=FORM, complete=_complete, frequency_hz=frequency_hz, rows=rows
     )
     known = set(table)
-    place = known & {"x", "y", "r", "phi"}
-    columns = "; ".join([f"the columns are {', '.join(map(str, table))}", *notes])
-    refuse(
-        f"line {line}",
-        {
-            f"the place of a point is x and y, or r, or r and phi; {columns}": place
-            not in ({"x", "y"}, {"r", "phi"}, {"r"}),
-            f"column 'amplitude_um' is missing; a scan has {FORM}; {columns}": not known
-            & {"amplitude", "real", "imaginary"},
-            "real and imaginary part go together": len(known & {"real", "imaginary"}) == 1,
-            "give sign or phase, not both": {"sign", "phase"} <= known,
-        },
-    )
+    size = table.pop("amplitude").to_numpy() if "amplitude" in known else np.zeros(len(table))
     whole = table.reindex(columns=list(QUANTITIES)).fillna({"sign": 1.0}).fillna(0.0)
-    x, y, r, phi, size, real, imaginary, phase, sign = whole.to_numpy().T
-    directed = bool(known & {"phase", "sign"})
+    x, y, r, phi, _, real, imaginary, phase, sign = whole.to_numpy(dtype=float).T
+    directed, parts = bool(known & {"phase", "sign"}), np.iscomplexobj(size)
+    line = not {"x", "y"} <= known and "phi" not in known
     wrong = {
-        "r must not be negative": r < 0,
         "sign must be 1 or -1": sign**2 != 1,
-        "amplitude must not be negative where phase or sign tells its direction": (size < 0)
-        & directed,
+        "a complex amplitude has its phase; leave phase and sign out": (size.imag != 0) & directed,
+        "amplitude must not be negative where phase or sign tells its direction": (size.real < 0)
+        & directed
+        & (not parts),
     }
     for problem, where in wrong.items():
         for number in table.index[where][:1]:
             raise InputError(f"line {number}: {problem}")
     amplitude = (size * np.exp(1j * phase) + real + 1j * imaginary) * sign
     z = x + 1j * y + r * np.exp(1j * phi)
-    signed = directed or "imaginary" in known or bool(np.any(amplitude.real < 0))
-    lines, missing, radial = table.index.to_numpy(), len(lacking), place == {"r"}
-    return Scan(path, z.real, z.imag, amplitude, lines, missing, signed, tuple(notes), radial)
+    signed = directed or parts or "imaginary" in known or bool(np.any(amplitude.real < 0))
+    if known & {"x", "y", "r", "phi"} == {"y"}:
+        z = z.imag + 0j
+    lines = table.index.to_numpy()
+    return Scan(path, z.real, z.imag, amplitude, lines, len(lacking), signed, tuple(notes), line)
 
 
-def _cells(path: Path, *, what: str, form: str) -> tuple[list[str], int, pd.DataFrame, list[str]]:
-    """The header's cells and line, the other cells by their line in the file, and notes."""
+def _lines(path: Path, *, what: str) -> tuple[list[str], list[str]]:
+    """A file's lines, and a note on its encoding."""
     try:
         text, encoding = _decoded(path.read_bytes())
     except OSError as error:
         raise InputError(f"the {what} cannot be read: {error}") from None
-    lines = io.StringIO(text, newline=None).read().split("\n")
-    index, separator = _header(lines, what=what, form=form)
-    header = _split(COMMENT.sub("", lines[index], count=1), separator)
+    notes = [f"read as {encoding}"] * (encoding != "utf-8")
+    return io.StringIO(text, newline=None).read().split("\n"), notes
+
+
+def _cells(lines: Sequence[str], first: int, separator: str, *, names: int) -> pd.DataFrame:
+    """The cells below a header of so many names, by their line in the file."""
     rows: dict[int, list[str]] = {}
-    for number, line in enumerate(lines[index + 1 :], index + 2):
+    for number, line in enumerate(lines[first:], first + 1):
         if not line.strip(" \t,;") or COMMENT.match(line):
             continue
         rows[number] = cells = _split(line, separator)
-        if len(cells) != len(header):
+        if len(cells) != names:
             hint = "; decimal commas need another separator, such as semicolons"
-            hint *= separator == "," and len(cells) > len(header)
+            hint *= separator == "," and len(cells) > names
             raise InputError(
-                f"line {number}: {len(cells)} cells where the header has {len(header)}{hint}"
+                f"line {number}: {len(cells)} cells where the header has {names}{hint}"
             )
-    above = sum(bool(line.strip()) and not COMMENT.match(line) for line in lines[:index])
-    notes = [f"read as {encoding}"] * (encoding != "utf-8")
-    notes += [f"{above} lines before the header ignored"] * bool(above)
-    table = pd.DataFrame(list(rows.values()), list(rows), range(len(header)), dtype=object)
-    return header, index + 1, table, notes
+    return pd.DataFrame(list(rows.values()), list(rows), range(names), dtype=object)
+
+
+def _units_beside(
+    header: list[str], lines: Sequence[str], index: int, separator: str
+) -> tuple[list[str], int]:
+    """A header with the units above it or in a line below, and the first line of rows."""
+    first = next((row for row in range(index + 1, len(lines)) if lines[row].strip()), len(lines))
+    if first < len(lines):
+        cells = _split(COMMENT.sub("", lines[first], count=1), separator)
+        if (named := with_units(header, cells)) != header:
+            return named, first + 1
+    units = {unit_in(match[1]) for line in lines[:index] for match in LENGTH_UNIT.finditer(line)}
+    for unit in units & UNITS:
+        columns = {column.place: column for column in named_columns(header)}
+        header = [
+            f"{name} [{unit}]" if at in columns and _bare_length(columns[at]) else name
+            for at, name in enumerate(header)
+        ]
+    return header, index + 1
+
+
+def _bare_length(column: Column) -> bool:
+    """Tell whether a column is a coordinate without a unit."""
+    return column.quantity in ("x", "y", "r") and not column.unit
 
 
 def _split(line: str, separator: str) -> list[str]:
     """A line's cells."""
+    if separator == WIDE:
+        return re.split(r"\s\s+", line.strip())
     if separator == BLANKS:
         line = " ".join(line.split())
     try:
@@ -387,24 +352,31 @@ def _decoded(content: bytes) -> tuple[str, str]:
         return content.decode("latin-1"), "latin-1"
 
 
-def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str]:
-    """The place of the line that names columns, which may be a comment, and its separator."""
+def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[str], str]:
+    """The place of the line that names columns, which may be a comment; its cells; the separator.
+
+    It names some quantities and has as many cells as the row below; a line of fewer cells is taken
+    where there is none, and one that names a single quantity right above numbers.
+    """
     filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
     plain = [index for index in filled if not COMMENT.match(lines[index])]
     if not plain:
         raise InputError(f"the {what} is empty; it needs {form}")
     comments = [index for index in filled if index < plain[0]]
-    for index in (*plain[:FIRST_LINES], *comments[:FIRST_LINES]):
-        line, named = COMMENT.sub("", lines[index], count=1), {}
+    found: dict[tuple[bool, int], tuple[int, list[str], str]] = {}
+    for index in (*plain[:FIRST_LINES], *comments[-FIRST_LINES:]):
+        line = COMMENT.sub("", lines[index], count=1)
         below = next((lines[row] for row in plain if row > index), "")
         for separator in SEPARATORS:
-            cells = _split(line, separator)
-            count = len({column.quantity for column in _named(cells)})
-            if count >= FEWEST_NAMED:
-                # Headers have words with blanks and commas: the row below tells the separator.
-                named[separator] = len(cells) == len(_split(below, separator)), count
-        if named:
-            return index, max(named, key=named.__getitem__)
+            cells, between = _split(line, separator), separator.replace(WIDE, BLANKS)
+            row = _split(below, between)
+            count = len({column.quantity for column in named_columns(cells)})
+            alike = len(cells) == len(row)
+            numbers = alike and index in plain and not _number(pd.Series(row)).isna().any()
+            if count >= FEWEST_NAMED - numbers:
+                found.setdefault((alike, count), (index, cells, between))
+    if found:
+        return found[max(found)]
     first = lines[plain[0]].strip()[:60]
     raise InputError(f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}")
 
@@ -420,6 +392,18 @@ def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
             "must be the decimal sign, and nothing stands between thousands"
         )
     values = _number(cells)
+    parts = cells.str.fullmatch(COMPLEX) & (name == "amplitude")
+    if parts.any():
+        values = values.astype(complex)
+        values[parts] = cells[parts].map(_complex)
     for line, cell in cells[~(values.abs() <= LARGEST)][:1].items():
         raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     return values * (column.size or 1.0)
+
+
+def _complex(cell: str) -> complex:
+    """A number such as ``1.2-0.3i``; NaN where a cell has none."""
+    try:
+        return complex("".join(cell.split()).replace(",", ".").replace("i", "j"))
+    except ValueError:
+        return complex("nan")
