@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import pyuff
+from scipy.io import savemat
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import read_scan
@@ -342,6 +343,93 @@ def test_only_what_is_needed_of_a_universal_file_is_read(tmp_path):
         file.write("    -1\n    58\nbad\n    -1\n")
     with pytest.raises(InputError, match=r"set \d+ \(data set 58\)"):
         read_scan(path, frequency_hz=FREQUENCY_HZ)
+
+
+def with_modes(path: Path, shapes: dict[float, np.ndarray], **changes: Any) -> Path:
+    """A universal file of the points and mode shapes (data set 55) by their frequencies."""
+    points_alone = universal(path).read_text().split("    -1\n")[:4]
+    path.write_text("    -1\n".join(points_alone) + "    -1\n")
+    for number, (frequency_hz, shape) in enumerate(shapes.items(), start=1):
+        mode = {
+            "model_type": 1,
+            "analysis_type": 2,
+            "data_ch": 2,
+            "spec_data_type": 8,
+            **{f"id{line}": "NONE" for line in range(1, 6)},
+            "r1": 0 * shape,
+            "r2": 0 * shape,
+            "r3": shape,
+            "node_nums": np.arange(1, len(X) + 1),
+            "n_data_per_node": 3,
+            "load_case": 1,
+            "mode_n": number,
+            "freq": frequency_hz,
+            "data_type": 5 if np.iscomplexobj(shape) else 2,
+        }
+        pyuff.UFF(str(path)).write_sets([pyuff.prepare_55(**mode | changes)], mode="add")
+    return path
+
+
+def test_the_mode_shape_at_the_frequency_is_read(tmp_path):
+    path = with_modes(tmp_path / "modes.unv", {30e3: X, 43.1e3: U * 1e-6, 52e3: Y})
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert scan.notes == ("mode shape 2 at 43100 Hz along z",)
+    harmonic = {"analysis_type": 5, "freq_step_n": 1}
+    path = with_modes(tmp_path / "shape.unv", {FREQUENCY_HZ: TURNED * 1e-6}, **harmonic)
+    same(read_scan(path, frequency_hz=FREQUENCY_HZ), digits=1e-4)
+
+
+def test_of_modes_that_may_be_meant_one_is_asked_for(tmp_path):
+    path = with_modes(tmp_path / "modes.unv", {43.1e3: U * 1e-6, 43.5e3: Y, 52e3: X})
+    with pytest.raises(InputError, match=r"several are near 43270 Hz.*rows: mode = 1"):
+        read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(read_scan(path, frequency_hz=FREQUENCY_HZ, rows="mode = 1"), digits=1e-4)
+    with pytest.raises(InputError, match=r"2 at 43500 Hz, 3 at 52000 Hz: none is at 20000 Hz"):
+        read_scan(path, frequency_hz=20e3)
+
+
+@pytest.mark.parametrize("ending", [".mat", ".npz", ".npy"])
+def test_named_arrays_are_a_table(ending, tmp_path):
+    path, columns = tmp_path / f"scan{ending}", {"x_mm": X, "y_mm": Y, "amplitude_um": TURNED}
+    if ending == ".mat":
+        savemat(path, columns)
+    elif ending == ".npz":
+        np.savez(path, **columns)
+    else:
+        np.save(path, np.rec.fromarrays(list(columns.values()), names=list(columns)))
+    same(read_scan(path, frequency_hz=FREQUENCY_HZ))
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "message"),
+    [
+        ("scan.xlsx", b"PK\x03\x04", "save a spreadsheet as CSV"),
+        ("scan.svd", b"\xd0\xcf\x11\xe0", "as universal file or as text"),
+        ("scan.mat", b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM", "'-v7'"),
+        ("scan.npy", b"", "the arrays cannot be read"),
+        ("scan.bin", bytes(200), "no table of text"),
+    ],
+)
+def test_a_file_that_is_no_table_is_named_with_what_to_export(name, start, message, tmp_path):
+    (tmp_path / name).write_bytes(start + bytes(range(256)) * 4)
+    with pytest.raises(InputError, match=message):
+        read_scan(tmp_path / name, frequency_hz=FREQUENCY_HZ)
+
+
+def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
+    """Coordinates from elsewhere, or in another unit than the header's."""
+    path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
+    path.write_text(text("x_mm,y_mm,amplitude_um", X + 100, Y - 20, U))
+    with pytest.raises(InputError, match=r"all lie on it with .*origin: \[100 mm, -20 mm\]"):
+        smoothed_scan(path, surface=surface, axisymmetric=False)
+    same(read_scan(path, origin_m=(0.1, -0.02)))
+    path.write_text(text("x_m,y_m,amplitude_um", X, Y, U))
+    with pytest.raises(InputError, match="positions 1000 times smaller"):
+        smoothed_scan(path, surface=surface, axisymmetric=True)
+    path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
+    with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
+        smoothed_scan(path, surface=surface, axisymmetric=False, scale="measured")
 
 
 def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):

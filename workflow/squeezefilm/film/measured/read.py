@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +15,21 @@ from squeezefilm.film.measured.universal import read_universal
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 
 
-def read_scan(path: Path | str, *, frequency_hz: float | None = None, rows: str = "") -> Scan:
+def read_scan(
+    path: Path | str,
+    *,
+    frequency_hz: float | None = None,
+    rows: str = "",
+    origin_m: tuple[float, float] = (0.0, 0.0),
+) -> Scan:
     """Read a vibrometer's file.
 
     Args:
-        path: a table of text, or a universal file by its ending.
+        path: a table of text or of named arrays, or a universal file by its ending.
         frequency_hz: of the vibration, for velocities and spectra; without it they are invalid.
         rows: ``COLUMN = VALUE`` of the rows that are taken from a table with several measurements,
-            with semicolons between several conditions.
+            with semicolons between several conditions; ``mode = NUMBER`` of a universal file.
+        origin_m: where the surface's centre is in the file's coordinates.
 
     Raises:
         InputError: naming the file and the row or column that is wrong, and what is allowed.
@@ -30,14 +38,10 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None, rows: str 
     if not path.exists():
         raise InputError(f"{path}: there is no such scan")
     with naming(path):
-        universal = path.suffix.lower() in UNIVERSAL
-        if universal and rows:
-            raise InputError("actuator.profile.rows is of tables; a universal file has no columns")
-        scan = (
-            read_universal(path, frequency_hz)
-            if universal
-            else read_table(path, frequency_hz, rows)
-        )
+        reader = read_universal if path.suffix.lower() in UNIVERSAL else read_table
+        scan = reader(path, frequency_hz, rows)
+    x_m, y_m = scan.x_m - origin_m[0], scan.y_m - origin_m[1]
+    scan = replace(scan, x_m=x_m, y_m=y_m, origin_m=origin_m)
     points = len(scan.x_m)
     refuse(
         path,

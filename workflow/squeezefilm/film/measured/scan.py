@@ -24,7 +24,8 @@ FARTHEST_LINE, FARTHEST_SHARE = 0.6, 0.01
 class Scan:
     """Measured points in metres and the complex amplitude there, each of shape (points,).
 
-    Without angles it is ``radial``: ``x_m`` is the distance from the centre and ``y_m`` zero.
+    Without angles it is ``radial``, on a line through the centre. ``origin_m`` is the centre in the
+    coordinates of the file.
     ``lines`` are the rows' places in the file and ``missing`` counts points without an amplitude.
     ``signed`` tells whether phase, sign or an amplitude below zero tells on which side of a node a
     point is. ``notes`` say how the file was read.
@@ -39,6 +40,7 @@ class Scan:
     signed: bool
     notes: tuple[str, ...] = ()
     radial: bool = False
+    origin_m: tuple[float, float] = (0.0, 0.0)
 
 
 def missing_points(places: Sequence[int], *, what: str) -> list[str]:

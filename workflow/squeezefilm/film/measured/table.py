@@ -28,6 +28,7 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.errors import InputError, naming
+from squeezefilm.film.measured.arrays import ARRAYS, array_lines
 from squeezefilm.film.measured.columns import (
     QUANTITIES,
     UNITS,
@@ -61,6 +62,15 @@ COMMENT = re.compile(r"\s*[#%!][#%!\s]*")
 LENGTH_UNIT = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
 """How a program says, above the header, in which unit places are."""
 COMPLEX = r"[\s\d.,eE+-]*\d\s*[ij]"
+OTHER_FORMATS = {
+    b"PK": "save a spreadsheet as CSV, with any separator",
+    b"\xd0\xcf\x11\xe0": "export a Polytec file (.svd) as universal file or as text, and save a "
+    "spreadsheet (.xls) as CSV",
+    b"\x89HDF": "export the points as text or CSV",
+    b"%PDF": "export the points as text or CSV",
+}
+"""How files begin that are no text, and what to do with them."""
+MOST_LOOKED_AT = 1000
 MISSING = ("", "nan", "na", "n/a", "-")
 # So many rows at a place that differ in time are a time series.
 INSTANTS = 8
@@ -91,7 +101,7 @@ def read_points(
     Raises:
         InputError: naming the line or column that is wrong.
     """
-    lines, notes = _lines(path, what=what)
+    lines, notes = _lines(path, what=what, form=form)
     index, header, separator = _header(lines, what=what, form=form)
     header, first = _units_beside(header, lines, index, separator)
     with naming(f"line {index + 1}"):
@@ -271,18 +281,24 @@ def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     amplitude = (size * np.exp(1j * phase) + real + 1j * imaginary) * sign
     z = x + 1j * y + r * np.exp(1j * phi)
     signed = directed or parts or "imaginary" in known or bool(np.any(amplitude.real < 0))
-    if known & {"x", "y", "r", "phi"} == {"y"}:
-        z = z.imag + 0j
     lines = table.index.to_numpy()
     return Scan(path, z.real, z.imag, amplitude, lines, len(lacking), signed, tuple(notes), line)
 
 
-def _lines(path: Path, *, what: str) -> tuple[list[str], list[str]]:
+def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
     """A file's lines, and a note on its encoding."""
     try:
-        text, encoding = _decoded(path.read_bytes())
+        content = path.read_bytes()
     except OSError as error:
         raise InputError(f"the {what} cannot be read: {error}") from None
+    if path.suffix.lower() in ARRAYS:
+        return array_lines(path), ["its variables are read as columns"]
+    for start, remedy in OTHER_FORMATS.items():
+        if content.startswith(start):
+            raise InputError(f"no table of text; {remedy}")
+    text, encoding = _decoded(content)
+    if text.count("\0", 0, MOST_LOOKED_AT) > MOST_LOOKED_AT / 100:
+        raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
     return io.StringIO(text, newline=None).read().split("\n"), notes
 
