@@ -77,6 +77,7 @@ BY_HAND = {
 }
 """Commands that nothing runs, and why."""
 
+
 @dataclass(frozen=True)
 class Command:
     """A command as it stands on a page."""

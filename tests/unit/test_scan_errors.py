@@ -12,7 +12,7 @@ from scipy.stats import binom
 
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.read import Scan
+from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
 from squeezefilm.film.profiles import Profile, TravellingWave
 from squeezefilm.film.scene import Scene

@@ -6,9 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 import pyuff
+from scipy.io import savemat
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.read import Scan, read_scan
+from squeezefilm.film.measured.read import read_scan
+from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
 
@@ -82,6 +84,68 @@ FORMS: dict[str, bytes] = {
     "both": text(
         "x_mm,y_mm,real_um,imag_um,amplitude_um,phase_deg", X, Y, U, 0 * U, abs(U), PHASE
     ).encode(),
+    "units in a second line": text(
+        "Index\tX\tY\tZ\tMagnitude\tPhase\n\t[m]\t[m]\t[m]\t[m/s]\t[deg]",
+        *(np.arange(len(X)), X / 1e3, Y / 1e3, 0 * X, abs(SPEED) / 1e3, PHASE),
+    )
+    .replace(",", "\t")
+    .encode(),
+    "COMSOL": text(
+        "% Model:   disc.mph\n% Dimension:   3\n% Length unit:   mm\n"
+        "% x         y          z          w (m) @ freq=42000      w (m) @ freq=43270",
+        *(X, Y, 0 * X, X, U / 1e6),
+    )
+    .replace(",", "      ")
+    .encode(),
+    "complex cells": (
+        "% Length unit,mm\n% x,y,w (µm) @ freq=43270\n"
+        + "".join(
+            f"{x:.9g},{y:.9g},{u.real:.9g}{u.imag:+.9g}i\n"
+            for x, y, u in zip(X, Y, TURNED, strict=True)
+        )
+    ).encode(),
+    "ANSYS": text(
+        "Node Number\tX Location (m)\tY Location (m)\tZ Location (m)\tDirectional Deformation (m)",
+        *(np.arange(len(X)), X / 1e3, Y / 1e3, 0 * X, U / 1e6),
+    )
+    .replace(",", "\t")
+    .encode(),
+    "ANSYS, three directions": text(
+        "NODE,X [m],Y [m],Z [m],UX [m],UY [m],UZ [m],USUM [m]",
+        *(np.arange(len(X)), X / 1e3, Y / 1e3, 0 * X, X, Y, U / 1e6, abs(U)),
+    ).encode(),
+    "ParaView": text(
+        '"Points:0 [mm]","Points:1 [mm]","Points:2","u:0","u:1","u:2 [um]","u_Magnitude [um]"',
+        *(X, Y, 0 * X, X, Y, U, abs(U)),
+    ).encode(),
+    "German": text(
+        "Messpunkt;X-Koordinate [mm];Y-Koordinate [mm];Auslenkung [µm];Phase [Grad]",
+        *(np.arange(len(X)), X, Y, abs(U), PHASE),
+        comma=True,
+    ).encode("latin-1"),
+    "German parts": text(
+        "X Pos. [mm];Y Pos. [mm];Realteil [µm];Imaginärteil [µm]",
+        *(X, Y, TURNED.real, TURNED.imag),
+        comma=True,
+    ).encode(),
+    "German polar": text(
+        "Radius [mm];Winkel [Grad];Betrag [µm];Vorzeichen",
+        *(np.hypot(X, Y), np.degrees(np.arctan2(Y, X)), abs(U), np.where(U < 0, -1.0, 1.0)),
+        comma=True,
+    ).encode(),
+    "French": text(
+        "Point;Abscisse (mm);Ordonnée (mm);Déplacement (µm);Phase (degrés)",
+        *(np.arange(len(X)), X, Y, abs(U), PHASE),
+        comma=True,
+    ).encode("latin-1"),
+    "parts of the velocity": text(
+        "X (mm),Y (mm),Re(Velocity) (mm/s),Im(Velocity) (mm/s)",
+        *(X, Y, SPEED * np.cos(0.7), SPEED * np.sin(0.7)),
+    ).encode(),
+    "acceleration": text(
+        "x_mm,y_mm,Acceleration (m/s^2),Phase (degrees)",
+        *(X, Y, abs(SPEED) * 2 * np.pi * FREQUENCY_HZ / 1e3, PHASE),
+    ).encode(),
     "velocity": text(
         "x_mm,y_mm,Velocity [mm/s],Phase [rad]", X, Y, abs(SPEED), np.radians(PHASE)
     ).encode(),
@@ -120,6 +184,16 @@ def test_what_is_ignored_is_noted(tmp_path):
 
 
 WRONG = {
+    "no units": (
+        with_header('"Points:0","Points:1","u:2",Phase'),
+        "as in Points:0 [mm], Points:1 [mm], u:2 [um], Phase [deg]",
+    ),
+    "no places": (with_header("NODE,UX,UY,UZ"), "in the same table as its amplitude"),
+    "an unknown column before an empty cell": (
+        with_header("x_mm,y_mm,amplitud_um,phase_deg").replace("-", "", 1).replace("1.4", ","),
+        "'amplitude_um' is missing; a scan has columns such as x_mm, y_mm, amplitude_um, phase_deg "
+        "or r_mm, amplitude_um; the columns are x, y, phase; not understood: 'amplitud_um'",
+    ),
     "decibels": (with_header("x_mm,y_mm,Amplitude [dB],phase_deg"), "decibels are not supported"),
     "no header": (PLAIN.split("\n", 1)[1], "line 1: no header names the columns"),
 }
@@ -134,6 +208,26 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
         read_scan(path, frequency_hz=FREQUENCY_HZ)
     assert message in str(refusal.value)
     assert "scan.csv: line" in str(refusal.value)
+
+
+def test_another_coordinate_that_is_not_understood_is_asked_for(tmp_path):
+    content = with_header("x_mm,height_mm,amplitude_um,phase_deg")
+    with pytest.raises(InputError, match=r"'height_mm' tells apart.*or call it x, y or phi"):
+        read(tmp_path / "scan.csv", content)
+
+
+@pytest.mark.parametrize("name", ["x_mm", "r_mm", "Y [mm]"])
+def test_a_line_across_the_middle_is_an_axisymmetric_shape(name, tmp_path):
+    """From one side to the other; a distance below zero is on the other side."""
+    path, r = tmp_path / "scan.csv", np.linspace(-9.9, 9.9, 41)
+    path.write_text(text(f"{name},displacement_um", r, np.sinc(0.1098 * r)), encoding="utf-8")
+    surface = Disc(RADIUS_M)
+    profile = smoothed_scan(path, surface=surface, axisymmetric=True).profile
+    x_m, y_m, _ = surface.net()
+    exact = np.sinc(109.8 * np.hypot(x_m, y_m))
+    assert profile.amplitude(x_m=x_m, y_m=y_m) == pytest.approx(exact, abs=2e-3)
+    with pytest.raises(InputError, match="axisymmetric: true"):
+        smoothed_scan(path, surface=surface, axisymmetric=False)
 
 
 def measured_at(name: str, values: list[float], factors: list[float]) -> str:
@@ -249,6 +343,93 @@ def test_only_what_is_needed_of_a_universal_file_is_read(tmp_path):
         file.write("    -1\n    58\nbad\n    -1\n")
     with pytest.raises(InputError, match=r"set \d+ \(data set 58\)"):
         read_scan(path, frequency_hz=FREQUENCY_HZ)
+
+
+def with_modes(path: Path, shapes: dict[float, np.ndarray], **changes: Any) -> Path:
+    """A universal file of the points and mode shapes (data set 55) by their frequencies."""
+    points_alone = universal(path).read_text().split("    -1\n")[:4]
+    path.write_text("    -1\n".join(points_alone) + "    -1\n")
+    for number, (frequency_hz, shape) in enumerate(shapes.items(), start=1):
+        mode = {
+            "model_type": 1,
+            "analysis_type": 2,
+            "data_ch": 2,
+            "spec_data_type": 8,
+            **{f"id{line}": "NONE" for line in range(1, 6)},
+            "r1": 0 * shape,
+            "r2": 0 * shape,
+            "r3": shape,
+            "node_nums": np.arange(1, len(X) + 1),
+            "n_data_per_node": 3,
+            "load_case": 1,
+            "mode_n": number,
+            "freq": frequency_hz,
+            "data_type": 5 if np.iscomplexobj(shape) else 2,
+        }
+        pyuff.UFF(str(path)).write_sets([pyuff.prepare_55(**mode | changes)], mode="add")
+    return path
+
+
+def test_the_mode_shape_at_the_frequency_is_read(tmp_path):
+    path = with_modes(tmp_path / "modes.unv", {30e3: X, 43.1e3: U * 1e-6, 52e3: Y})
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert scan.notes == ("mode shape 2 at 43100 Hz along z",)
+    harmonic = {"analysis_type": 5, "freq_step_n": 1}
+    path = with_modes(tmp_path / "shape.unv", {FREQUENCY_HZ: TURNED * 1e-6}, **harmonic)
+    same(read_scan(path, frequency_hz=FREQUENCY_HZ), digits=1e-4)
+
+
+def test_of_modes_that_may_be_meant_one_is_asked_for(tmp_path):
+    path = with_modes(tmp_path / "modes.unv", {43.1e3: U * 1e-6, 43.5e3: Y, 52e3: X})
+    with pytest.raises(InputError, match=r"several are near 43270 Hz.*rows: mode = 1"):
+        read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(read_scan(path, frequency_hz=FREQUENCY_HZ, rows="mode = 1"), digits=1e-4)
+    with pytest.raises(InputError, match=r"2 at 43500 Hz, 3 at 52000 Hz: none is at 20000 Hz"):
+        read_scan(path, frequency_hz=20e3)
+
+
+@pytest.mark.parametrize("ending", [".mat", ".npz", ".npy"])
+def test_named_arrays_are_a_table(ending, tmp_path):
+    path, columns = tmp_path / f"scan{ending}", {"x_mm": X, "y_mm": Y, "amplitude_um": TURNED}
+    if ending == ".mat":
+        savemat(path, columns)
+    elif ending == ".npz":
+        np.savez(path, **columns)
+    else:
+        np.save(path, np.rec.fromarrays(list(columns.values()), names=list(columns)))
+    same(read_scan(path, frequency_hz=FREQUENCY_HZ))
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "message"),
+    [
+        ("scan.xlsx", b"PK\x03\x04", "save a spreadsheet as CSV"),
+        ("scan.svd", b"\xd0\xcf\x11\xe0", "as universal file or as text"),
+        ("scan.mat", b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM", "'-v7'"),
+        ("scan.npy", b"", "the arrays cannot be read"),
+        ("scan.bin", bytes(200), "no table of text"),
+    ],
+)
+def test_a_file_that_is_no_table_is_named_with_what_to_export(name, start, message, tmp_path):
+    (tmp_path / name).write_bytes(start + bytes(range(256)) * 4)
+    with pytest.raises(InputError, match=message):
+        read_scan(tmp_path / name, frequency_hz=FREQUENCY_HZ)
+
+
+def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
+    """Coordinates from elsewhere, or in another unit than the header's."""
+    path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
+    path.write_text(text("x_mm,y_mm,amplitude_um", X + 100, Y - 20, U))
+    with pytest.raises(InputError, match=r"all lie on it with .*origin: \[100 mm, -20 mm\]"):
+        smoothed_scan(path, surface=surface, axisymmetric=False)
+    same(read_scan(path, origin_m=(0.1, -0.02)))
+    path.write_text(text("x_m,y_m,amplitude_um", X, Y, U))
+    with pytest.raises(InputError, match="positions 1000 times smaller"):
+        smoothed_scan(path, surface=surface, axisymmetric=True)
+    path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
+    with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
+        smoothed_scan(path, surface=surface, axisymmetric=False, scale="measured")
 
 
 def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):

@@ -1,13 +1,15 @@
-"""Columns of tables as people write them: a quantity, its unit behind it, and numbers.
+"""Tables as people and programs write them: a header's words and units, and numbers.
 
-``x_mm``, ``X [mm]``, ``X/mm``, ``x position (mm)`` are one column; a number has a decimal point, or
-a comma where commas do not separate cells.
+``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm``, ``Phase in Grad``, ``w (um) @ freq=43270``. This
+is the only place that takes them apart: what words mean is up to each kind of table. A number has a
+decimal point, or a comma where commas do not separate cells.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import unicodedata
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -15,8 +17,49 @@ from typing import NamedTuple
 from squeezefilm.errors import InputError
 from squeezefilm.lazy import pd
 
-MOTION_NAMES = ("displacement", "disp", "displ", "velocity", "vel")
-BESIDE = {"position", "pos", "coordinate", "coord", "part", "value", *MOTION_NAMES}
+UNIT_NAMES = {
+    name: unit
+    for unit, names in {
+        "deg": "degree degrees grad degre degres",
+        "rad": "radian radians",
+        "m": "meter meters metre metres",
+        "mm": "millimeter millimeters millimetre millimetres",
+        "um": "micron microns micrometer micrometers micrometre micrometres",
+    }.items()
+    for name in names.split()
+}
+"""Other names of units, without accents."""
+BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,\[(]+"), re.compile(r"[\s_\-.:()\[\]/]+")
+
+
+def folded(text: str) -> str:
+    """A text in small letters without accents, quotes and blanks around it."""
+    letters = unicodedata.normalize("NFKD", text.strip("\"' \t").casefold())
+    return "".join(each for each in letters if not unicodedata.combining(each))
+
+
+def unit_in(text: str) -> str:
+    """A unit with its brackets taken off, in one spelling: ``(Degrees)`` is ``deg``."""
+    unit = re.sub(r"/s(?:ec)?\^?2$", "/s²", folded(text).strip(" []()"))
+    unit = re.sub(r"/sec$", "/s", unit)
+    return UNIT_NAMES.get(unit, unit)
+
+
+def words_and_unit(cell: str, units: Collection[str]) -> Iterator[tuple[list[str], str]]:
+    """The ways to read a header's cell, the likeliest first: its words, and its unit or ``""``.
+
+    First come known units, then none, then the last word as a unit that is not known.
+    """
+    name = folded(cell.partition("@")[0])
+    ends = [(name[: at.start()], unit_in(name[at.end() :])) for at in BREAK.finditer(name)]
+    # Decibels are known, to be named in a message: the file does not tell what 0 dB is.
+    known = [end for end in ends if end[1] in units or "db" in end[1]]
+    for words, unit in (*known, (name, ""), *ends[-1:]):
+        yield [word for word in BETWEEN_WORDS.split(words) if word], unit
+
+
+BESIDE = {"position", "pos", "coordinate", "coord", "part", "value"}
+BESIDE |= {"displacement", "displ", "disp", "velocity", "vel"}
 """Words beside the one that names a quantity."""
 
 
@@ -38,7 +81,7 @@ class Vocabulary:
     """Quantities that a header may name.
 
     Attributes:
-        quantities: units in small letters with their sizes, and names in small letters, of each.
+        quantities: units with their sizes, ``folded``, and names in small letters, of each.
     """
 
     quantities: Mapping[str, tuple[Mapping[str, float], tuple[str, ...]]]
@@ -53,15 +96,8 @@ class Vocabulary:
 
     def column(self, name: str, place: int = 0) -> Column | None:
         """The column that a cell of a header names; None for one that is not of these."""
-        name = name.strip("\"' \t")
-        breaks = re.finditer(r"[\s_/,\[(]+", name)
-        ends = [(name[: at.start()], name[at.end() :].strip(" ])").lower()) for at in breaks]
-        # The likeliest first. Decibels are known, to be named in a message: the file does not tell
-        # what 0 dB is.
-        known = [each for each in ends if each[1] in self._units or "db" in each[1]]
-        for words, unit in (*known, (name, ""), *ends[-1:]):
-            parts = [part for part in re.split(r"[\s_\-.:]+", words.lower()) if part]
-            core = [part for part in parts if part not in BESIDE] or parts[:1]
+        for words, unit in words_and_unit(name, self._units):
+            core = [word for word in words if word not in BESIDE] or words[:1]
             if quantity := self._of_names.get(" ".join(core)):
                 return Column(quantity, unit, self.quantities[quantity][0].get(unit), place, name)
         return None

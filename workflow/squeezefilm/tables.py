@@ -21,7 +21,7 @@ import numpy as np
 from squeezefilm.errors import InputError, RunError, naming, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, with_position
-from squeezefilm.headers import Vocabulary, with_points
+from squeezefilm.headers import Vocabulary, folded, with_points
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import sizes
@@ -83,7 +83,7 @@ TEXT_COLUMNS = {each.name for each in COLUMNS if each.unit == "text"}
 def _named_as_people_do() -> Vocabulary:
     """Factors, forces and their uncertainties, as ``h0 [µm]`` or ``force uncertainty (mN)``."""
     lengths, angles, forces = (
-        {name.lower(): size for name, size in sizes(unit).items()} for unit in ("m", "deg", "N")
+        {folded(name): size for name, size in sizes(unit).items()} for unit in ("m", "deg", "N")
     )
     quantities = {
         "h0_m": (lengths, ("h0", "gap")),

@@ -96,6 +96,7 @@ class FilmSections(Section):
             "axisymmetric": settings.axisymmetric,
             "sign": settings.sign,
             "rows": settings.rows,
+            "origin_m": settings.origin_m,
             "scale": settings.scale,
         }
 

@@ -11,7 +11,7 @@ coefficient is an ellipse in elliptic coordinates. The map is analytic, so that
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import atanh, log, pi, sqrt
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval
 
 from squeezefilm.errors import InputError, naming
-from squeezefilm.film.measured.read import read_points
+from squeezefilm.film.measured.table import read_points
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
 # of the disc itself would need no ν at the centre.
@@ -277,13 +277,14 @@ def _read(path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: fl
         return _mapped_curve(_scaled(waves, off_m, sides_m), sides_m, off_m)
 
 
+def _complete(known: Collection[str]) -> dict[str, bool]:
+    """What an outline with some quantities lacks."""
+    return {f"there is no column x or y; an outline is {FORM}": {*known} != {"x", "y"}}
+
+
 def _points(path: Path) -> np.ndarray:
     """Points x + iy in metres, against the clock, checked."""
-    table, header, _, notes = read_points(path, ("x", "y"), what="outline", form=FORM)
-    if len(table.columns) < 2:
-        raise InputError(
-            f"line {header}: there is no column x or y; {'; '.join(notes)}; an outline is {FORM}"
-        )
+    table, _, _ = read_points(path, ("x", "y"), what="outline", form=FORM, complete=_complete)
     z = (table["x"] + 1j * table["y"]).to_numpy()
     if len(z) > 1 and z[0] == z[-1]:  # the first again closes it
         z = z[:-1]

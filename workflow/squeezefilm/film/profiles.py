@@ -249,6 +249,9 @@ class Quadrature(Profile):
         return self.shares[0] * first + 1j * (self.shares[1] * second)
 
 
+Coordinate = Annotated[float, Number("m", -10, 10)]
+
+
 @dataclass(frozen=True)
 class ScanFile:
     """A measured shape, which is smoothed into ``Modes`` (measured/smooth.py).
@@ -261,7 +264,8 @@ class ScanFile:
             a node line; `unknown` takes it as it is, and every force says so
         rows: `COLUMN = VALUE`, the rows of one measurement where the table has several (a drive
             voltage); several conditions have semicolons between. Of a frequency column the rows at
-            `actuator.frequency` are taken without
+            `actuator.frequency` are taken without; `mode = NUMBER` of a universal file
+        origin_m: the centre of the surface in the coordinates of the file
         scale: with `surface` an amplitude is that at the maximum of the surface; with `measured` at
             that of the measured points, beyond which it may be larger
     """
@@ -273,6 +277,7 @@ class ScanFile:
     axisymmetric: StrictBool = False
     sign: Literal["measured", "unknown"] = "measured"
     rows: str = ""
+    origin_m: tuple[Coordinate, Coordinate] = (0.0, 0.0)
     scale: Literal["surface", "measured"] = "surface"
 
 

@@ -101,7 +101,7 @@ def check_study(config: Study) -> Study:
             from squeezefilm.film.measured.smooth import check_places
 
             settings = config.smoothing
-            how = {key: settings.pop(key) for key in ("frequency_hz", "rows")}
+            how = {key: settings.pop(key) for key in ("frequency_hz", "rows", "origin_m")}
             scan = read_scan(path, **how)
             check_places(scan, **settings)
         profile = config.planned_profile()

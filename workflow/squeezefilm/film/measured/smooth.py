@@ -31,7 +31,8 @@ import numpy as np
 
 from squeezefilm.errors import InputError, naming, refuse
 from squeezefilm.files import digest, whole_file
-from squeezefilm.film.measured.read import SAME_PLACE_M, Scan, read_scan
+from squeezefilm.film.measured.read import read_scan
+from squeezefilm.film.measured.scan import SAME_PLACE_M, Scan
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
@@ -65,6 +66,9 @@ UNSIGNED = (
     "the scan has no phase or sign: all amplitudes are taken to one side, and over a node line the "
     "force is that of another surface, which no error here contains"
 )
+# A scan of a smaller share of its surface's radius or half side has another unit, if it fits then;
+# and by how much points may miss a surface that is only to be told.
+SMALLEST_SCAN, ALMOST = 0.1, 0.03
 # More points are not fitted: enough for all modes to be known to a hundredth of the noise.
 MOST_FITTED, DRAW_SEED = 20_000, 1
 
@@ -162,13 +166,19 @@ class SmoothedScan:
 
 @lru_cache(maxsize=16)
 def smoothed_scan(
-    path: Path, *, frequency_hz: float | None = None, rows: str = "", **settings: Any
+    path: Path,
+    *,
+    frequency_hz: float | None = None,
+    rows: str = "",
+    origin_m: tuple[float, float] = (0.0, 0.0),
+    **settings: Any,
 ) -> SmoothedScan:
     """The smooth profile of a scan's file, as ``smoothed`` makes it; once a process.
 
     Raises InputError naming the file, and the place of the error or the undetermined region.
     """
-    return smoothed(read_scan(path, frequency_hz=frequency_hz, rows=rows), **settings)
+    scan = read_scan(path, frequency_hz=frequency_hz, rows=rows, origin_m=origin_m)
+    return smoothed(scan, **settings)
 
 
 def smoothed(
@@ -379,12 +389,36 @@ def check_places(
             "by actuator.profile.axisymmetric: true": scan.radial and not axisymmetric,
         },
     )
-    for row in np.flatnonzero(surface.reach(scan.x_m, scan.y_m) > 1 + 1e-6)[:1]:
+    reach = surface.reach(scan.x_m, scan.y_m)
+    for row in np.flatnonzero(reach > 1 + 1e-6)[:1]:
         raise InputError(
             f"{scan.path}: line {scan.lines[row]}: the point lies "
             f"{surface.where(scan.x_m[row], scan.y_m[row])}, off the actuator's {surface.text} "
-            f"({surface.key})"
+            f"({surface.key}){_where_points_fit(scan, surface)}"
         )
+    if hint := _where_points_fit(scan, surface) if reach.max() < SMALLEST_SCAN else "":
+        raise InputError(
+            f"{scan.path}: all points lie at the centre of the {surface.text} ({surface.key}){hint}"
+        )
+
+
+def _where_points_fit(scan: Scan, surface: Surface) -> str:
+    """The origin or the unit of positions by which a scan would cover its surface, if any."""
+    reach = float(surface.reach(scan.x_m, scan.y_m).max())
+    x_m, y_m = (0.5 * (np.min(each) + np.max(each)) for each in (scan.x_m, scan.y_m))
+    if reach > 1 and np.max(surface.reach(scan.x_m - x_m, scan.y_m - y_m)) <= 1 + ALMOST:
+        middle = [f"{1e3 * at:.4g} mm" for at in np.add(scan.origin_m, [x_m, y_m])]
+        return (
+            f"; all lie on it with actuator.profile.origin: [{', '.join(middle)}], the middle of "
+            "their extents"
+        )
+    for factor, text in ((1e3, "1000 times larger"), (1e-3, "1000 times smaller")):
+        if SMALLEST_SCAN < factor * reach <= 1 + ALMOST:
+            return (
+                f"; they fit with positions {text}: give their unit as it is (in the header; in a "
+                "universal file by data set 164, without which it is m)"
+            )
+    return ""
 
 
 def averaged(scan: Scan) -> Scan:

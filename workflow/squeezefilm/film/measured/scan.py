@@ -1,0 +1,71 @@
+"""A scan: measured points and the complex amplitude at each, however they were exported."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from squeezefilm.errors import InputError
+
+# In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity.
+LARGEST = 1e9
+FEWEST_POINTS, PLACES_NAMED = 8, 6
+# Places closer than this are one.
+SAME_PLACE_M = 1e-6
+# From the frequency, in distances between lines; of a file with one line as a share of it.
+FARTHEST_LINE, FARTHEST_SHARE = 0.6, 0.01
+
+
+@dataclass(frozen=True)
+class Scan:
+    """Measured points in metres and the complex amplitude there, each of shape (points,).
+
+    Without angles it is ``radial``, on a line through the centre. ``origin_m`` is the centre in the
+    coordinates of the file.
+    ``lines`` are the rows' places in the file and ``missing`` counts points without an amplitude.
+    ``signed`` tells whether phase, sign or an amplitude below zero tells on which side of a node a
+    point is. ``notes`` say how the file was read.
+    """
+
+    path: Path
+    x_m: np.ndarray
+    y_m: np.ndarray
+    amplitude_m: np.ndarray
+    lines: np.ndarray
+    missing: int
+    signed: bool
+    notes: tuple[str, ...] = ()
+    radial: bool = False
+    origin_m: tuple[float, float] = (0.0, 0.0)
+
+
+def missing_points(places: Sequence[int], *, what: str) -> list[str]:
+    """A note that names the points without an amplitude, if there are any."""
+    named = ", ".join(map(str, places[:PLACES_NAMED])) + ", …" * (len(places) > PLACES_NAMED)
+    many = "s" * (len(places) > 1)
+    return [
+        f"{len(places)} point{many} without an amplitude, excluded from profile and noise "
+        f"({what}{many} {named})"
+    ] * bool(len(places))
+
+
+def angular_frequency(frequency_hz: float | None) -> float:
+    if frequency_hz is None:
+        raise InputError("velocities and spectra need the actuator's frequency")
+    return 2 * math.pi * frequency_hz
+
+
+def nearest_line(lines_hz: np.ndarray, frequency_hz: float) -> tuple[float, str]:
+    """The line of a spectrum nearest to a frequency, and why it is too far from it, if it is."""
+    line_hz = float(lines_hz[np.argmin(np.abs(lines_hz - frequency_hz))])
+    steps_hz = np.diff(np.sort(lines_hz))
+    farthest = FARTHEST_LINE * steps_hz.max(initial=0.0) or FARTHEST_SHARE * frequency_hz
+    far = (
+        f"its lines go from {lines_hz.min():.7g} to {lines_hz.max():.7g} Hz, and the actuator "
+        f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency)"
+    )
+    return line_hz, far if abs(line_hz - frequency_hz) > farthest else ""

@@ -1,0 +1,418 @@
+"""A scan in a table of text.
+
+It is in UTF-8, UTF-16 or Latin-1, its cells separated by commas, semicolons, tabs or blanks, with a
+decimal point, or a comma where it does not separate cells. A row stands for a point; lines before
+the one that names columns, and lines that begin with #, % or !, are ignored. The header names
+quantities, each with its unit (``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm``), or the line
+below has the units, or a line above that of lengths:
+
+    x_mm, y_mm          or  r_mm, phi_deg               place, from the actuator's centre
+    x_mm                or  y_mm  or  r_mm              the same on a line through the centre
+    amplitude_um        or  real_um, imaginary_um       peak amplitude, or with its sign
+    phase_deg           or  sign                        optional
+
+An amplitude may be complex (``1.2-0.3i``). Velocities (mm/s) are divided by the angular frequency,
+accelerations by its square. Of several measurements at each place one is taken: that at the
+actuator's frequency, or the rows that are asked for. A row whose amplitude is empty or ``nan`` is a
+point that was not measured: it is excluded from profile and noise, and a note names its line.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from squeezefilm.errors import InputError, naming
+from squeezefilm.film.measured.arrays import ARRAYS, array_lines
+from squeezefilm.film.measured.columns import (
+    QUANTITIES,
+    UNITS,
+    Column,
+    check_units,
+    chosen_columns,
+    column_of,
+    named_columns,
+    with_units,
+)
+from squeezefilm.film.measured.scan import (
+    LARGEST,
+    PLACES_NAMED,
+    SAME_PLACE_M,
+    Scan,
+    angular_frequency,
+    missing_points,
+    nearest_line,
+)
+from squeezefilm.headers import unit_in, with_points
+from squeezefilm.lazy import pd
+
+FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
+
+BLANKS, WIDE = " ", "  "
+"""Separators: any blanks, and in a header whose names have blanks two or more of them."""
+SEPARATORS = ("\t", ";", ",", WIDE, BLANKS)
+# Among which the line that names columns is sought, and by how many quantities it is known.
+FIRST_LINES, FEWEST_NAMED = 100, 2
+COMMENT = re.compile(r"\s*[#%!][#%!\s]*")
+LENGTH_UNIT = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
+"""How a program says, above the header, in which unit places are."""
+COMPLEX = r"[\s\d.,eE+-]*\d\s*[ij]"
+OTHER_FORMATS = {
+    b"PK": "save a spreadsheet as CSV, with any separator",
+    b"\xd0\xcf\x11\xe0": "export a Polytec file (.svd) as universal file or as text, and save a "
+    "spreadsheet (.xls) as CSV",
+    b"\x89HDF": "export the points as text or CSV",
+    b"%PDF": "export the points as text or CSV",
+}
+"""How files begin that are no text, and what to do with them."""
+MOST_LOOKED_AT = 1000
+MISSING = ("", "nan", "na", "n/a", "-")
+# So many rows at a place that differ in time are a time series.
+INSTANTS = 8
+
+
+def read_points(
+    path: Path,
+    wanted: Collection[str] = tuple(QUANTITIES),
+    *,
+    what: str,
+    form: str,
+    complete: Callable[[Collection[str]], dict[str, bool]],
+    frequency_hz: float | None = None,
+    rows: str | None = None,
+) -> tuple[pd.DataFrame, list[int], list[str]]:
+    """Points of a table of text, by their lines in the file.
+
+    Args:
+        wanted: quantities.
+        what, form: what the table is and what it needs, for messages.
+        complete: the problems of a table with some quantities, and whether it has them.
+        frequency_hz: by which velocities become displacements.
+        rows: of which measurement, as in ``read_scan``; None where a place may stand repeatedly.
+
+    Returns: the quantities, in SI units and radians; the lines of points that lack an amplitude,
+    which are excluded; and notes on how the file was read.
+
+    Raises:
+        InputError: naming the line or column that is wrong.
+    """
+    lines, notes = _lines(path, what=what, form=form)
+    index, header, separator = _header(lines, what=what, form=form)
+    header, first = _units_beside(header, lines, index, separator)
+    with naming(f"line {index + 1}"):
+        columns, at_frequency = chosen_columns(header, wanted, frequency_hz=frequency_hz)
+        motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
+        if len({column.power for column in motion}) > 1:
+            raise InputError("real and imaginary part must be both displacements or velocities")
+        taken = {column.place for column in columns.values()}
+        ignored = [repr(name) for at, name in enumerate(header) if at not in taken]
+        others = [f"ignored columns: {', '.join(ignored)}"] * bool(ignored)
+        for problem, wrong in complete(columns).items():
+            if wrong:
+                beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
+                raise InputError(f"{problem}; the columns are {', '.join(columns)}{beside}")
+        check_units(columns.values())
+    cells = _cells(lines, first, separator, names=len(header))
+    above = sum(bool(line.strip()) and not COMMENT.match(line) for line in lines[:index])
+    notes += [f"{above} lines before the header ignored"] * bool(above)
+    notes += [*others, *at_frequency]
+    amplitudes = cells[[column.place for column in motion]]
+    lacking = cells.index[amplitudes.map(str.lower).isin(MISSING).any(axis=1)]
+    cells = cells.drop(lacking)
+    table = pd.DataFrame({name: _numbers(cells, column) for name, column in columns.items()})
+    if rows is not None:
+        settings = [
+            column_of(name, at) or Column("", "", None, at, name) for at, name in enumerate(header)
+        ]
+        settings = [column for column in settings if column.place not in taken]
+        table, chosen = _one_measurement(
+            table, cells, settings, rows=rows, frequency_hz=frequency_hz
+        )
+        notes += chosen
+    for column in motion:
+        if column.power:
+            table[column.quantity] /= angular_frequency(frequency_hz) ** column.power
+            twice = " squared" * (column.power == 2)
+            notes.append(f"{column.name!r} divided by the angular frequency{twice}")
+    return table, lacking.tolist(), [*notes, *missing_points(lacking.tolist(), what="line")]
+
+
+def _one_measurement(
+    table: pd.DataFrame,
+    cells: pd.DataFrame,
+    others: Sequence[Column],
+    *,
+    rows: str,
+    frequency_hz: float | None,
+) -> tuple[pd.DataFrame, list[str]]:
+    """The rows of one measurement at each place, and notes on which these are.
+
+    Args:
+        table: quantities, whose places may stand repeatedly.
+        cells, others: all cells of the same rows, and the columns that are no such quantities.
+        rows, frequency_hz: as in ``read_scan``.
+
+    Raises:
+        InputError: for rows that are not there, a time series, and for several measurements at a
+            place, with the column that tells them apart.
+    """
+    notes, asked = [], set()
+    for condition in filter(None, map(str.strip, rows.split(";"))):
+        name, _, value = (part.strip() for part in condition.rpartition("="))
+        names = {other.name.lower(): other for other in others}
+        with naming(f"actuator.profile.rows: {condition!r}"):
+            if name.lower() not in names:
+                known = ", ".join(repr(other.name) for other in others)
+                raise InputError(f"needs COLUMN = VALUE, the column one of {known}")
+            column = names[name.lower()]
+            values = _plain(cells.loc[table.index, column.place])
+            table = table[values == _plain(pd.Series([value]))[0]]
+            if table.empty:
+                raise InputError(f"no row has this value; {_values_in(values)}")
+        asked.add(column.place)
+    for column in others:
+        if column.quantity == "frequency" and column.size and column.place not in asked:
+            values_hz = _number(cells.loc[table.index, column.place]) * column.size
+            if not _recurs(table, values_hz):
+                continue
+            if frequency_hz is None:
+                raise InputError(f"the rows of {column.name!r} need the actuator's frequency")
+            line_hz, far = nearest_line(values_hz.unique(), frequency_hz)
+            if far:
+                raise InputError(f"column {column.name!r}: {far}")
+            table = table[values_hz == line_hz]
+            notes.append(f"rows at {line_hz:.7g} Hz in {column.name!r}")
+    place = _places_of(table)
+    if not place.duplicated().any():
+        return table, notes
+    for column in others:
+        values = _plain(cells.loc[table.index, column.place])
+        differing = values.groupby(place).nunique()[place[place.duplicated()].unique()]
+        if differing.median() < 2:
+            continue
+        recurs = _recurs(table, values)
+        if column.quantity == "time" and (recurs or len(values) >= INSTANTS * place.nunique()):
+            raise InputError(
+                f"column {column.name!r} has several instants at each place: a time series is no "
+                "shape; export amplitude and phase at the actuator's frequency"
+            )
+        if recurs:
+            axis = "; or call it x, y or phi, with its unit, if it is the other coordinate"
+            axis *= len({"x", "y", "r", "phi"} & {*table}) < 2
+            raise InputError(
+                f"places have several rows each, which column {column.name!r} tells apart: "
+                f"{_values_in(values)}; take one by actuator.profile.rows: {column.name} = "
+                f"{values.iloc[0]}{axis}"
+            )
+    return table, notes
+
+
+def _number(cells: pd.Series) -> pd.Series:
+    """Numbers of cells, with decimal points or commas; NaN of others."""
+    return pd.to_numeric(cells.str.replace(",", "."), errors="coerce").astype(float)
+
+
+def _plain(cells: pd.Series) -> pd.Series:
+    """Cells in small letters, numbers in one spelling."""
+    numbers = _number(cells)
+    return cells.str.strip().str.lower().where(numbers.isna(), numbers.map("{:.9g}".format))
+
+
+def _values_in(values: pd.Series) -> str:
+    """The values of a column in words, the first of many."""
+    counts = values.value_counts(sort=False)
+    named = [f"{value} ({count} rows)" for value, count in counts.items()]
+    return "it has " + ", ".join(named[:PLACES_NAMED]) + ", …" * (len(named) > PLACES_NAMED)
+
+
+def _places_of(table: pd.DataFrame) -> pd.Series:
+    """A name of each row's place, which rows at the same place share."""
+    r, phi = (table.get(name, pd.Series(0.0, table.index)) for name in ("r", "phi"))
+    x = table.get("x", r * np.cos(phi))
+    y = table.get("y", r * np.sin(phi))
+    steps = pd.DataFrame({"x": x, "y": y}).div(SAME_PLACE_M).round()
+    return steps.groupby(["x", "y"], sort=False).ngroup()
+
+
+def _recurs(table: pd.DataFrame, values: pd.Series) -> bool:
+    """Tell whether values stand each at many places: those of a setting, no measurement."""
+    return 0 < values.nunique() <= 2 * len(values) / _places_of(table).nunique()
+
+
+def _complete(known: Collection[str]) -> dict[str, bool]:
+    """What a scan with some quantities lacks, or has in excess."""
+    place = {*known} & {"x", "y", "r", "phi"}
+    return {
+        "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
+        "table as its amplitude": place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
+        f"column 'amplitude_um' is missing; a scan has {FORM}": not {*known}
+        & {"amplitude", "real", "imaginary"},
+        "real and imaginary part go together": len({*known} & {"real", "imaginary"}) == 1,
+        "give sign or phase, not both": {"sign", "phase"} <= {*known},
+    }
+
+
+def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
+    """The scan in a table of text."""
+    table, lacking, notes = read_points(
+        path, what="scan", form=FORM, complete=_complete, frequency_hz=frequency_hz, rows=rows
+    )
+    known = set(table)
+    size = table.pop("amplitude").to_numpy() if "amplitude" in known else np.zeros(len(table))
+    whole = table.reindex(columns=list(QUANTITIES)).fillna({"sign": 1.0}).fillna(0.0)
+    x, y, r, phi, _, real, imaginary, phase, sign = whole.to_numpy(dtype=float).T
+    directed, parts = bool(known & {"phase", "sign"}), np.iscomplexobj(size)
+    line = not {"x", "y"} <= known and "phi" not in known
+    wrong = {
+        "sign must be 1 or -1": sign**2 != 1,
+        "a complex amplitude has its phase; leave phase and sign out": (size.imag != 0) & directed,
+        "amplitude must not be negative where phase or sign tells its direction": (size.real < 0)
+        & directed
+        & (not parts),
+    }
+    for problem, where in wrong.items():
+        for number in table.index[where][:1]:
+            raise InputError(f"line {number}: {problem}")
+    amplitude = (size * np.exp(1j * phase) + real + 1j * imaginary) * sign
+    z = x + 1j * y + r * np.exp(1j * phi)
+    signed = directed or parts or "imaginary" in known or bool(np.any(amplitude.real < 0))
+    lines = table.index.to_numpy()
+    return Scan(path, z.real, z.imag, amplitude, lines, len(lacking), signed, tuple(notes), line)
+
+
+def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
+    """A file's lines, and a note on its encoding."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"the {what} cannot be read: {error}") from None
+    if path.suffix.lower() in ARRAYS:
+        return array_lines(path), ["its variables are read as columns"]
+    for start, remedy in OTHER_FORMATS.items():
+        if content.startswith(start):
+            raise InputError(f"no table of text; {remedy}")
+    text, encoding = _decoded(content)
+    if text.count("\0", 0, MOST_LOOKED_AT) > MOST_LOOKED_AT / 100:
+        raise InputError(f"no table of text; export one as text or CSV, with {form}")
+    notes = [f"read as {encoding}"] * (encoding != "utf-8")
+    return io.StringIO(text, newline=None).read().split("\n"), notes
+
+
+def _cells(lines: Sequence[str], first: int, separator: str, *, names: int) -> pd.DataFrame:
+    """The cells below a header of so many names, by their line in the file."""
+    rows: dict[int, list[str]] = {}
+    for number, line in enumerate(lines[first:], first + 1):
+        if not line.strip(" \t,;") or COMMENT.match(line):
+            continue
+        rows[number] = cells = _split(line, separator)
+        if len(cells) != names:
+            hint = "; decimal commas need another separator, such as semicolons"
+            hint *= separator == "," and len(cells) > names
+            raise InputError(
+                f"line {number}: {len(cells)} cells where the header has {names}{hint}"
+            )
+    return pd.DataFrame(list(rows.values()), list(rows), range(names), dtype=object)
+
+
+def _units_beside(
+    header: list[str], lines: Sequence[str], index: int, separator: str
+) -> tuple[list[str], int]:
+    """A header with the units above it or in a line below, and the first line of rows."""
+    first = next((row for row in range(index + 1, len(lines)) if lines[row].strip()), len(lines))
+    if first < len(lines):
+        cells = _split(COMMENT.sub("", lines[first], count=1), separator)
+        if (named := with_units(header, cells)) != header:
+            return named, first + 1
+    units = {unit_in(match[1]) for line in lines[:index] for match in LENGTH_UNIT.finditer(line)}
+    for unit in units & UNITS:
+        columns = {column.place: column for column in named_columns(header)}
+        header = [
+            f"{name} [{unit}]" if at in columns and _bare_length(columns[at]) else name
+            for at, name in enumerate(header)
+        ]
+    return header, index + 1
+
+
+def _bare_length(column: Column) -> bool:
+    """Tell whether a column is a coordinate without a unit."""
+    return column.quantity in ("x", "y", "r") and not column.unit
+
+
+def _split(line: str, separator: str) -> list[str]:
+    """A line's cells."""
+    if separator == WIDE:
+        return re.split(r"\s\s+", line.strip())
+    if separator == BLANKS:
+        line = " ".join(line.split())
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+    except csv.Error as error:
+        raise InputError(f"{line[:60]!r} cannot be read: {error}") from None
+
+
+def _decoded(content: bytes) -> tuple[str, str]:
+    """A text and its encoding: by the byte order mark, by zeros between letters, or as it fits."""
+    start, half = content[:1000], min(len(content), 1000) / 4
+    little = start.startswith(b"\xff\xfe") or start[1::2].count(0) > half
+    if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
+        encoding = "utf-16-le" if little else "utf-16-be"
+        return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
+    try:
+        return content.decode("utf-8-sig"), "utf-8"
+    except UnicodeDecodeError:
+        return content.decode("latin-1"), "latin-1"
+
+
+def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[str], str]:
+    """The place of the line that names columns, which may be a comment; its cells; the separator.
+
+    It names some quantities and has as many cells as the row below; a line of fewer cells is taken
+    where there is none, and one that names a single quantity right above numbers.
+    """
+    filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
+    plain = [index for index in filled if not COMMENT.match(lines[index])]
+    if not plain:
+        raise InputError(f"the {what} is empty; it needs {form}")
+    comments = [index for index in filled if index < plain[0]]
+    found: dict[tuple[bool, int], tuple[int, list[str], str]] = {}
+    for index in (*plain[:FIRST_LINES], *comments[-FIRST_LINES:]):
+        line = COMMENT.sub("", lines[index], count=1)
+        below = next((lines[row] for row in plain if row > index), "")
+        for separator in SEPARATORS:
+            cells, between = _split(line, separator), separator.replace(WIDE, BLANKS)
+            row = _split(below, between)
+            count = len({column.quantity for column in named_columns(cells)})
+            alike = len(cells) == len(row)
+            numbers = alike and index in plain and not _number(pd.Series(row)).isna().any()
+            if count >= FEWEST_NAMED - numbers:
+                found.setdefault((alike, count), (index, cells, between))
+    if found:
+        return found[max(found)]
+    first = lines[plain[0]].strip()[:60]
+    raise InputError(f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}")
+
+
+def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
+    """A column's values in SI units; raises InputError naming the line of one that is none."""
+    cells, name = table[column.place], column.quantity
+    values = _number(with_points(cells, name=name))
+    parts = cells.str.fullmatch(COMPLEX) & (name == "amplitude")
+    if parts.any():
+        values = values.astype(complex)
+        values[parts] = cells[parts].map(_complex)
+    for line, cell in cells[~(values.abs() <= LARGEST)][:1].items():
+        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
+    return values * (column.size or 1.0)
+
+
+def _complex(cell: str) -> complex:
+    """A number such as ``1.2-0.3i``; NaN where a cell has none."""
+    try:
+        return complex("".join(cell.split()).replace(",", ".").replace("i", "j"))
+    except ValueError:
+        return complex("nan")

@@ -1,0 +1,207 @@
+"""A scan in a universal file (.uff, .unv), read by pyuff.
+
+A function (data set 58) for each point, of which the line at the actuator's frequency is taken, or,
+where there are none, the mode shape (data set 55) at it; points are those of data set 15 or 2411,
+in the units of data set 164. Only these sets are read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from squeezefilm.errors import InputError, needing, refuse
+from squeezefilm.film.measured.scan import (
+    LARGEST,
+    Scan,
+    angular_frequency,
+    missing_points,
+    nearest_line,
+)
+
+# Data sets; types of abscissa and ordinate; types of functions; the direction z.
+NODES, UNITS, FUNCTION, SHAPE = (15, 2411), 164, 58, 55
+FREQUENCY, DISPLACEMENT, VELOCITY, ACCELERATION = 18, 8, 11, 12
+TIME_OR_POWER = (1, 2, 3, 9)
+POWER, COHERENCES = (2, 3, 9), (6, 21, 26)
+# By which power of the angular frequency a motion is larger than a displacement.
+MOTION_PER_M = {DISPLACEMENT: 0, VELOCITY: 1, ACCELERATION: 2}
+NORMAL = 3
+# A mode is at most so far from the actuator's frequency, as a share, and by this factor nearer than
+# any other.
+FARTHEST_MODE, NEARER = 0.1, 3
+
+
+def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
+    """The scan in a universal file; a point's line is its function's or node's number.
+
+    Args:
+        rows: ``mode = NUMBER``, which mode shape is taken.
+    """
+    with needing("scans", what="a universal file (or export the scan as text)"):
+        import pyuff
+    if frequency_hz is None:
+        raise InputError("a universal file needs the actuator's frequency")
+    try:
+        file = pyuff.UFF(str(path))
+        kinds_of_sets = [int(kind) for kind in file.get_set_types()]
+    except Exception as error:  # whatever a damaged file makes of it
+        raise InputError(f"not a universal file that pyuff reads: {error}") from None
+    shapes = SHAPE in kinds_of_sets and (rows or FUNCTION not in kinds_of_sets)
+    sets: list[dict[str, Any]] = []
+    for number, kind in enumerate(kinds_of_sets):
+        if kind in (*NODES, UNITS, SHAPE if shapes else FUNCTION):
+            try:
+                sets.append(file.read_sets(number))
+            except Exception as error:
+                raise InputError(f"set {number + 1} (data set {kind}): {error}") from None
+    length = next((float(each["length"]) for each in sets if each.get("type") == UNITS), 1.0)
+    places = {
+        int(node): complex(x, y) / length
+        for each in sets
+        if each.get("type") in NODES
+        for node, x, y in zip(each["node_nums"], each["x"], each["y"], strict=True)
+    }
+    if not places:
+        raise InputError("no positions of nodes (data set 15 or 2411) are in it; export them too")
+    if shapes:
+        modes = [each for each in sets if each.get("type") == SHAPE]
+        return _mode_shape(path, modes, places, frequency_hz, rows)
+    if rows:
+        raise InputError(
+            "actuator.profile.rows is of tables and, as in 'mode = 2', of mode shapes (data set 55)"
+        )
+    return _at_frequency(path, sets, places, frequency_hz)
+
+
+def _mode_shape(
+    path: Path,
+    modes: Sequence[dict[str, Any]],
+    places: dict[int, complex],
+    frequency_hz: float,
+    rows: str,
+) -> Scan:
+    """The mode shape at the actuator's frequency, or the one that is asked for."""
+    lines_hz = np.array(
+        [float(m["freq"]) if "freq" in m else abs(m["eig"].imag) / (2 * math.pi) for m in modes]
+    )
+    numbers = [int(mode.get("mode_n", mode.get("freq_step_n", 0))) for mode in modes]
+    named = ", ".join(
+        f"{number} at {line_hz:.7g} Hz" for number, line_hz in zip(numbers, lines_hz, strict=True)
+    )
+    name, _, wanted = (part.strip() for part in rows.lower().partition("="))
+    asked = [at for at, number in enumerate(numbers) if name == "mode" and wanted == f"{number}"]
+    away = np.abs(lines_hz / frequency_hz - 1)
+    nearest, *others = np.argsort(away)
+    refuse(
+        f"its modes are {named}",
+        {
+            f"actuator.profile.rows: {rows!r} is none of them; say mode = NUMBER": rows
+            and not asked,
+            f"none is at {frequency_hz:.7g} Hz (actuator.frequency); say which by "
+            "actuator.profile.rows: mode = NUMBER": not rows and away[nearest] > FARTHEST_MODE,
+            f"several are near {frequency_hz:.7g} Hz (actuator.frequency); say which by "
+            f"actuator.profile.rows: mode = {numbers[nearest]}": not rows
+            and others
+            and away[others[0]] < min(NEARER * away[nearest] + 1e-3, FARTHEST_MODE),
+        },
+    )
+    at = asked[0] if asked else int(nearest)
+    mode, power = modes[at], MOTION_PER_M.get(int(modes[at]["spec_data_type"]), 0)
+    nodes = np.asarray(mode["node_nums"], dtype=int)
+    known = np.isin(nodes, list(places))
+    amplitude = np.asarray(mode["r3"])[known].astype(complex)
+    amplitude /= angular_frequency(frequency_hz) ** power
+    place = np.array([places[node] for node in nodes[known]])
+    signed = np.iscomplexobj(mode["r3"]) or bool(np.any(amplitude.real < 0))
+    notes = [f"mode shape {numbers[at]} at {lines_hz[at]:.7g} Hz along z"]
+    notes += [f"{np.sum(~known)} nodes without a place ignored"] * bool(np.any(~known))
+    return Scan(path, place.real, place.imag, amplitude, nodes[known], 0, signed, tuple(notes))
+
+
+def _at_frequency(
+    path: Path,
+    sets: Sequence[dict[str, Any]],
+    places: dict[int, complex],
+    frequency_hz: float,
+) -> Scan:
+    """The shape that functions have at the actuator's frequency."""
+    omega = angular_frequency(frequency_hz)
+    every = [each for each in sets if each.get("type") == FUNCTION]
+    functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL] or every
+    functions, aside = _of_motion(functions, places)
+    nodes = [int(each["rsp_node"]) for each in functions]
+    kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
+    refuse(
+        "universal file",
+        {
+            "no functions (data set 58) and no mode shapes (55) are in it": not every,
+            f"no function is a shape; {'; '.join(aside)}": not functions,
+            "a node has several functions; export one, or that along z": len(set(nodes))
+            < len(nodes),
+            "the functions are not all displacements (type 8), velocities (11) or accelerations "
+            f"(12) but of type {', '.join(map(str, sorted(kinds)))}": kinds
+            not in [{kind} for kind in MOTION_PER_M],
+        },
+    )
+    rows = [_line_at(each, omega / (2 * math.pi)) for each in functions]
+    measured, lines_hz = (np.array(column) for column in zip(*rows, strict=True))
+    numbers, seen = 1 + np.arange(len(nodes)), np.isfinite(measured)
+    amplitude = measured[seen].astype(complex) / omega ** MOTION_PER_M[min(kinds)]
+    if kinds == {ACCELERATION}:
+        amplitude = -amplitude
+    place = np.array([places[node] for node in nodes])[seen]
+    signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
+    missing, bare = int(np.sum(~seen)), len(places) - len(nodes)
+    notes = (
+        *aside,
+        f"read at {lines_hz.min():.7g} Hz",
+        *[f"{bare} nodes without a function ignored"] * bool(bare),
+        *missing_points(numbers[~seen].tolist(), what="function"),
+    )
+    return Scan(path, place.real, place.imag, amplitude, numbers[seen], missing, signed, notes)
+
+
+def _of_motion(
+    functions: Sequence[dict[str, Any]], places: Collection[int]
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """The functions that may be a shape, and a note for each kind of the others."""
+    kept, aside = [], dict.fromkeys(("coherences", "power spectra", "functions without a place"), 0)
+    for function in functions:
+        kind = int(function.get("func_type", 0))
+        if kind in COHERENCES:
+            aside["coherences"] += 1
+        elif kind in POWER and len(functions) > len(places):
+            aside["power spectra"] += 1
+        elif int(function["rsp_node"]) not in places:
+            aside["functions without a place"] += 1
+        else:
+            kept.append(function)
+    return kept, [f"{count} {name} ignored" for name, count in aside.items() if count]
+
+
+def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | float, float]:
+    """The amplitude at the line nearest to the frequency, and that line.
+
+    It is NaN where the function is not finite there, or zero at all lines: nothing was measured.
+    """
+    lines, data = np.asarray(function["x"], dtype=float), np.asarray(function["data"])
+    line_hz, far = nearest_line(lines, frequency_hz)
+    nearest = int(np.argmax(lines == line_hz))
+    kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
+    refuse(
+        f"node {int(function['rsp_node'])}",
+        {
+            "a function of time or a power spectrum; export amplitudes or frequency responses": kind
+            in TIME_OR_POWER
+            or over != FREQUENCY,
+            far: far,
+        },
+    )
+    seen = np.any(data) and np.abs(data[nearest]) <= LARGEST
+    sign = math.copysign(1.0, int(function["rsp_dir"])) if seen else np.nan
+    return sign * data[nearest], line_hz
