@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from math import pi, sqrt
 from operator import attrgetter
-from typing import Annotated, Any, overload
+from typing import Annotated, Any, TypeVar, overload
 
 import numpy as np
 from pydantic import Field, GetPydanticSchema
@@ -264,6 +264,9 @@ class Film(HashedOnce):
 NUMBERS_OF_GAS = tuple(each.name for each in fields(Gas))
 # Which of some scenes.
 Rows = slice | np.ndarray
+# Positions up to which what is known of them is kept.
+MOST_KEPT = 256
+Found = TypeVar("Found")
 
 
 def distinct(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -325,6 +328,19 @@ class Places:
 
     def some(self, rows: Rows) -> Places:
         return Places(self.under, self.x_m[rows], self.y_m[rows])
+
+    def once(self, find: Callable[..., Found], *arguments: Any) -> Found:
+        """Return what a function finds of the positions, kept for when it is asked for again.
+
+        They are for many gaps and amplitudes; of more than some positions it is found anew.
+        """
+        kept = _found_at if len(self.x_m) <= MOST_KEPT else _found_at.__wrapped__
+        return kept(find, self, *arguments)
+
+
+@lru_cache(maxsize=512)
+def _found_at(find: Callable[..., Any], places: Places, *arguments: Any) -> Any:
+    return find(places, *arguments)
 
 
 @dataclass(frozen=True, eq=False)
@@ -475,7 +491,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         places, which = self.places
-        moves, rises_m = _moves(places), _rises_m(places.under.pad)
+        moves, rises_m = places.once(_moves), _rises_m(places.under.pad)
         parts = []
         for some in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
             rest = 1 + rises_m / self.h0_m[some, None]
@@ -504,7 +520,6 @@ def _rises(pad: Pad) -> tuple[float, float, float, float]:
     return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]
 
 
-@lru_cache(maxsize=64)
 def _moves(places: Places) -> np.ndarray:
     """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
     x, y = (each.ravel() for each in net(places.under.pad))

@@ -97,8 +97,9 @@ def profiles_at(
     in_space = tuple([grid.in_space for grid in grids])
 
     def find(places: Places) -> tuple[Packed, np.ndarray]:
-        few = len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 <= MOST_KEPT
-        return (_kept_profiles if few else _profiles)(places, in_space, terms)
+        if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MOST_KEPT:
+            return _profiles(places, in_space, terms)
+        return places.once(_profiles, in_space, terms)
 
     found, which = _at_places(scenes, find)
     if len(found) == 1:
@@ -113,9 +114,6 @@ def _profiles(places: Places, grids: tuple[Grid, ...], terms: Terms) -> tuple[Pa
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
     return packed(fields), mean_parts(parts[-1], grids[-1])
-
-
-_kept_profiles = lru_cache(maxsize=128)(_profiles)
 
 
 def profile_fields(

@@ -15,10 +15,10 @@ import numpy as np
 
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.scene import Film, Rows, Scenes, rows_alike
+from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scenes, rows_alike
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
-from squeezefilm.reynolds.plan import MOST_KEPT, Plan, plan_of
+from squeezefilm.reynolds.plan import Plan, plan_of
 from squeezefilm.reynolds.terms import (
     Terms,
     is_radial,
