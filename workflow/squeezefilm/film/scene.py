@@ -177,11 +177,6 @@ class Scene(OperatingPoints):
         rest = 1 + self.pad.gap.rise_m(x, y) / self.h0_m
         return rest[..., None] + self.epsilon * moved
 
-    @property
-    def narrowest(self) -> float:
-        """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        return float(self._alone.narrowest[0])
-
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and pad touch (``Scenes``)."""
         return float(self._alone.closure[0])
@@ -406,6 +401,17 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         for rows in rows_alike(self.film_index):
             film, some = self.films[self.film_index[rows[0]]], self[rows]
             yield film, rows, replace(some, films=(film,), film_index=np.zeros_like(rows))
+
+    def at_places(self, find: Callable[[Places], Found]) -> tuple[list[Found], np.ndarray]:
+        """Something at the pad's positions, film by film, and which of all these each scene has."""
+        found, count = [], 0
+        which = np.empty(len(self), dtype=np.int64)
+        for _, rows, some in self.of_each_film():
+            places, at = some.places
+            which[rows] = count + at
+            count += len(places.x_m)
+            found.append(find(places))
+        return found, which
 
     @cached_property
     def flat(self) -> bool:

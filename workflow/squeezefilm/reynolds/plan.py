@@ -66,8 +66,6 @@ class Plan:
 
     def _sampled(self, share: float) -> Samples:
         found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
-        if len(found) == 1:
-            return found[0]
         rows = np.concatenate([rows for rows, _, _ in self.profiles])
         return joined_samples(found)[np.argsort(rows)]
 
@@ -81,11 +79,9 @@ class Plan:
         """Return which films have no angle, (n,)."""
         return np.array([is_radial(terms) for terms in self.kinds])[self.kind]
 
+    @property
     def absent_terms(self) -> np.ndarray:
         """Return the names of the terms that each scene does not have, joined by ``; ``, (n,)."""
-        return self.once("absent terms", self._joined_absent_terms)
-
-    def _joined_absent_terms(self) -> np.ndarray:
         texts = ["; ".join(each.name for each in absent_terms(terms)) for terms in self.kinds]
         return np.array(texts, dtype=object)[self.kind]
 

@@ -121,10 +121,6 @@ def nodes_for_profile(plan: Plan, *, tolerance: float) -> np.ndarray:
 
 def unseen_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
     """The scenes whose profile under the pad no grid sees, and why."""
-    return plan.once("unseen", lambda tolerance: _unseen_profiles(plan, tolerance), tolerance)
-
-
-def _unseen_profiles(plan: Plan, tolerance: float) -> dict[int, str]:
     share = share_of(tolerance)
     missed = plan.samples(share).missed
     most = np.where(plan.fold_x & plan.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST)
