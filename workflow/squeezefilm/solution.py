@@ -67,7 +67,7 @@ class Solution:
 class Solutions(Sequence[Solution]):
     """Solutions of many scenes as columns: an array of shape (n,) for each attribute of one.
 
-    ``solutions[k]`` is the solution of one scene.
+    ``solutions[k]`` is the solution of one scene, ``solutions[rows]`` those of some.
     """
 
     if TYPE_CHECKING:
@@ -104,15 +104,13 @@ class Solutions(Sequence[Solution]):
         return len(self.status)
 
     @overload
-    def __getitem__(self, row: int) -> Solution: ...
+    def __getitem__(self, rows: int) -> Solution: ...
     @overload
-    def __getitem__(self, row: slice) -> Solutions: ...
-    def __getitem__(self, row: int | slice) -> Solution | Solutions:
-        if isinstance(row, slice):
-            return Solutions({name: column[row] for name, column in self.columns.items()})
-        return Solution(
-            **{name: column[[row]].tolist()[0] for name, column in self.columns.items()}
-        )
+    def __getitem__(self, rows: slice | np.ndarray) -> Solutions: ...
+    def __getitem__(self, rows: int | slice | np.ndarray) -> Solution | Solutions:
+        if isinstance(rows, (int, np.integer)):
+            return next(iter(self[np.array([rows])]))
+        return Solutions({name: column[rows] for name, column in self.columns.items()})
 
     def __iter__(self) -> Iterator[Solution]:
         columns = [column.tolist() for column in self.columns.values()]
@@ -121,9 +119,25 @@ class Solutions(Sequence[Solution]):
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and list(self) == list(other)
 
+    def with_rows(self, rows: np.ndarray, others: Solutions) -> Solutions:
+        """The solutions with others in the place of some."""
+        columns = {name: column.copy() for name, column in self.columns.items()}
+        for name, column in columns.items():
+            column[rows] = others.columns[name]
+        return Solutions(columns)
+
+    def with_column(self, name: str, values: Sequence[object]) -> Solutions:
+        """The solutions with other values of an attribute."""
+        column = np.empty(len(self), dtype=object)
+        for row, value in enumerate(values):
+            column[row] = value
+        return Solutions(self.columns | {name: column})
+
     def to_frame(self, index: pd.Index | None = None) -> pd.DataFrame:
-        """The columns of a table of forces, a row for each scene."""
-        return pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS}, index=index)
+        """The columns of a table of forces, a row for each scene, and of what was asked for."""
+        forces = pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS}, index=index)
+        asked = pd.DataFrame([each.asked_columns for each in self], index=forces.index)
+        return pd.concat([forces, asked], axis=1)
 
 
 # What stands in a column before it is known.

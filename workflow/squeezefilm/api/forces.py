@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -160,14 +159,14 @@ def forces_of(
     solutions = solved_with(
         scenes, settings=settings, derivatives=derivatives, known=known_solutions
     )
-    known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
+    known = np.flatnonzero(np.isfinite(solutions.force_n)).tolist()
     with_force = [scenes[k] for k in known]
     reason = "no force to compare with" if budget else NOT_ASKED
     beyond = dict.fromkeys(range(len(scenes)), ErrorBudget(status=reason))
     if budget:
         beyond |= dict(zip(known, error_budgets(with_force, device=device), strict=True))
 
-    def solved(scenes: Sequence[Scene], **how: Any) -> Sequence[Solution]:
+    def solved(scenes: Sequence[Scene], **how: Any) -> Solutions:
         return solved_with(scenes, settings=replace(settings, **how), derivatives=derivatives)
 
     errors = _scan_errors(with_force, smoothed, device=device, solved=solved)
@@ -175,10 +174,10 @@ def forces_of(
     warnings = smoothed.warnings if smoothed and errors else ()
     return [
         Force(
-            *(scene, solutions[k], beyond[k], scans.get(k), device.name, settings.tolerance),
+            *(scene, solution, beyond[k], scans.get(k), device.name, settings.tolerance),
             (*warnings, *notes[k]),
         )
-        for k, scene in enumerate(scenes)
+        for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
     ]
 
 
@@ -189,7 +188,7 @@ def solved_with(
     derivatives: bool = False,
     known: Mapping[int, Solution] | None = None,
     report: Callable[[int], object] = lambda solved: None,
-) -> Sequence[Solution]:
+) -> Solutions:
     """Forces of scenes whose terms are decided, with the derivatives and outputs asked for.
 
     Args:
@@ -199,22 +198,24 @@ def solved_with(
         if not known or settings.method == "composite":
             return solve(scenes, **settings.how, report=report)
         report(len(known))
-        rest = [row for row in range(len(scenes)) if row not in known]
-        solved_rest = solve([scenes[row] for row in rest], **settings.how, report=report)
-        solutions = dict(known) | dict(zip(rest, solved_rest, strict=True))
-        return [solutions[row] for row in range(len(scenes))]
+        rows, scenes = np.array(list(known)), Scenes.of(scenes)
+        rest = np.delete(np.arange(len(scenes)), rows)
+        solutions = Solutions.of_method(settings.method, len(scenes))
+        solutions = solutions.with_rows(rows, Solutions.of(list(known.values())))
+        return solutions.with_rows(rest, solve(scenes[rest], **settings.how, report=report))
     from squeezefilm.quantities.derivatives import with_derivatives
     from squeezefilm.quantities.outputs import with_outputs
 
-    found: list[Solution] = []
+    found = Solutions.of_method(settings.method, len(scenes))
     how: dict[str, Any] = {"tolerance": settings.tolerance, "device": settings.device}
     for first in range(0, len(scenes), WITH_STATES):
         some = scenes[first : first + WITH_STATES]
-        solved: Sequence[Solution] = solve(some, **settings.how, keep_states=True, report=report)
+        solved = solve(some, **settings.how, keep_states=True, report=report)
         if derivatives:
             solved = with_derivatives(some, solved, **how)
         solved = with_outputs(some, solved, outputs=settings.outputs, **how)
-        found += [replace(each, states=()) for each in solved]
+        rows = first + np.arange(len(some))
+        found = found.with_rows(rows, solved.with_column("states", [()] * len(some)))
     return found
 
 
@@ -377,11 +378,10 @@ def simulate_table(
             decided, known = settings.solved(batch)
             solutions = solved_with(decided, settings=settings, known=known, **how)
             wall = time.perf_counter() - start
-            solved = Solutions.of(solutions).to_frame(rows.index)
-            asked = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
-            write(pd.concat([rows[as_in(SCENE_COLUMNS, rows)], solved, asked], axis=1))
+            columns = rows[as_in(SCENE_COLUMNS, rows)]
+            write(pd.concat([columns, solutions.to_frame(rows.index)], axis=1))
             # By floating-point operations, of which closed forms need none worth counting.
-            work = np.array([solution.work for solution in solutions])
+            work = solutions.work
             shares = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
             write_times(rows[["point_id"]].assign(solve_s=wall * shares))
             seconds += wall

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from math import pi, sqrt
 from operator import attrgetter
-from typing import Annotated, Any, overload
+from typing import Annotated, Any, TypeVar, overload
 
 import numpy as np
 from pydantic import Field, GetPydanticSchema
@@ -177,11 +177,6 @@ class Scene(OperatingPoints):
         rest = 1 + self.pad.gap.rise_m(x, y) / self.h0_m
         return rest[..., None] + self.epsilon * moved
 
-    @property
-    def narrowest(self) -> float:
-        """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        return float(self._alone.narrowest[0])
-
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and pad touch (``Scenes``)."""
         return float(self._alone.closure[0])
@@ -264,6 +259,9 @@ class Film(HashedOnce):
 NUMBERS_OF_GAS = tuple(each.name for each in fields(Gas))
 # Which of some scenes.
 Rows = slice | np.ndarray
+# Positions up to which what is known of them is kept.
+MOST_KEPT = 256
+Found = TypeVar("Found")
 
 
 def distinct(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -325,6 +323,19 @@ class Places:
 
     def some(self, rows: Rows) -> Places:
         return Places(self.under, self.x_m[rows], self.y_m[rows])
+
+    def once(self, find: Callable[..., Found], *arguments: Any) -> Found:
+        """Return what a function finds of the positions, kept for when it is asked for again.
+
+        They are for many gaps and amplitudes; of more than some positions it is found anew.
+        """
+        kept = _found_at if len(self.x_m) <= MOST_KEPT else _found_at.__wrapped__
+        return kept(find, self, *arguments)
+
+
+@lru_cache(maxsize=512)
+def _found_at(find: Callable[..., Any], places: Places, *arguments: Any) -> Any:
+    return find(places, *arguments)
 
 
 @dataclass(frozen=True, eq=False)
@@ -390,6 +401,17 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         for rows in rows_alike(self.film_index):
             film, some = self.films[self.film_index[rows[0]]], self[rows]
             yield film, rows, replace(some, films=(film,), film_index=np.zeros_like(rows))
+
+    def at_places(self, find: Callable[[Places], Found]) -> tuple[list[Found], np.ndarray]:
+        """Something at the pad's positions, film by film, and which of all these each scene has."""
+        found, count = [], 0
+        which = np.empty(len(self), dtype=np.int64)
+        for _, rows, some in self.of_each_film():
+            places, at = some.places
+            which[rows] = count + at
+            count += len(places.x_m)
+            found.append(find(places))
+        return found, which
 
     @cached_property
     def flat(self) -> bool:
@@ -475,7 +497,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         places, which = self.places
-        moves, rises_m = _moves(places), _rises_m(places.under.pad)
+        moves, rises_m = places.once(_moves), _rises_m(places.under.pad)
         parts = []
         for some in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
             rest = 1 + rises_m / self.h0_m[some, None]
@@ -504,7 +526,6 @@ def _rises(pad: Pad) -> tuple[float, float, float, float]:
     return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]
 
 
-@lru_cache(maxsize=64)
 def _moves(places: Places) -> np.ndarray:
     """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
     x, y = (each.ravel() for each in net(places.under.pad))

@@ -245,13 +245,16 @@ def _keeps(
     return bool(np.abs(s_there - sign * s).max() <= EQUAL)
 
 
-@lru_cache(maxsize=256)
 def axisymmetric(places: Places) -> np.ndarray:
     """Return at which positions a film has no angle, so that it is solved along a radius, (n,).
 
     It is that of a disc at rest, the gap flat or crowned, where the profile is the same all around
     each circle about the disc's centre.
     """
+    return places.once(_axisymmetric)
+
+
+def _axisymmetric(places: Places) -> np.ndarray:
     pad, same = places.under.pad, np.zeros(len(places.x_m), dtype=bool)
     disc = pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m
     if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:

@@ -7,17 +7,17 @@ All is done on the kept states' two grids, whose difference gives the error.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isfinite
+from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.states import Solved, alike, remainder, with_states
+from squeezefilm.quantities.states import alike, remainder, with_states
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
-from squeezefilm.solution import DERIVATIVES, Derivatives, Solution
+from squeezefilm.solution import DERIVATIVES, Derivatives, Solution, Solutions
 
 # Below this, iterations would end in rounding.
 LEAST_TOLERANCE = 1e-8
@@ -34,13 +34,13 @@ MOST_TOGETHER = 2**19
 
 
 def with_derivatives(
-    scenes: Sequence[Scene],
+    scenes: Scenes | Sequence[Scene],
     solutions: Sequence[Solution],
     *,
     tolerance: float,
     device: Device | None = None,
     names: Sequence[str] = tuple(DERIVATIVES),
-) -> list[Solution]:
+) -> Solutions:
     """The scenes' forces, as ``solve`` gave them, with derivatives, by the states if it kept them.
 
     They are those of the periodic state, by whichever method its force was found.
@@ -50,30 +50,25 @@ def with_derivatives(
             to others are NaN.
     """
     tolerance = max(tolerance, LEAST_TOLERANCE)
-    found = [Derivatives(status="no force")] * len(scenes)
-    known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
-    films, forces = [scenes[k] for k in known], [solutions[k] for k in known]
-    solved: Solved = {}
-    for k, solution in zip(
-        known, with_states(films, forces, tolerance=tolerance, device=device), strict=True
-    ):
-        if solution.states:
-            solved[k] = scenes[k], solution
-        else:
-            found[k] = Derivatives(status=solution.status)
+    solutions = Solutions.of(solutions)
+    known = np.flatnonzero(np.isfinite(solutions.force_n))
+    films = Scenes.of(scenes)[known]
+    found = [Derivatives(status="no force")] * len(solutions)
+    solved = with_states(films, solutions[known], tolerance=tolerance, device=device)
+    for row, status in zip(known.tolist(), solved.status, strict=True):
+        found[row] = Derivatives(status=status)
     device = device or choose_device()
-    for group in alike(solved, numbers=MOST_TOGETHER):
-        derivatives = _derivatives(group, tolerance=tolerance, device=device, names=names)
-        for k, each in zip(group, derivatives, strict=True):
-            found[k] = each
-    return [replace(solution, derivatives=found[k]) for k, solution in enumerate(solutions)]
+    for rows in alike(films, solved, numbers=MOST_TOGETHER):
+        how: dict[str, Any] = {"tolerance": tolerance, "device": device, "names": names}
+        for row, each in zip(rows, _derivatives(films[rows], solved[rows], **how), strict=True):
+            found[known[row]] = each
+    return solutions.with_column("derivatives", found)
 
 
 def _derivatives(
-    group: Solved, *, tolerance: float, device: Device, names: Sequence[str]
+    scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device, names: Sequence[str]
 ) -> list[Derivatives]:
     """Derivatives of scenes of like terms, by two grids."""
-    scenes, solutions = zip(*group.values(), strict=True)
     (before, _), (growth, missed) = (
         _growths(scenes, solutions, grid, tolerance=tolerance, device=device, names=names)
         for grid in (0, 1)
@@ -83,7 +78,7 @@ def _derivatives(
     with np.errstate(invalid="ignore"):
         largest = np.fmax.reduce(change, axis=0)
         change = np.where(growth != 0, np.fmax(change, FRACTION_OF_OTHERS * largest), 0.0)
-    factor = np.array([remainder(*each, tolerance=tolerance)[0] for each in group.values()])
+    factor, _ = remainder(scenes, solutions, tolerance=tolerance)
     error = factor * change + missed
     return [
         _record(scene, growth[:, k], error[:, k], names=names) for k, scene in enumerate(scenes)
@@ -91,8 +86,8 @@ def _derivatives(
 
 
 def _growths(
-    scenes: Sequence[Scene],
-    solutions: Sequence[Solution],
+    scenes: Scenes,
+    solutions: Solutions,
     grid_index: int,
     *,
     tolerance: float,
@@ -105,11 +100,10 @@ def _growths(
         The growths in newtons and what iterations and differences may leave of them, each of shape
         (numbers, scenes); NaN for a number that is not asked for or has no films beside.
     """
-    grid = solutions[0].states[grid_index].grid
-    state = np.stack([solution.states[grid_index].unknowns for solution in solutions])
+    own = [states[grid_index] for states in solutions.states]
+    grid, state = own[0].grid, np.stack([each.unknowns for each in own])
     growth, missed = np.full((2, len(DERIVATIVES), len(scenes)), np.nan)
     folded = {"x_m": grid.fold_x, "y_m": grid.fold_y}
-    narrowest = np.array([scene.narrowest for scene in scenes])
     for k, number in enumerate(DERIVATIVES):
         if number not in names:
             continue
@@ -125,8 +119,7 @@ def _growths(
             continue
         if all(_equation(a) == _equation(b) for a, b in zip(ahead, behind, strict=True)):
             wider, narrower = scale.reshape(2, -1)
-            own = np.array([solution.force_n for solution in solutions])
-            growth[k] = own * (wider - narrower) / (wider + narrower) / STEP
+            growth[k] = solutions.force_n * (wider - narrower) / (wider + narrower) / STEP
             missed[k] = 0.0
             continue
         if refused_on_grid(beside[0], terms_of(beside[0])):
@@ -140,7 +133,7 @@ def _growths(
         )
         known = states.status == 0
         forces_n = np.where(known, states.mean * scale, np.nan).reshape(2, -1)
-        left_n = (states.said["residual"] * scale).reshape(2, -1).sum(axis=0) / narrowest
+        left_n = (states.said["residual"] * scale).reshape(2, -1).sum(axis=0) / scenes.narrowest
         growth[k] = (forces_n[0] - forces_n[1]) / (2 * STEP)
         missed[k] = left_n / (2 * STEP) + STEP_MISSES * np.abs(growth[k])
     return growth, missed

@@ -11,13 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from squeezefilm.errors import unexpected
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.states import remainder, weights_with_edge, with_states
 from squeezefilm.reynolds.device import Device
@@ -37,7 +36,7 @@ from squeezefilm.reynolds.spectral import (
 )
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.solution import OUTPUTS, Outputs, Solution, checked_outputs
+from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_outputs
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
@@ -66,23 +65,24 @@ Found = tuple[dict[str, tuple[float, float]], dict[str, str]]
 
 
 def with_outputs(
-    scenes: Sequence[Scene],
+    scenes: Scenes | Sequence[Scene],
     solutions: Sequence[Solution],
     *,
     outputs: Sequence[str],
     tolerance: float,
     device: Device | None = None,
-) -> list[Solution]:
+) -> Solutions:
     """The scenes' forces, as ``solve`` gave them, with outputs, by the states if it kept them.
 
     They are those of the periodic state, by whichever method its force was found. Where their
     errors are above the tolerance, states to a tighter one are solved for.
     """
     asked = checked_outputs(outputs)
+    solutions = Solutions.of(solutions)
     if not asked:
-        return list(solutions)
-    known = [k for k, each in enumerate(solutions) if isfinite(each.force_n)]
-    films, forces = [scenes[k] for k in known], [solutions[k] for k in known]
+        return solutions
+    known = np.flatnonzero(np.isfinite(solutions.force_n))
+    films, forces = Scenes.of(scenes)[known], solutions[known]
     parts: list[Found] = [({}, {})] * len(known)
     if FROM_STATE & set(asked):
         within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
@@ -90,11 +90,10 @@ def with_outputs(
     if "static_stiffness" in asked:
         more = static_stiffness(films, forces, tolerance=tolerance, device=device)
         parts = [(one | other, a | b) for (one, a), (other, b) in zip(parts, more, strict=True)]
-    found, none = dict(zip(known, parts, strict=True)), dict.fromkeys(OUTPUTS, "no force")
-    return [
-        replace(solution, outputs=Outputs.of(asked, *found.get(k, ({}, none))))
-        for k, solution in enumerate(solutions)
-    ]
+    found = [Outputs.of(asked, {}, dict.fromkeys(OUTPUTS, "no force"))] * len(solutions)
+    for row, (values, missing) in zip(known.tolist(), parts, strict=True):
+        found[row] = Outputs.of(asked, values, missing)
+    return solutions.with_column("outputs", found)
 
 
 def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
@@ -126,33 +125,29 @@ def _without_formula(scene: Scene) -> dict[str, str]:
 
 
 def _from_states(
-    scenes: Sequence[Scene],
-    solutions: Sequence[Solution],
-    *,
-    tolerance: float,
-    device: Device | None,
+    scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
 ) -> list[Found]:
     """All outputs that follow from a periodic state, or why there are none."""
     found: dict[int, Found] = {}
-    waiting, solved = list(range(len(scenes))), list(solutions)
+    waiting, solved = np.arange(len(scenes)), solutions
     for repeated in range(1 + MOST_REPEATED):
         within = tolerance * TIGHTER**repeated
-        films = [scenes[k] for k in waiting]
-        solved = with_states(films, solved, tolerance=within, device=device)
+        solved = with_states(scenes[waiting], solved, tolerance=within, device=device)
         further = []
-        for k, solution in zip(waiting, solved, strict=True):
-            if not solution.states:
-                found.setdefault(k, _refused(solution.status))
+        for row, k in enumerate(waiting.tolist()):
+            if not solved.states[row]:
+                found.setdefault(k, _refused(solved.status[row]))
                 continue
             try:
-                found[k], holds = _outputs_of(scenes[k], solution, tolerance=tolerance)
+                alone = scenes[k : k + 1], solved[row : row + 1]
+                found[k], holds = _outputs_of(*alone, tolerance=tolerance)
             except Exception as error:  # that of one film is no one else's
                 found[k], holds = _refused(unexpected(error)), True
             if not holds:
                 further.append(k)
-        waiting, solved = further, []
-        if not waiting:
+        if not further:
             break
+        waiting, solved = np.array(further), Solutions.of_method("periodic", len(further))
     return [found[k] for k in range(len(scenes))]
 
 
@@ -160,10 +155,11 @@ def _refused(reason: str) -> Found:
     return {}, dict.fromkeys(FROM_STATE, reason)
 
 
-def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[Found, bool]:
-    """Outputs of a film from its states on two grids, and whether they hold the tolerance."""
-    before, film = (Sample(scene, state) for state in solution.states)
-    factor, left = remainder(scene, solution, tolerance=tolerance)
+def _outputs_of(scenes: Scenes, solutions: Solutions, *, tolerance: float) -> tuple[Found, bool]:
+    """Outputs of one film from its states on two grids, and whether they hold the tolerance."""
+    (scene,), (states,) = scenes, solutions.states
+    before, film = (Sample(scene, state) for state in states)
+    factor, left = (each.item() for each in remainder(scenes, solutions, tolerance=tolerance))
     largest = max(film.largest, -film.least)
     left += ROUND_OFF * largest
     # What rounding and the iteration leave is no reason for a finer grid.
@@ -510,36 +506,29 @@ def falls(scenes: Sequence[Scene], name: str, **how: Any) -> tuple[np.ndarray, l
     unit = np.array([getattr(scene, name) for scene in scenes])
     moved: list[dict[str, Any]] = [{name: float(each)} for each in np.outer(unit, factors).ravel()]
     found = solve([replace(scenes[k // count], **each) for k, each in enumerate(moved)], **how)
-    values = np.array([(each.force_n, each.force_error_n) for each in found])
-    (force, a, b, c, d), errors = values.reshape(len(scenes), count, 2).T
+    force, a, b, c, d = found.force_n.reshape(len(scenes), count).T
+    errors = found.force_error_n.reshape(len(scenes), count).T
     narrow, wide = (b - c) / (2 * STEP * unit), (a - d) / (4 * STEP * unit)
     # The wide quotient misses four times what the narrow one does.
     noise = (errors[2] + errors[3]) / (2 * STEP * unit)
     fall, error = narrow + (narrow - wide) / 3, np.abs(narrow - wide) / 3 + 4 / 3 * noise
-    bad = [each.status if each.status != "ok" else "" for each in found]
+    bad = ["" if status == "ok" else status for status in found.status]
     reasons = [max(bad[k : k + count]) for k in range(0, len(bad), count)]
     return np.stack([force, errors[0], fall, error]), reasons
 
 
 def static_stiffness(
-    scenes: Sequence[Scene],
-    solutions: Sequence[Solution],
-    *,
-    tolerance: float,
-    device: Device | None,
+    scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
 ) -> list[Found]:
     """−∂F/∂h0 with the amplitude kept, by the force's derivative, or by a quotient of four forces.
 
     The scenes' terms must be decided (model_error.py).
     """
     name, found = "static_stiffness", list[Found]()
-    for scene, solution in zip(
-        scenes,
-        with_derivatives(scenes, solutions, tolerance=tolerance, device=device),
-        strict=True,
-    ):
-        known, bad = solution.derivatives, ""
-        if known and known.status == "ok":
+    solved = with_derivatives(scenes, solutions, tolerance=tolerance, device=device)
+    for scene, known in zip(scenes, solved.derivatives, strict=True):
+        bad = ""
+        if known.status == "ok":
             value, error = -known.value["h0_m"], known.error["h0_m"]
         else:
             rows, (bad,) = falls([scene], "h0_m", tolerance=tolerance, device=device)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after, margin_of
 from squeezefilm.reynolds.grid import Grid
@@ -16,8 +16,8 @@ from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Around, Axis
-from squeezefilm.reynolds.terms import terms_of
-from squeezefilm.solution import Solution
+from squeezefilm.reynolds.terms import terms_of_each
+from squeezefilm.solution import Solution, Solutions
 
 
 @lru_cache(maxsize=64)
@@ -34,49 +34,34 @@ def weights_with_edge(axis: Axis | Around) -> np.ndarray:
     return np.concatenate([[edge / 2], axis.weights, [edge / 2]])
 
 
-UNSOLVED = Solution(status="", method="periodic")
-
-
 def with_states(
-    scenes: Sequence[Scene],
-    solutions: Sequence[Solution] | None = None,
-    *,
-    tolerance: float,
-    device: Device | None,
-) -> list[Solution]:
+    scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
+) -> Solutions:
     """Solutions with their states; those without are solved for, by the periodic method."""
-    found = list(solutions or [UNSOLVED] * len(scenes))
-    missing = [k for k, solution in enumerate(found) if not solution.states]
-    more = solve(
-        [scenes[k] for k in missing],
-        tolerance=tolerance,
-        method="periodic",
-        device=device,
-        keep_states=True,
-    )
-    for k, solution in zip(missing, more, strict=True):
-        found[k] = solution
-    return found
+    missing = np.flatnonzero([not states for states in solutions.states])
+    if not len(missing):
+        return solutions
+    how: dict[str, Any] = {"tolerance": tolerance, "device": device}
+    solved = solve(scenes[missing], **how, method="periodic", keep_states=True)
+    return solutions.with_rows(missing, solved)
 
 
-# Scenes with their solutions and states, by the scenes' places.
-Solved = dict[int, tuple[Scene, Solution]]
-
-
-def alike(solved: Solved, *, numbers: int) -> Iterator[Solved]:
-    """Scenes whose states are on the same grids, of like terms and pads.
+def alike(scenes: Scenes, solutions: Solutions, *, numbers: int) -> Iterator[np.ndarray]:
+    """The rows of scenes whose states are on the same grids, of like terms and pads.
 
     Args:
         numbers: of the finer states of a group; more would fall out of the caches.
     """
+    kinds, kind = terms_of_each(scenes)
+    aspect = np.broadcast_to(scenes.aspect, len(scenes))
     groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
-    for k, (scene, solution) in solved.items():
-        grids = tuple(state.grid for state in solution.states)
-        groups[grids, terms_of(scene), scene.aspect].append(k)
+    for k, states in enumerate(solutions.states):
+        if states:
+            groups[tuple(state.grid for state in states), kinds[kind[k]], aspect[k]].append(k)
     for (grids, *_), group in groups.items():
         step = max(1, numbers // grids[-1].count)
         for first in range(0, len(group), step):
-            yield {k: solved[k] for k in group[first : first + step]}
+            yield np.array(group[first : first + step])
 
 
 # Numbers of the finer states of films that are solved together.
@@ -104,24 +89,16 @@ def changes_with_errors(
     Returns:
         Changes and errors, (2, changes, scenes); NaN where a solution has no states.
     """
+    scenes, solutions = Scenes.of(scenes), Solutions.of(solutions)
     found = np.full((2, changes, len(scenes)), np.nan)
-    solved = {
-        row: (scene, solution)
-        for row, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
-        if solution.states
-    }
-    for group in alike(solved, numbers=MOST_TOGETHER):
-        own_scenes, own_solutions = zip(*group.values(), strict=True)
+    for rows in alike(scenes, solutions, numbers=MOST_TOGETHER):
+        group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
-            on_grid(
-                own_scenes,
-                [solution.states[k].unknowns for solution in own_solutions],
-                own_solutions[0].states[k].grid,
-            )
-            for k in (0, 1)
+            on_grid(group, [each.unknowns for each in states], states[0].grid)
+            for states in zip(*solved.states, strict=True)
         )
-        factor = np.array([remainder(*each, tolerance=tolerance)[0] for each in group.values()])
-        found[:, :, list(group)] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
+        factor, _ = remainder(group, solved, tolerance=tolerance)
+        found[:, :, rows] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
     return found
 
 
@@ -149,18 +126,22 @@ def solved_beside(
     return np.where(states.status == 0, states.mean, np.nan), states.unknowns
 
 
-def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[float, float]:
+def remainder(
+    scenes: Scenes, solutions: Solutions, *, tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the error after a quantity's change between the grids, as for the force.
 
+    Args:
+        scenes: of like terms, with states on the same grids.
+
     Returns:
-        The error in units of that change, and what the iteration left of the pressure, in p0.
+        The errors in units of that change, and what iterations left of the pressure, in p0: (n,).
     """
-    plan, (coarse, fine) = plan_of(scene), (state.grid.across for state in solution.states)
-    fall = max(
-        UNKNOWN_FALL,
-        profile_fall(plan, coarse, fine, tolerance=tolerance).item(),
-        least_fall(plan.scenes).item(),
+    plan, (coarse, fine) = plan_of(scenes), (state.grid.across for state in solutions.states[0])
+    fall = np.maximum(
+        np.maximum(UNKNOWN_FALL, profile_fall(plan, coarse, fine, tolerance=tolerance)),
+        least_fall(scenes),
     )
     # A mass error w moves the pressure by about n w/H.
-    left = scene.gas.polytropic_exponent * solution.residual / scene.narrowest
-    return margin_of(plan.terms) * float(left_after(fall)), left
+    left = scenes.gas.polytropic_exponent * solutions.residual / scenes.narrowest
+    return margin_of(plan.terms) * left_after(fall), left

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import chain
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -18,8 +18,6 @@ from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of_each
 # gaps and amplitudes; more are found anew.
 MOST_KEPT = 100_000
 
-Found = TypeVar("Found")
-
 
 def gap_parts(scenes: Scenes, grid: Grid) -> np.ndarray:
     """The parts of each scene's gap, (n, parts, nodes along x, nodes along y).
@@ -28,20 +26,8 @@ def gap_parts(scenes: Scenes, grid: Grid) -> np.ndarray:
     metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends and mirror images
     included.
     """
-    parts, places = _at_places(scenes, lambda at: _gap_parts(at, grid))
-    return np.concatenate(parts)[places]
-
-
-def _at_places(scenes: Scenes, find: Callable[[Places], Found]) -> tuple[list[Found], np.ndarray]:
-    """Something for the pad's positions of each film, and which of all these each scene has."""
-    found, count = [], 0
-    which = np.empty(len(scenes), dtype=np.int64)
-    for _, rows, some in scenes.of_each_film():
-        places, at = some.places
-        which[rows] = count + at
-        count += len(places.x_m)
-        found.append(find(places))
-    return found, which
+    parts, which = scenes.at_places(lambda places: _gap_parts(places, grid))
+    return np.concatenate(parts)[which]
 
 
 def terms_of_all(scenes: Scenes) -> Terms:
@@ -97,12 +83,11 @@ def profiles_at(
     in_space = tuple([grid.in_space for grid in grids])
 
     def find(places: Places) -> tuple[Packed, np.ndarray]:
-        few = len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 <= MOST_KEPT
-        return (_kept_profiles if few else _profiles)(places, in_space, terms)
+        if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MOST_KEPT:
+            return _profiles(places, in_space, terms)
+        return places.once(_profiles, in_space, terms)
 
-    found, which = _at_places(scenes, find)
-    if len(found) == 1:
-        return found[0][0], which, found[0][1][which]
+    found, which = scenes.at_places(find)
     fields = Packed.of_rows([each for each, _ in found])
     return fields, which, np.concatenate([means for _, means in found])[which]
 
@@ -113,9 +98,6 @@ def _profiles(places: Places, grids: tuple[Grid, ...], terms: Terms) -> tuple[Pa
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
     return packed(fields), mean_parts(parts[-1], grids[-1])
-
-
-_kept_profiles = lru_cache(maxsize=128)(_profiles)
 
 
 def profile_fields(

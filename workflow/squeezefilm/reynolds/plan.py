@@ -4,23 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
 
 from squeezefilm.film.outline import POLAR_COORDINATES
-from squeezefilm.film.scene import Film, Rows, Scene, Scenes, rows_alike
+from squeezefilm.film.scene import MOST_KEPT, Film, Places, Rows, Scene, Scenes, rows_alike
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, Samples, joined_samples
 from squeezefilm.reynolds.terms import Terms, absent_terms, is_radial, terms_of_each
 
 DOMAINS = np.array(["whole", "half in y", "half in x", "quarter", "radius"], dtype=object)
 """Parts of the pad that are solved: the film is even about neither axis' middle, y's, x's, both; or
 it has no angle."""
-# Positions, and scenes, up to which samples and plans are kept: there they are asked for again for
-# many gaps and amplitudes.
-MOST_KEPT = 256
-
 Result = TypeVar("Result")
 
 
@@ -71,8 +66,6 @@ class Plan:
 
     def _sampled(self, share: float) -> Samples:
         found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
-        if len(found) == 1:
-            return found[0]
         rows = np.concatenate([rows for rows, _, _ in self.profiles])
         return joined_samples(found)[np.argsort(rows)]
 
@@ -86,11 +79,9 @@ class Plan:
         """Return which films have no angle, (n,)."""
         return np.array([is_radial(terms) for terms in self.kinds])[self.kind]
 
+    @property
     def absent_terms(self) -> np.ndarray:
         """Return the names of the terms that each scene does not have, joined by ``; ``, (n,)."""
-        return self.once("absent terms", self._joined_absent_terms)
-
-    def _joined_absent_terms(self) -> np.ndarray:
         texts = ["; ".join(each.name for each in absent_terms(terms)) for terms in self.kinds]
         return np.array(texts, dtype=object)[self.kind]
 
@@ -99,21 +90,16 @@ def plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> Plan:
     """Return what scenes need by their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
     # The terms of a gap that is shaped at rest go by its size.
-    if not scenes.flat or len(scenes) > MOST_KEPT:
+    if len(scenes.films) > 1 or not scenes.flat or len(scenes) > MOST_KEPT:
         return _plan_of(scenes)
-    columns = (scenes.film_index, scenes.x_m, scenes.y_m)
-    return replace(_kept_plan(scenes.films, *(each.tobytes() for each in columns)), scenes=scenes)
+    places, at = scenes.places
+    return replace(places.once(_plan_at, scenes.films[0], at.tobytes()), scenes=scenes)
 
 
-_kept_samples = lru_cache(maxsize=256)(SampledProfiles)
-
-
-@lru_cache(maxsize=64)
-def _kept_plan(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes) -> Plan:
-    x, y = np.frombuffer(x_m), np.frombuffer(y_m)
-    one = np.ones(len(x))
-    index = np.frombuffer(film_index, dtype=np.int64)
-    return _plan_of(Scenes(films, index, one, 0 * one, x, y, one))
+def _plan_at(places: Places, film: Film, at: bytes) -> Plan:
+    which = np.frombuffer(at, dtype=np.int64)
+    one = np.ones(len(which))
+    return _plan_of(film.scenes(one, 0 * one, places.x_m[which], places.y_m[which]))
 
 
 def _plan_of(scenes: Scenes) -> Plan:
@@ -127,8 +113,8 @@ def _plan_of(scenes: Scenes) -> Plan:
         for part in rows_alike(radial[rows]):
             own, (places, at) = np.arange(len(scenes))[rows][part], some[part].places
             has_no_angle = bool(radial[own[0]])
-            sampler = _kept_samples if len(places.x_m) <= MOST_KEPT else SampledProfiles
-            sampled = sampler(places, POLAR_COORDINATES if has_no_angle else outline)
+            coordinates = POLAR_COORDINATES if has_no_angle else outline
+            sampled = places.once(SampledProfiles, coordinates)
             even_x = gap.tilt_x_m == 0 and (not outline or outline.even_x)
             even_y = gap.tilt_y_m == 0 and (not outline or outline.even_y)
             fold_x[own] = has_no_angle | sampled.even_x[at] & even_x

@@ -121,7 +121,7 @@ def planned(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Ex
         solutions.status[row] = reason
     if rows := found.rows.tolist():
         solutions.status[rows], solutions.method[rows] = found.statuses(tolerance), "composite"
-        solutions.domain[rows], solutions.absent_terms[rows] = "whole", plan.absent_terms()[rows]
+        solutions.domain[rows], solutions.absent_terms[rows] = "whole", plan.absent_terms[rows]
         solutions.nx[rows], solutions.ny[rows] = found.nx, found.ny
         solutions.work[rows] = found.flops
         scale_n = np.where(np.isfinite(found.error), plan.scenes[found.rows].force_scale_n, np.nan)

@@ -387,19 +387,14 @@ def _reynolds(scenes: Scenes) -> np.ndarray:
 def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
     like = scenes.films[scenes.film_index[0]]
-    kind = complex if like.actuator.profile.is_complex else float
-    amplitude = np.empty((len(scenes), *x.shape), dtype=kind)
-    rest = np.empty((len(scenes), *x.shape))
-    for film, rows, some in scenes.of_each_film():
-        places, at = some.places
-        amplitude[rows] = places.amplitude(x.ravel(), y.ravel()).reshape(-1, *x.shape)[at]
-        rest[rows] = 1 + film.pad.gap.rise_m(x, y) / some.h0_m[:, None, None]
+    amplitudes, which = scenes.at_places(lambda places: places.amplitude(x.ravel(), y.ravel()))
+    rise_m = scenes.column(lambda film: film.pad.gap.rise_m(x, y))
     return films_of(
         scenes.epsilon,
         scenes.sigma,
-        amplitude,
+        np.concatenate(amplitudes)[which].reshape(-1, *x.shape),
         aspect=scenes.aspect,
         slip=6 * scenes.slip_knudsen,
         reynolds=_reynolds(scenes),
-        rest=None if like.pad.gap.flat else rest,
+        rest=None if like.pad.gap.flat else 1 + rise_m / scenes.h0_m[:, None, None],
     )

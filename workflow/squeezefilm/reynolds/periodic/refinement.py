@@ -252,7 +252,7 @@ def solve_periodic(
     """Solve for the periodic state of each scene whose status is empty; see ``solver.solve``."""
     waiting = solutions.status == ""
     rows = slice(None) if waiting.all() else np.flatnonzero(waiting)
-    solutions.absent_terms[rows] = plan.absent_terms()[rows]
+    solutions.absent_terms[rows] = plan.absent_terms[rows]
     refinement = Refinement(
         plan=plan,
         solutions=solutions,

@@ -15,10 +15,10 @@ import numpy as np
 
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.scene import Film, Rows, Scenes, rows_alike
+from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scenes, rows_alike
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
-from squeezefilm.reynolds.plan import MOST_KEPT, Plan, plan_of
+from squeezefilm.reynolds.plan import Plan, plan_of
 from squeezefilm.reynolds.terms import (
     Terms,
     is_radial,
@@ -121,10 +121,6 @@ def nodes_for_profile(plan: Plan, *, tolerance: float) -> np.ndarray:
 
 def unseen_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
     """The scenes whose profile under the pad no grid sees, and why."""
-    return plan.once("unseen", lambda tolerance: _unseen_profiles(plan, tolerance), tolerance)
-
-
-def _unseen_profiles(plan: Plan, tolerance: float) -> dict[int, str]:
     share = share_of(tolerance)
     missed = plan.samples(share).missed
     most = np.where(plan.fold_x & plan.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST)

@@ -20,7 +20,7 @@ from squeezefilm.formatting import in_lines, percent
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.solution import Solution
+from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import plan
 from squeezefilm.studies.study import scenes_in
@@ -37,7 +37,7 @@ def scan_errors(
     *,
     device: Device,
     draws: int = DRAWS,
-    solved: Callable[..., Sequence[Solution]] = solve,
+    solved: Callable[..., Solutions] = solve,
 ) -> pd.DataFrame:
     """Solve the scenes again with profiles of other noise, and estimate what was neglected.
 
@@ -68,10 +68,9 @@ def scan_errors(
         for scene in scenes
     ]
     found = solved(every, tolerance=TOLERANCE, device=device)
-    values = pd.DataFrame([{"force_n": each.force_n, **each.asked_columns} for each in found])
-    for row, solution in enumerate(found):
-        if solution.status != "ok":
-            raise RunError(f"point {every[row].point_id}: {solution.status}")
+    for row in np.flatnonzero(found.status != "ok").tolist():
+        raise RunError(f"point {every[row].point_id}: {found.status[row]}")
+    values = found.to_frame().drop(columns=[*SOLUTION_COLUMNS[1:]])
     count = len(scenes)
     own, numbers = values.iloc[:count], values.select_dtypes("number")
     noisy, misfitting = (
