@@ -32,7 +32,7 @@ Snakemake runs no script there. Move the folder to a path without)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability docs lint format lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability mutants docs lint format lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -48,6 +48,7 @@ help:
 	@echo "make test-browser   the pages, in a browser without a screen"
 	@echo "make test-device    the kernels' work-items, watched by Oclgrind, and large work-groups"
 	@echo "make test-stability   stiff and extreme films, each judged; minutes"
+	@echo "make mutants  a wrong sign in each formula, which the tests beside it must find; minutes"
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make test-install   the library from its wheel, in an environment of its own; needs a network"
 	@echo "make docs     the documentation as pages of HTML: $(DOCS)"
@@ -121,6 +122,10 @@ test-device: $(VENV)/.dev
 
 test-stability: $(VENV)/.run
 	$(SNAKEMAKE) results/paper/numerics/stability.csv
+
+# Not in .ci/run: each compiles kernels anew.
+mutants: $(VENV)/.dev
+	$(RUN) OPENBLAS_NUM_THREADS=1 python tests/mutants.py
 
 # A root user of Debian gets Slurm too; elsewhere its tests are skipped and say so.
 test-cluster: $(VENV)/.dev

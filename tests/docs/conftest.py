@@ -4,6 +4,8 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
+import venv
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ from .commands import MADE, Command, as_run, to_run
 
 FILES = ("Makefile", "README.md", "LICENSE", "docs")
 OF_THE_ENVIRONMENT = ("pyproject.toml", "requirements.lock", "requirements-dev.lock")
+PACKAGES = Path(sysconfig.get_path("purelib"))
 LONGEST_S = 1200
 TAIL = 3000
 ASSIGNMENT = re.compile(r"([A-Z]+)=(\S+)")
@@ -63,12 +66,44 @@ def edited(path: Path, changes: dict[str, str]) -> None:
     path.write_text(text, encoding="utf-8")
 
 
+def make_environment(folder: Path) -> None:
+    """Make a checkout's own .venv that has the packages of this one: what commands install there
+    stays there.
+    """
+    environment = folder / ".venv"
+    venv.create(environment, symlinks=True)
+    own = environment / PACKAGES.relative_to(sys.prefix)
+    lines = [str(folder / "workflow"), f"import site; site.addsitedir({str(PACKAGES)!r})"]
+    (own / "shared.pth").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    for script in Path(sys.prefix, "bin").iterdir():
+        if (environment / "bin" / script.name).exists():
+            continue
+        first, _, rest = script.read_bytes().partition(b"\n")
+        if first.startswith(b"#!") and b"python" in first:
+            first = f"#!{environment}/bin/python".encode()
+        copy = environment / "bin" / script.name
+        copy.write_bytes(first + b"\n" + rest)
+        copy.chmod(0o755)
+    for made in (".run", ".dev"):  # newer than the locks: `make` installs nothing
+        (environment / made).touch()
+
+
+def packages_here() -> dict[str, tuple[int, bytes]]:
+    """What is installed here: when each package and command was, and where links lead."""
+    entries = [*PACKAGES.iterdir(), *Path(sys.prefix, "bin").iterdir()]
+    return {
+        str(path): (path.stat().st_mtime_ns, path.read_bytes() if path.suffix == ".pth" else b"")
+        for path in entries
+        if path.name != "__pycache__"
+    }
+
+
 def small_checkout(repository: Path, folder: Path) -> Path:
-    """A copy of the checkout in which the docs' studies are small, with the environment here."""
+    """A copy of the checkout in which the docs' studies are small."""
     copy_with_results(repository, folder, *FILES)
     for name in OF_THE_ENVIRONMENT:
-        shutil.copy2(repository / name, folder / name)  # with its time: `make` installs nothing
-    (folder / ".venv").symlink_to(sys.prefix)
+        shutil.copy(repository / name, folder / name)
+    make_environment(folder)
     (folder / "results").mkdir(exist_ok=True)
     config = folder / "config"
     shutil.copy(config / "quick.yaml", config / "paper.yaml")
@@ -114,7 +149,13 @@ def run_all(commands: Iterable[Command], folder: Path) -> dict[str, Outcome]:
 
 
 @pytest.fixture(scope="session")
-def outcomes(repository, tmp_path_factory):
+def packages_before():
+    """What was installed here before the docs' commands ran."""
+    return packages_here()
+
+
+@pytest.fixture(scope="session")
+def outcomes(repository, tmp_path_factory, packages_before):
     """How every command ended: those of studies of one's own beside those of the paper's."""
     folder = tmp_path_factory.mktemp("docs")
     own: list[Command] = []
