@@ -16,6 +16,7 @@ from functools import partial
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.states import EDGE_PRESSURE, changes_with_errors, weights_with_edge
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
@@ -36,8 +37,6 @@ COEFFICIENTS = (1.0, 1.54)
 STATE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
 SETTLED, MOST_STEPS = 3e-3, 30
-# Shortest step towards the pressure by the last state, over the whole.
-SHORTEST = 1 / 100
 # Newton steps of a state whose edge has moved.
 MOST_NEWTON = 8
 
@@ -67,22 +66,7 @@ def _changes_on_grid(
 ) -> np.ndarray:
     """Changes of the mean pressure over it on one grid, (coefficients, scenes)."""
     film = EdgeFilms(scenes, grid)
-    own = np.stack(unknowns)
-
-    def solved(guess: np.ndarray, edge: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        states = solve_batch(
-            scenes,
-            grid,
-            tolerance=STATE_TOLERANCE,
-            device=device,
-            guess=guess,
-            edge=film.arrays(edge),
-            most_newton=MOST_NEWTON,
-        )
-        mean = states.mean + film.mean_of_edge(edge)
-        return states.unknowns, np.where(states.status == 0, mean, np.nan)
-
-    own, mean = solved(own, film.ambient())
+    own, mean = film.solve(np.stack(unknowns), film.ambient(), device)
     changes = []
     state, edge, change = own, film.ambient(), np.zeros(len(scenes))
     for coefficient in COEFFICIENTS:
@@ -96,7 +80,7 @@ def _changes_on_grid(
             step = np.where(moved > before, step / 4, step)
             columns = step[:, None, None, None]
             tried = [known + columns * move for known, move in zip(edge, moves, strict=True)]
-            new_state, mean_with_loss = solved(state, tried)
+            new_state, mean_with_loss = film.solve(state, tried, device)
             failed = np.isnan(mean_with_loss)
             last, change = change, np.where(failed, change, mean_with_loss / mean - 1)
             settled = ~failed & (np.abs(change - last) <= step * SETTLED / 2 * np.abs(change))
@@ -105,7 +89,7 @@ def _changes_on_grid(
             edge = [np.where(keep, known, new) for known, new in zip(edge, tried, strict=True)]
             state = np.where(keep[..., None], state, new_state)
             step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
-            if (settled | (step < SHORTEST)).all():
+            if settled.all():
                 break
         changes.append(np.where(settled, change, np.nan))
     return np.array(changes)
@@ -119,19 +103,14 @@ class EdgeFilms:
     """
 
     def __init__(self, scenes: Sequence[Scene], grid: Grid) -> None:
-        problems = problems_of(scenes, grid)
-        self.grid, self.numbers = grid, problems.numbers
-        self.lengths = grid.lengths(problems.aspect)
+        fields = Fields(problems_of(scenes, grid), grid, np.zeros((len(scenes), *grid.shape)))
+        self.scenes, self.grid, self.numbers = scenes, grid, fields.problems.numbers
+        self.lengths = fields.lengths
         self.exponent = scenes[0].gas.polytropic_exponent
         reynolds = np.array([scene.modified_reynolds for scene in scenes])
-        self.bernoulli = (problems.numbers["sigma"] * reynolds / 24)[:, None, None, None]
+        self.bernoulli = (self.numbers["sigma"] * reynolds / 24)[:, None, None, None]
         self.axes = [axis for axis in (grid.x, grid.y) if isinstance(axis, Axis)]
-        parts = problems.parts[problems.places][..., None]
-        epsilon = problems.numbers["epsilon"][:, None, None, None]
-        gap = 1 + epsilon * parts[:, 0] * np.sin(grid.t.nodes)
-        if parts.shape[1] > 1:
-            per_rise = problems.numbers["per_rise"][:, None, None, None]
-            gap = gap + epsilon * parts[:, 1] * np.cos(grid.t.nodes) + per_rise * parts[:, 2]
+        gap = fields.gap
         # Over h0, on the nodes that are solved for, and at each axis' ends.
         self.gap = gap[:, grid.x.inner, grid.y.inner]
         self.gap_at_ends = [gap[:, _ends(grid.x)][:, :, grid.y.inner]]
@@ -142,6 +121,22 @@ class EdgeFilms:
     def ambient(self) -> list[np.ndarray]:
         """The ambient pressure on the edge."""
         return [np.zeros_like(gap) for gap in self.gap_at_ends]
+
+    def solve(
+        self, guess: np.ndarray, edge: list[np.ndarray], device: Device
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return unknowns of states with a pressure on the edge, and means, NaN without one."""
+        states = solve_batch(
+            self.scenes,
+            self.grid,
+            tolerance=STATE_TOLERANCE,
+            device=device,
+            guess=guess,
+            edge=self.arrays(edge),
+            most_newton=MOST_NEWTON,
+        )
+        mean = states.mean + self.mean_of_edge(edge)
+        return states.unknowns, np.where(states.status == 0, mean, np.nan)
 
     def pressure_of_inflow(
         self, unknowns: np.ndarray, edge: list[np.ndarray], coefficient: float
