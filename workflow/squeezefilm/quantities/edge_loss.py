@@ -4,8 +4,9 @@
 
 with the mean velocity ū over the gap, lengths by the pad's length along x, time by 1/ω. C is the
 kinetic energy of a plug or of a parabola, over that of the mean velocity, and more with losses: it
-is not known better than to the two. The edge's pressure and the film's state are solved for in
-turn, each with the other's last one, until the force settles.
+is not known better than to the two. A wall that slides drags gas to the edge, with a pressure from
+ρ U²/2 below to as much above the ambient one, which no film equation tells. The edge's pressure and
+the film's state are solved for in turn, each with the other's last one, until the force settles.
 """
 
 from __future__ import annotations
@@ -37,8 +38,10 @@ COEFFICIENTS = (1.0, 1.54)
 STATE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
 SETTLED, MOST_STEPS = 3e-3, 30
-# Newton steps of a state whose edge has moved.
-MOST_NEWTON = 8
+# A pressure on the edge over the ambient one in whose effects higher orders do not count.
+SMALL = 1e-3
+# Both ends of an axis.
+ENDS = np.array([0.0, 1.0])
 
 
 def mean_changes(
@@ -59,6 +62,31 @@ def mean_changes(
     )
     changes[1] += SETTLED * np.abs(changes[0])
     return changes
+
+
+def ram_changes(
+    scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
+) -> np.ndarray:
+    """Return what the pressure ρ U²/2 where a sliding wall drags gas in changes of the forces.
+
+    Gas that comes in with the wall's speed and stops has it: the largest that there may be. The
+    change goes with the pressure, and is solved for a small one.
+
+    Args and returns: as of ``mean_changes``, of one change, (2, 1, scenes).
+    """
+
+    def on_grid(scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid) -> np.ndarray:
+        film, own = EdgeFilms(scenes, grid), np.stack(unknowns)
+        without, with_pressure = (
+            film.solve(own, edge, device)[1]
+            for edge in (film.ambient(), film.pressure_of_dragged_gas())
+        )
+        return np.array([with_pressure / without - 1])
+
+    changes = changes_with_errors(scenes, solutions, on_grid, changes=1, tolerance=STATE_TOLERANCE)
+    # ρ U²/2 over the ambient pressure.
+    ram = [each.modified_reynolds * each.bearing_number**2 / (6 * each.sigma) for each in scenes]
+    return changes * (np.array(ram) / SMALL)
 
 
 def _changes_on_grid(
@@ -133,7 +161,6 @@ class EdgeFilms:
             device=device,
             guess=guess,
             edge=self.arrays(edge),
-            most_newton=MOST_NEWTON,
         )
         mean = states.mean + self.mean_of_edge(edge)
         return states.unknowns, np.where(states.status == 0, mean, np.nan)
@@ -147,7 +174,6 @@ class EdgeFilms:
             unknowns: overpressure and deficits of the velocity, (scenes, fields, nx, ny, times).
         """
         pressures = []
-        area = np.asarray(self.grid.area(np.array([0.0, 1.0])))
         for k, (axis, gap, at_ends) in enumerate(
             zip(self.axes, self.gap_at_ends, edge, strict=True)
         ):
@@ -165,11 +191,27 @@ class EdgeFilms:
                 at = FluxPoints(axis).at(axis.all_nodes[ends])
                 deficit_at = axis.fold(at, odd=True, rows=len(ends))
                 velocity -= np.einsum("en,snqt->seqt", deficit_at, deficit)
-            inwards = np.array([1.0, -1.0])[: len(ends), None, None]
-            inflow = np.maximum(inwards * velocity, 0.0)
-            per_area = area[: len(ends), :, None] if self.grid.outline else 1.0
-            pressures.append(-coefficient * self.bernoulli * inflow**2 / per_area)
+            pressures.append(-coefficient * self.bernoulli * self._square_of_inflow(velocity))
         return pressures
+
+    def pressure_of_dragged_gas(self) -> list[np.ndarray]:
+        """Return a small pressure on the edge where a sliding wall drags gas in.
+
+        It goes with the square of the wall's speed into the film and is SMALL where that is U.
+        """
+        pressure = self.ambient()
+        turn = np.asarray(self.grid.turn(ENDS)).real
+        wall = turn[: pressure[0].shape[1], :, None] if self.grid.outline else turn
+        direction = np.sign(self.numbers["bearing"])[:, None, None, None]
+        pressure[0] += SMALL * self._square_of_inflow(direction * wall + pressure[0])
+        return pressure
+
+    def _square_of_inflow(self, velocity: np.ndarray) -> np.ndarray:
+        """Square of the velocity at the ends of an axis where it leads into the film, else 0."""
+        ends = velocity.shape[1]
+        inflow = np.maximum(np.array([1.0, -1.0])[:ends, None, None] * velocity, 0.0)
+        area = np.asarray(self.grid.area(ENDS))
+        return np.asarray(inflow**2 / (area[:ends, :, None] if self.grid.outline else 1.0))
 
     def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
         """Return what a pressure on the edge adds, by the kernels' names of arrays."""
