@@ -42,7 +42,7 @@ def added(film: Film, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             sigma=strip.sigma,
             numbers=lambda name, *, absent: numbers.get(name, absent),
             problems=SimpleNamespace(numbers={"flow": np.ones((1, 1))}),
-            grid=SimpleNamespace(outline=None),
+            turn=np.ones(1),
             area=1.0,
             gap=gap,
             mass=gap * pressure[None, :, None],

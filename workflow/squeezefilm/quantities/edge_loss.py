@@ -200,24 +200,21 @@ class EdgeFilms:
         It goes with the square of the wall's speed into the film and is SMALL where that is U.
         """
         pressure = self.ambient()
-        turn = np.asarray(self.grid.turn(ENDS)).real
-        wall = turn[: pressure[0].shape[1], :, None] if self.grid.outline else turn
+        turn = np.asarray(self.grid.turn(ENDS)).real[..., None]
         direction = np.sign(self.numbers["bearing"])[:, None, None, None]
-        pressure[0] += SMALL * self._square_of_inflow(direction * wall + pressure[0])
+        velocity = direction * turn[: pressure[0].shape[1]] + pressure[0]
+        pressure[0] += SMALL * self._square_of_inflow(velocity)
         return pressure
 
     def _square_of_inflow(self, velocity: np.ndarray) -> np.ndarray:
         """Square of the velocity at the ends of an axis where it leads into the film, else 0."""
         ends = velocity.shape[1]
         inflow = np.maximum(np.array([1.0, -1.0])[:ends, None, None] * velocity, 0.0)
-        area = np.asarray(self.grid.area(ENDS))
-        return np.asarray(inflow**2 / (area[:ends, :, None] if self.grid.outline else 1.0))
+        return np.asarray(inflow**2 / np.asarray(self.grid.area(ENDS))[..., None][:ends])
 
     def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
         """Return what a pressure on the edge adds, by the kernels' names of arrays."""
-        found = {"edge_flow": np.zeros_like(self.gap)}
-        for name in EDGE_PRESSURE:
-            found[name] = np.zeros_like(self.gap)
+        found = {name: np.zeros_like(self.gap) for name in ("edge_flow", *EDGE_PRESSURE)}
         flows = self._flow_at_ends(edge)
         for k, (axis, name) in enumerate(zip(self.axes, "xy", strict=False)):
             length = self.lengths[k]

@@ -362,10 +362,14 @@ def _effects_of_sliding(
     error += 100 * missed * size_n / abs(own_n)
     error += 6 * scene.knudsen * abs(sheared)  # of the wall's velocity no slip is known
     ram, ram_error = percent("ram_pressure")
-    return {
-        "sheared_gas": UNKNOWN if film.unsolvable else Effect(sheared, error),
+    effects = {
+        "sheared_gas": Effect(sheared, nan if film.unsolvable else float(error)),
         "moving_profile": Effect(*percent("moving_profile")),
         "ram_pressure": Effect(0.0, abs(ram) + ram_error),
+    }
+    return {
+        name: effect if isfinite(effect.error_percent) else UNKNOWN
+        for name, effect in effects.items()
     }
 
 
