@@ -12,7 +12,7 @@ from math import isfinite
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.states import Solved, alike, remainder, with_states
+from squeezefilm.quantities.states import MOST_TOGETHER, Solved, alike, remainder, with_states
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import numbers_table
@@ -29,8 +29,6 @@ STEP, STEP_MISSES = 3e-5, 1e-6
 # Fraction of the tolerance, times the step, that the iterations of the two films may leave.
 LEFT = 0.1
 NOT_FOUND = "not converged: a film beside this one, for the derivatives"
-# Numbers of the finer states of films that are solved together.
-MOST_TOGETHER = 2**19
 
 
 def with_derivatives(
