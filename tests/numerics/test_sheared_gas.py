@@ -11,9 +11,11 @@ from films import film
 from sheared_strip import Film, Strip, forces
 
 from squeezefilm.api.film import Film as FilmOfUser
+from squeezefilm.quantities.edge_loss import ram_changes
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.quantities.sheared_gas import added_by_sliding, remainder, remainder_of
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
 
 WEAK = 1e-5
 WEDGE = Strip(sigma=68.0, bearing=5.4, tilt=-0.8, across=10)
@@ -40,7 +42,7 @@ def added(film: Film, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             sigma=strip.sigma,
             numbers=lambda name, *, absent: numbers.get(name, absent),
             equation={"flow": np.ones((1, 1))},
-            grid=SimpleNamespace(outline=None),
+            turn=np.ones(1),
             area=1.0,
             gap=gap,
             mass=gap * pressure[None, :, None],
@@ -138,6 +140,26 @@ def test_a_long_sliding_wedge_has_the_effects_of_a_strip(speed, frequency):
     assert abs(total - of_strip) < 0.5 * abs(total - rows[-1].percent - of_strip)
     lower, upper = budget.modelling_error_percent
     assert lower < of_strip + budget.effects["slip"].percent < upper
+
+
+@pytest.mark.parametrize("turns", [1, -1])
+def test_dragged_gas_may_have_half_rho_u_squared_where_it_comes_in(turns):
+    """As the pressure at the inlet of a strip, which a bound of the budget is for."""
+    pad = {"length_x": "5 mm", "length_y": "50 mm", "speed_x": turns * 50}
+    pad["gap"] = {"tilt_x": f"{-turns * 8} um"}
+    actuator = {"surface_radius": "200 mm", "frequency": "20 kHz", "profile": {"kind": "piston"}}
+    gas = {"rarefaction": "none", "inertia": "none", "thermal": "none"}
+    scene = FilmOfUser.of(actuator=actuator, pad=pad, gas=gas).scene("10 um", "0.1 um")
+    solutions = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
+    ((change,),), ((error,),) = ram_changes([scene], solutions, device=choose_device())
+    strip = Film(Strip(scene.sigma, abs(scene.bearing_number), tilt=-0.8))
+    nothing, inlet = np.zeros_like(strip.gap), np.ones_like(strip.gap)
+    inlet[0] += 1e-4
+    raised, plain = (strip.force(strip.reynolds(nothing, nothing, p)) for p in (inlet, inlet**0))
+    ram = scene.gas.density_kg_per_m3 * 50**2 / 2 / scene.gas.ambient_pressure_pa
+    assert change == pytest.approx(ram * (raised / plain - 1) / 1e-4, rel=0.02, abs=error)
+    (budget,) = error_budgets([scene])
+    assert budget.effects["ram_pressure"].error_percent == pytest.approx(100 * change, rel=0.2)
 
 
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])

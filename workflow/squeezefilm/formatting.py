@@ -32,11 +32,11 @@ NOT_SHOWN = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "re
 }
 NOT_AVAILABLE, EFFECT_ERROR = "not available", "_error_percent"
 EFFECTS = (
-    *("inertia", "thermal", "depth_averaged", "sheared_gas", "moving_profile"),
+    *("inertia", "thermal", "depth_averaged", "sheared_gas", "moving_profile", "ram_pressure"),
     *("slip", "flow_factor", "edge_loss"),
 )
 # Effects whose error is no numerical one.
-WITH_ERROR = ("depth_averaged", "sheared_gas", "moving_profile", "flow_factor")
+WITH_ERROR = ("depth_averaged", "sheared_gas", "moving_profile", "ram_pressure", "flow_factor")
 SYMMETRIES = {"whole": "none", "quarter": "x and y", "radius": "all around"}
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.05
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.states import alike, remainder, with_states
+from squeezefilm.quantities.states import MOST_TOGETHER, alike, remainder, with_states
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -29,8 +29,6 @@ STEP, STEP_MISSES = 3e-5, 1e-6
 # Fraction of the tolerance, times the step, that the iterations of the two films may leave.
 LEFT = 0.1
 NOT_FOUND = "not converged: a film beside this one, for the derivatives"
-# Numbers of the finer states of films that are solved together.
-MOST_TOGETHER = 2**19
 
 
 def with_derivatives(

@@ -4,8 +4,9 @@
 
 with the mean velocity ū over the gap, lengths by the pad's length along x, time by 1/ω. C is the
 kinetic energy of a plug or of a parabola, over that of the mean velocity, and more with losses: it
-is not known better than to the two. The edge's pressure and the film's state are solved for in
-turn, each with the other's last one, until the force settles.
+is not known better than to the two. A wall that slides drags gas to the edge, with a pressure from
+ρ U²/2 below to as much above the ambient one, which no film equation tells. The edge's pressure and
+the film's state are solved for in turn, each with the other's last one, until the force settles.
 """
 
 from __future__ import annotations
@@ -15,11 +16,11 @@ from functools import partial
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.scene import Scene
+from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.states import EDGE_PRESSURE, changes_with_errors, weights_with_edge
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.reynolds.terms.rarefaction import (
@@ -36,10 +37,10 @@ COEFFICIENTS = (1.0, 1.54)
 STATE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
 SETTLED, MOST_STEPS = 3e-3, 30
-# Shortest step towards the pressure by the last state, over the whole.
-SHORTEST = 1 / 100
-# Newton steps of a state whose edge has moved.
-MOST_NEWTON = 8
+# A pressure on the edge over the ambient one in whose effects higher orders do not count.
+SMALL = 1e-3
+# Both ends of an axis.
+ENDS = np.array([0.0, 1.0])
 
 
 def mean_changes(
@@ -62,27 +63,37 @@ def mean_changes(
     return changes
 
 
+def ram_changes(
+    scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
+) -> np.ndarray:
+    """Return what the pressure ρ U²/2 where a sliding wall drags gas in changes of the forces.
+
+    Gas that comes in with the wall's speed and stops has it: the largest that there may be. The
+    change goes with the pressure, and is solved for a small one.
+
+    Args and returns: as of ``mean_changes``, of one change, (2, 1, scenes).
+    """
+
+    def on_grid(scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid) -> np.ndarray:
+        film, own = EdgeFilms(scenes, grid), np.stack(unknowns)
+        without, with_pressure = (
+            film.solve(own, edge, device)[1]
+            for edge in (film.ambient(), film.pressure_of_dragged_gas())
+        )
+        return np.array([with_pressure / without - 1])
+
+    changes = changes_with_errors(scenes, solutions, on_grid, changes=1, tolerance=STATE_TOLERANCE)
+    # ρ U²/2 over the ambient pressure.
+    ram = [each.modified_reynolds * each.bearing_number**2 / (6 * each.sigma) for each in scenes]
+    return changes * (np.array(ram) / SMALL)
+
+
 def _changes_on_grid(
     scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid, *, device: Device
 ) -> np.ndarray:
     """Changes of the mean pressure over it on one grid, (coefficients, scenes)."""
     film = EdgeFilms(scenes, grid)
-    own = np.stack(unknowns)
-
-    def solved(guess: np.ndarray, edge: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        states = solve_batch(
-            scenes,
-            grid,
-            tolerance=STATE_TOLERANCE,
-            device=device,
-            guess=guess,
-            edge=film.arrays(edge),
-            most_newton=MOST_NEWTON,
-        )
-        mean = states.mean + film.mean_of_edge(edge)
-        return states.unknowns, np.where(states.status == 0, mean, np.nan)
-
-    own, mean = solved(own, film.ambient())
+    own, mean = film.solve(np.stack(unknowns), film.ambient(), device)
     changes = []
     state, edge, change = own, film.ambient(), np.zeros(len(scenes))
     for coefficient in COEFFICIENTS:
@@ -96,7 +107,7 @@ def _changes_on_grid(
             step = np.where(moved > before, step / 4, step)
             columns = step[:, None, None, None]
             tried = [known + columns * move for known, move in zip(edge, moves, strict=True)]
-            new_state, mean_with_loss = solved(state, tried)
+            new_state, mean_with_loss = film.solve(state, tried, device)
             failed = np.isnan(mean_with_loss)
             last, change = change, np.where(failed, change, mean_with_loss / mean - 1)
             settled = ~failed & (np.abs(change - last) <= step * SETTLED / 2 * np.abs(change))
@@ -105,7 +116,7 @@ def _changes_on_grid(
             edge = [np.where(keep, known, new) for known, new in zip(edge, tried, strict=True)]
             state = np.where(keep[..., None], state, new_state)
             step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
-            if (settled | (step < SHORTEST)).all():
+            if settled.all():
                 break
         changes.append(np.where(settled, change, np.nan))
     return np.array(changes)
@@ -119,19 +130,14 @@ class EdgeFilms:
     """
 
     def __init__(self, scenes: Sequence[Scene], grid: Grid) -> None:
-        scenes = Scenes.of(scenes)
-        self.grid, self.numbers = grid, numbers_table(scenes, terms_of_all(scenes))
-        self.lengths = grid.lengths(scenes[0].aspect)
+        fields = Fields(scenes, grid, np.zeros((len(scenes), *grid.shape)))
+        self.scenes, self.grid, self.numbers = scenes, grid, fields.equation
+        self.lengths = fields.lengths
         self.exponent = scenes[0].gas.polytropic_exponent
         reynolds = np.array([scene.modified_reynolds for scene in scenes])
         self.bernoulli = (self.numbers["sigma"] * reynolds / 24)[:, None, None, None]
         self.axes = [axis for axis in (grid.x, grid.y) if isinstance(axis, Axis)]
-        parts = gap_parts(scenes, grid)[..., None]
-        epsilon = self.numbers["epsilon"][:, None, None, None]
-        gap = 1 + epsilon * parts[:, 0] * np.sin(grid.t.nodes)
-        if parts.shape[1] > 1:
-            per_rise = self.numbers["per_rise"][:, None, None, None]
-            gap = gap + epsilon * parts[:, 1] * np.cos(grid.t.nodes) + per_rise * parts[:, 2]
+        gap = fields.gap
         # Over h0, on the nodes that are solved for, and at each axis' ends.
         self.gap = gap[:, grid.x.inner, grid.y.inner]
         self.gap_at_ends = [gap[:, _ends(grid.x)][:, :, grid.y.inner]]
@@ -143,6 +149,21 @@ class EdgeFilms:
         """The ambient pressure on the edge."""
         return [np.zeros_like(gap) for gap in self.gap_at_ends]
 
+    def solve(
+        self, guess: np.ndarray, edge: list[np.ndarray], device: Device
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return unknowns of states with a pressure on the edge, and means, NaN without one."""
+        states = solve_batch(
+            self.scenes,
+            self.grid,
+            tolerance=STATE_TOLERANCE,
+            device=device,
+            guess=guess,
+            edge=self.arrays(edge),
+        )
+        mean = states.mean + self.mean_of_edge(edge)
+        return states.unknowns, np.where(states.status == 0, mean, np.nan)
+
     def pressure_of_inflow(
         self, unknowns: np.ndarray, edge: list[np.ndarray], coefficient: float
     ) -> list[np.ndarray]:
@@ -152,7 +173,6 @@ class EdgeFilms:
             unknowns: overpressure and deficits of the velocity, (scenes, fields, nx, ny, times).
         """
         pressures = []
-        area = np.asarray(self.grid.area(np.array([0.0, 1.0])))
         for k, (axis, gap, at_ends) in enumerate(
             zip(self.axes, self.gap_at_ends, edge, strict=True)
         ):
@@ -170,17 +190,30 @@ class EdgeFilms:
                 at = FluxPoints(axis).at(axis.all_nodes[ends])
                 deficit_at = axis.fold(at, odd=True, rows=len(ends))
                 velocity -= np.einsum("en,snqt->seqt", deficit_at, deficit)
-            inwards = np.array([1.0, -1.0])[: len(ends), None, None]
-            inflow = np.maximum(inwards * velocity, 0.0)
-            per_area = area[: len(ends), :, None] if self.grid.outline else 1.0
-            pressures.append(-coefficient * self.bernoulli * inflow**2 / per_area)
+            pressures.append(-coefficient * self.bernoulli * self._square_of_inflow(velocity))
         return pressures
+
+    def pressure_of_dragged_gas(self) -> list[np.ndarray]:
+        """Return a small pressure on the edge where a sliding wall drags gas in.
+
+        It goes with the square of the wall's speed into the film and is SMALL where that is U.
+        """
+        pressure = self.ambient()
+        turn = np.asarray(self.grid.turn(ENDS)).real[..., None]
+        direction = np.sign(self.numbers["bearing"])[:, None, None, None]
+        velocity = direction * turn[: pressure[0].shape[1]] + pressure[0]
+        pressure[0] += SMALL * self._square_of_inflow(velocity)
+        return pressure
+
+    def _square_of_inflow(self, velocity: np.ndarray) -> np.ndarray:
+        """Square of the velocity at the ends of an axis where it leads into the film, else 0."""
+        ends = velocity.shape[1]
+        inflow = np.maximum(np.array([1.0, -1.0])[:ends, None, None] * velocity, 0.0)
+        return np.asarray(inflow**2 / np.asarray(self.grid.area(ENDS))[..., None][:ends])
 
     def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
         """Return what a pressure on the edge adds, by the kernels' names of arrays."""
-        found = {"edge_flow": np.zeros_like(self.gap)}
-        for name in EDGE_PRESSURE:
-            found[name] = np.zeros_like(self.gap)
+        found = {name: np.zeros_like(self.gap) for name in ("edge_flow", *EDGE_PRESSURE)}
         flows = self._flow_at_ends(edge)
         for k, (axis, name) in enumerate(zip(self.axes, "xy", strict=False)):
             length = self.lengths[k]

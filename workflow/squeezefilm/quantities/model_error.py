@@ -40,8 +40,9 @@ MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
 OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
+OF_SLIDING = ("sheared_gas", "moving_profile", "ram_pressure")
 NAMES = (
-    *(*OPEN, "depth_averaged", "sheared_gas", "moving_profile"),
+    *(*OPEN, "depth_averaged", *OF_SLIDING),
     *("slip", "flow_factor", "edge_loss", "bearing"),
 )
 # Name of all neglected effects at once, where each alone was solved for.
@@ -63,6 +64,8 @@ class Effect(NamedTuple):
 
 
 UNKNOWN, NONE = Effect(nan), Effect(0.0, 0.0)
+# Relative changes of forces by effects beside their states, and the errors, (2, changes).
+Changes = dict[str, dict[Scene, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -72,11 +75,12 @@ class ErrorBudget:
     Attributes:
         effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
             walls at ambient temperature; ``depth_averaged``, error of both as averages over the
-            gap; ``sheared_gas``, what the motion of a sliding pad adds to both;
-            ``moving_profile``, of the profile past such a pad; ``slip`` of first order, with the
-            flow factor's flow in a gap at rest, or as the scene has it; ``flow_factor``, the
-            difference of the flow factor from that; ``edge_loss`` for the coefficient C = 1;
-            ``bearing`` of a sliding pad.
+            gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as the
+            scene has it; ``flow_factor``, its difference from that; ``edge_loss`` for C = 1.
+
+            Of a sliding pad: ``bearing``; ``sheared_gas``, inertia and heat beside those of the
+            flow by pressure; ``moving_profile``, motion of the profile past the pad;
+            ``ram_pressure`` of gas that the surface drags to the edge, of which a bound is known.
         edge_loss_upper_percent: the edge loss for the largest C.
         modelling_error_percent: lower and upper end of all neglected effects together, with C from
             its smallest to its largest; NaN where an effect is unknown.
@@ -229,8 +233,8 @@ def _budgets(
 ) -> list[ErrorBudget]:
     moving = [film for film in films if film.scene.epsilon]
     vibrating = {scene: None for film in moving for scene in (film.scene, film.together)}
-    complete = {film.together: None for film in moving}
-    with_still = complete | {film.still.together: None for film in moving if film.still}
+    sliding = {film.together: None for film in moving if film.scene.bearing_number}
+    with_still = sliding | {film.still.together: None for film in moving if film.still}
     with_states = vibrating | with_still
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
@@ -249,17 +253,18 @@ def _budgets(
             for scene, solution in zip(asked, solved, strict=True):
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
-    by_state: list[dict[Scene, np.ndarray]] = []
-    for effect, scenes in (
-        (edge_loss, vibrating),
-        (sheared_gas, with_still),
-        (moving_profile, complete),
+    changes: Changes = {}
+    for name, mean_changes, of_scenes in (
+        ("edge_loss", edge_loss.mean_changes, vibrating),
+        ("ram_pressure", edge_loss.ram_changes, sliding),
+        ("sheared_gas", sheared_gas.mean_changes, with_still),
+        ("moving_profile", moving_profile.mean_changes, sliding),
     ):
-        changes = effect.mean_changes(
-            list(scenes), [solutions[scene] for scene in scenes], device=device
+        found = mean_changes(
+            list(of_scenes), [solutions[scene] for scene in of_scenes], device=device
         )
-        by_state.append(dict(zip(scenes, np.moveaxis(changes, -1, 0), strict=True)))
-    return [_budget(film, solutions, *by_state) for film in films]
+        changes[name] = dict(zip(of_scenes, np.moveaxis(found, -1, 0), strict=True))
+    return [_budget(film, solutions, changes) for film in films]
 
 
 def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> bool:
@@ -276,19 +281,9 @@ def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> boo
 
 
 def _budget(
-    film: FilmWithEffects,
-    solutions: Mapping[Scene, Solution],
-    edge_losses: Mapping[Scene, np.ndarray],
-    sheared: Mapping[Scene, np.ndarray],
-    carried: Mapping[Scene, np.ndarray],
+    film: FilmWithEffects, solutions: Mapping[Scene, Solution], changes: Changes
 ) -> ErrorBudget:
-    """A scene's budget from the forces of its films.
-
-    Args:
-        edge_losses: relative changes of forces, and their errors, (2, coefficients).
-        sheared, carried: the same by gas that a sliding wall drags and by the profile that the wall
-            carries along, (2, 1).
-    """
+    """A scene's budget from the forces of its films and what is beside these."""
     scene = film.scene
     if not scene.epsilon:
         return ErrorBudget(status="no vibration, no force")
@@ -311,7 +306,7 @@ def _budget(
     for name in film.unsolvable:
         effects[name] = UNKNOWN
     effects["depth_averaged"] = Effect(*depth_averaging_percent(film.together))
-    (edge, edge_upper), (edge_error, _) = 100 * edge_losses[scene]
+    (edge, edge_upper), (edge_error, _) = 100 * changes["edge_loss"][scene]
     effects["edge_loss"] = Effect(float(edge), float(edge_error))
     together, error = change(film.together, film.reference)
     if film.flow_factor:
@@ -324,29 +319,11 @@ def _budget(
         error += abs(together) * (abs(apart) + apart_error) / 100
     # Those of the film with all other effects, over that film's force.
     with_all = solutions[film.together].force_n / own.force_n
-    percent, sheared_error = 100 * abs(with_all) * sheared[film.together][:, 0]
-    moved_percent, moved_error = 100 * abs(with_all) * carried[film.together][:, 0]
-    effects["moving_profile"] = Effect(float(moved_percent), float(moved_error))
-
-    def gas_effects_n(film: FilmWithEffects) -> np.ndarray:
-        """Changes of the force by inertia, by thermal effects and by gas that the wall drags."""
-        forces_n = [[solutions[each].force_n for each in pair] for pair in film.by_gas]
-        dragged_n = solutions[film.together].force_n * sheared[film.together][0, 0]
-        return np.append(-np.diff(forces_n), dragged_n)
-
-    if scene.bearing_number and not film.unsolvable:
-        effects_n = gas_effects_n(film)
-        by_vibration_n = effects_n - gas_effects_n(film.still) if film.still else effects_n
-        size_n, vibrating_n = (float(np.abs(each).sum()) for each in (effects_n, by_vibration_n))
-        missed = sheared_gas.remainder_of(scene, vibrating=vibrating_n / size_n) * size_n
-        sheared_error += 100 * missed / abs(own.force_n)
-    sheared_error += 6 * scene.knudsen * abs(percent)  # of the wall's velocity no slip is known
-    effects["sheared_gas"] = Effect(float(percent), float(sheared_error))
-    if scene.bearing_number and film.unsolvable:
-        effects["sheared_gas"] = UNKNOWN
-    ends, errors = 100 * with_all * edge_losses[film.together]
+    if scene.bearing_number:
+        effects |= _effects_of_sliding(film, solutions, changes)
+    ends, errors = 100 * with_all * changes["edge_loss"][film.together]
     error += max(map(abs, errors))
-    for name in ("flow_factor", "depth_averaged", "sheared_gas", "moving_profile"):
+    for name in ("flow_factor", "depth_averaged", *OF_SLIDING):
         together += effects[name].percent
         error += effects[name].error_percent
     if film.unsolvable:
@@ -359,6 +336,41 @@ def _budget(
             float(together + max(ends) + error),
         ),
     )
+
+
+def _effects_of_sliding(
+    film: FilmWithEffects, solutions: Mapping[Scene, Solution], changes: Changes
+) -> dict[str, Effect]:
+    """Return the effects beside the Couette flow that a pad's sliding has, of OF_SLIDING."""
+    scene, together, own_n = film.scene, film.together, solutions[film.scene].force_n
+
+    def percent(name: str) -> tuple[float, float]:
+        change, error = changes[name][together][:, 0] * solutions[together].force_n / own_n
+        return 100 * float(change), 100 * abs(float(error))
+
+    def gas_effects_n(film: FilmWithEffects) -> np.ndarray:
+        """Changes of the force by inertia, by thermal effects and by gas that the wall drags."""
+        forces_n = [[solutions[each].force_n for each in pair] for pair in film.by_gas]
+        dragged = changes["sheared_gas"][film.together][0, 0]
+        return np.append(-np.diff(forces_n), solutions[film.together].force_n * dragged)
+
+    sheared, error = percent("sheared_gas")
+    effects_n = gas_effects_n(film)
+    by_vibration_n = effects_n - gas_effects_n(film.still) if film.still else effects_n
+    size_n, vibrating_n = (float(np.abs(each).sum()) for each in (effects_n, by_vibration_n))
+    missed = sheared_gas.remainder_of(scene, vibrating=vibrating_n / size_n)
+    error += 100 * missed * size_n / abs(own_n)
+    error += 6 * scene.knudsen * abs(sheared)  # of the wall's velocity no slip is known
+    ram, ram_error = percent("ram_pressure")
+    effects = {
+        "sheared_gas": Effect(sheared, nan if film.unsolvable else float(error)),
+        "moving_profile": Effect(*percent("moving_profile")),
+        "ram_pressure": Effect(0.0, abs(ram) + ram_error),
+    }
+    return {
+        name: effect if isfinite(effect.error_percent) else UNKNOWN
+        for name, effect in effects.items()
+    }
 
 
 # Mean force of a square piston at second order of small motion, over ε² and p0 times the pad's

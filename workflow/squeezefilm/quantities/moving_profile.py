@@ -42,8 +42,8 @@ def mean_changes(
         solutions: of the scenes, with their states on two grids.
 
     Returns:
-        Changes and their errors by grids, iterations and higher orders, shape (2, 1, scenes); 0 of
-        pads at rest, NaN where a solution has no states or the orders do not fall.
+        Changes and their errors by grids, iterations and higher orders, shape (2, 1, scenes); NaN
+        where a solution has no states or the orders do not fall.
     """
     changes, errors = changes_with_errors(
         scenes, solutions, partial(_on_grid, device=device), changes=2, tolerance=STATE_TOLERANCE
@@ -58,8 +58,6 @@ def _on_grid(
 ) -> np.ndarray:
     """Changes of the mean pressure over it, and what orders above the second may add."""
     count = len(scenes)
-    if not any(scene.bearing_number for scene in scenes):
-        return np.zeros((2, count))
     films = [
         moved(scene, "x_m", steps * DISTANCE * scene.pad.length_x_m)
         for steps in range(-2, 3)

@@ -49,13 +49,11 @@ def mean_changes(
         solutions: of the scenes, with their states on two grids.
 
     Returns:
-        Changes and their errors by grids and iterations, shape (2, 1, scenes); 0 of pads at rest,
-        NaN where a solution has no states or the state with the change is not found.
+        Changes and their errors by grids and iterations, shape (2, 1, scenes); NaN where a
+        solution has no states or the state with the change is not found.
     """
 
     def on_grid(scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid) -> np.ndarray:
-        if not any(scene.bearing_number for scene in scenes):
-            return np.zeros((1, len(scenes)))
         own = np.stack(unknowns)
         source = mass_source(Fields(scenes, grid, own[:, 0]))
         without, with_source = (
@@ -147,7 +145,5 @@ def wall_speed(films: Fields) -> np.ndarray:
 
 def wall_velocity(films: Fields) -> np.ndarray:
     """U as a vector field; under an outline along its coordinates, as ``Fields.slide``."""
-    speed, everywhere = wall_speed(films), np.ones_like(films.gap)
-    if films.grid.outline is None:
-        return np.stack([speed * everywhere, 0 * everywhere])
-    return np.stack([films.turn.real * speed * everywhere, -films.turn.imag * speed * everywhere])
+    everywhere = wall_speed(films) * np.ones_like(films.gap)
+    return np.stack([films.turn.real * everywhere, -films.turn.imag * everywhere])

@@ -48,7 +48,7 @@ COEFFICIENTS = (1.0, 1.54)
 # Range of Re of the films of which `auto` neglects some effects.
 SMALL_REYNOLDS = (0.01, 2.0)
 # Rows of a budget that the film with all effects does not answer.
-NOT_COMPARED = ("depth_averaged", "sheared_gas", "moving_profile")
+NOT_COMPARED = ("depth_averaged", "sheared_gas", "moving_profile", "ram_pressure")
 
 
 @command(
@@ -65,9 +65,8 @@ def modelling_errors(options: argparse.Namespace) -> None:
     A film of air is drawn from each seed: pad, vibration, Re, squeeze number, excursion ratio. It
     is solved with the terms that `auto` includes and with inertia, thermal effects, slip and edge
     loss together, by an independent program. The change of the force, for both ends of the edge
-    loss' coefficient, is to lie within the modelling error less its parts of depth averaging, of
-    gas that a sliding pad drags and of the profile's motion past it. The exit status is 1
-    where it does not.
+    loss' coefficient, is to lie within the modelling error less its parts of depth averaging and
+    of a pad's sliding. The exit status is 1 where it does not.
     """
     seeds = range(options.seed, options.seed + options.films)
     chosen = [seed for seed in seeds if not options.discs or is_axisymmetric(random_film(seed))]

@@ -225,7 +225,7 @@ static void from_modal(const Grid *g, constant_vector modal, vector in_time, vec
 #endif
 
 /* What the gap is more than 1 at some place and four instants, by its parts there: s or, behind each
- * other, s₁, s₂ and what it is at rest, in metres (problems.py). By their slopes, the gap's slope. */
+ * other, s₁, s₂ and what it is at rest, in metres (packing.py). By their slopes, the gap's slope. */
 static double4 beyond_even(const Grid *g, const Film *film, matrix parts, int row, int t)
 {
 #ifdef HAS_any_gap
