@@ -28,12 +28,11 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from squeezefilm.errors import InputError, naming, needing, refuse
-from squeezefilm.headers import MOTION_NAMES, Column, Vocabulary, with_points
 from squeezefilm.lazy import pd
 from squeezefilm.units import sizes
 
@@ -41,6 +40,7 @@ LENGTHS_M = sizes("m")
 SPEEDS_M_PER_S = {f"{name}/s": size for name, size in LENGTHS_M.items()}
 MOTIONS = LENGTHS_M | SPEEDS_M_PER_S
 ANGLES_RAD = {name: math.radians(degrees) for name, degrees in sizes("deg").items()}
+MOTION_NAMES = ("displacement", "disp", "displ", "velocity", "vel")
 # Each with its units, in small letters, and their sizes, and its names.
 QUANTITIES = {
     "x": (LENGTHS_M, ("x",)),
@@ -61,7 +61,10 @@ OTHERS = {
     "time": (sizes("s"), ("time",)),
 }
 """Quantities by which rows of a place may differ, likewise."""
-HEADERS = Vocabulary(QUANTITIES | OTHERS)
+KNOWN = QUANTITIES | OTHERS
+NAMES = {name: quantity for quantity, (_, names) in KNOWN.items() for name in names}
+# Words beside the one that names the quantity.
+BESIDE = {"position", "pos", "coordinate", "coord", "part", "value", *MOTION_NAMES}
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
 
 BLANKS = " "
@@ -158,9 +161,38 @@ def _angular_frequency(frequency_hz: float | None) -> float:
     return 2 * math.pi * frequency_hz
 
 
+class Column(NamedTuple):
+    """A quantity, the unit it is in ("" if none is named), its place in a row, and its name.
+
+    ``size`` is the unit's in SI units and radians; None of one that the quantity has not.
+    """
+
+    quantity: str
+    unit: str
+    size: float | None
+    place: int
+    name: str
+
+
+def column_of(name: str, place: int = 0) -> Column | None:
+    """The column that a cell of a header names; None for one that a scan does not have."""
+    name = name.strip("\"' \t")
+    breaks = re.finditer(r"[\s_/,\[(]+", name)
+    ends = [(name[: at.start()], name[at.end() :].strip(" ])").lower()) for at in breaks]
+    # The likeliest first. Decibels are known, to be named in a message: the file does not tell what
+    # 0 dB is.
+    known = [each for each in ends if each[1] in MOTIONS | ANGLES_RAD or "db" in each[1]]
+    for words, unit in (*known, (name, ""), *ends[-1:]):
+        parts = [part for part in re.split(r"[\s_\-.:]+", words.lower()) if part]
+        core = [part for part in parts if part not in BESIDE] or parts[:1]
+        if quantity := NAMES.get(" ".join(core)):
+            return Column(quantity, unit, KNOWN[quantity][0].get(unit), place, name)
+    return None
+
+
 def _named(header: Sequence[str]) -> list[Column]:
     """The columns that a header names; ``X centre (mm)`` is x where nothing else is."""
-    columns = [column for at, name in enumerate(header) if (column := HEADERS.column(name, at))]
+    columns = [column for at, name in enumerate(header) if (column := column_of(name, at))]
     known = {column.quantity for column in columns if column.size}
     for at, name in enumerate(header):
         quantity, *words = re.split(r"[\s_\[(]+", name.strip("\"' \t").lower().rstrip(" ])"))
@@ -235,8 +267,7 @@ def read_points(
     table = pd.DataFrame({name: _numbers(cells, column) for name, column in columns.items()})
     if rows is not None:
         others = [
-            HEADERS.column(name, at) or Column("", "", None, at, name)
-            for at, name in enumerate(header)
+            column_of(name, at) or Column("", "", None, at, name) for at, name in enumerate(header)
         ]
         others = [column for column in others if column.place not in taken]
         table, chosen = _one_measurement(table, cells, others, rows=rows, frequency_hz=frequency_hz)
@@ -461,7 +492,14 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str]:
 def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
     """A column's values in SI units; raises InputError naming the line of one that is none."""
     cells, name = table[column.place], column.quantity
-    values = _number(with_points(cells, name=name))
+    comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
+    if comma.any() and point.any():
+        line, cell = next(cells[point].items())
+        raise InputError(
+            f"line {line}: {name} has a point in {cell!r}, and a comma in other rows; one of them "
+            "must be the decimal sign, and nothing stands between thousands"
+        )
+    values = _number(cells)
     for line, cell in cells[~(values.abs() <= LARGEST)][:1].items():
         raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     return values * (column.size or 1.0)
