@@ -45,7 +45,7 @@ ELSEWHERE = {
     "make paper-inertia": "make check",
     "make report CONFIG=config/quick.yaml": "make report",
     "pip install .": "make test-install",
-    "pip install '.[fields,fits]'": "make test-install",
+    "pip install '.[fields]'": "make test-install",
     "pip install snakemake-executor-plugin-slurm": "make test-cluster",
     "pip install snakemake-executor-plugin-cluster-generic": "make test-cluster",
     "snakemake --workflow-profile profiles/slurm": "make test-cluster",

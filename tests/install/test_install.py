@@ -46,7 +46,7 @@ def alone(repository, library_source, tmp_path_factory):
     run(*uv, "venv", "--python", sys.executable, folder / "alone", folder=folder)
     (wheel,) = folder.glob("*.whl")
     python = folder / "alone/bin/python"
-    run(*uv, "pip", "install", "--python", python, f"{wheel}[fields,fits]", folder=folder)
+    run(*uv, "pip", "install", "--python", python, f"{wheel}[fields]", folder=folder)
     (folder / "paper.yaml").write_bytes((repository / "config" / "paper.yaml").read_bytes())
     return folder
 

@@ -1,5 +1,6 @@
 """What is said of the forces of a measured profile holds: noise, strays, signs, other phases."""
 
+import pickle
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -214,8 +215,8 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path = tmp_path / "scan.csv"
     path.write_text("as measured")
     scan = smooth(replace(with_two_phases(0.5), path=path))
-    write_smoothed(scan, tmp_path / "smoothed.pickle", surface=Disc(RADIUS_M))
-    again = read_smoothed(tmp_path / "smoothed.pickle", path, surface=Disc(RADIUS_M))
+    write_smoothed(scan, tmp_path / "smoothed.npz", surface=Disc(RADIUS_M))
+    again = read_smoothed(tmp_path / "smoothed.npz", path, surface=Disc(RADIUS_M))
     assert scan.profile.is_complex
     assert again.profile == scan.profile
     assert again.scan.notes == scan.scan.notes
@@ -226,4 +227,28 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path.write_text("measured again")
     read_smoothed.cache_clear()
     with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
-        read_smoothed(tmp_path / "smoothed.pickle", path, surface=Disc(RADIUS_M))
+        read_smoothed(tmp_path / "smoothed.npz", path, surface=Disc(RADIUS_M))
+
+
+class Trap:
+    """An object whose pickle leaves a file behind when it is read."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return (Path.touch, (self.path,))
+
+
+def test_a_file_in_a_smoothed_scans_place_is_not_executed(tmp_path):
+    scan, stored, trace = (tmp_path / name for name in ("scan.csv", "smoothed.npz", "executed"))
+    scan.write_text("as measured")
+    for write in (
+        lambda: stored.write_bytes(pickle.dumps(Trap(trace))),
+        lambda: np.savez(stored, made_from=np.array([Trap(trace)], dtype=object)),
+    ):
+        write()
+        read_smoothed.cache_clear()
+        with pytest.raises(InputError, match=r"smoothed\.npz: not a smoothed scan"):
+            read_smoothed(stored, scan, surface=Disc(RADIUS_M))
+        assert not trace.exists()

@@ -90,7 +90,10 @@ WRONG = {
     ),
     "a column that no table has": ("h0_m,hv_m,speed\n5e-6,1e-6,1\n", "unknown column 'speed'"),
     "a direction alone": ("h0_m,hv_m,phi_deg\n5e-6,1e-6,1\n", "column 'phi_r_m' is missing"),
-    "two decimal signs": ("h0_m;hv_m\n5e-6;0.000001\n5e-6;0,000001\n", "hv_m has a point in"),
+    "two decimal signs": (
+        "h0_m;hv_m\n5e-6;0.000001\n5e-6;0,000001\n",
+        "hv_m: a point in '0.000001' (line 2)",
+    ),
     "a column twice": ("h0_m,hv_m,h0_m\n5e-6,1e-6,5e-6\n", "column 'h0_m' stands twice"),
     "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "unknown column 'x_m'; a position is"),
     "text for a number": (f"{HEADER}\n1,5um,1e-6,0,0\n", "line 2: h0_m is '5um'"),

@@ -9,7 +9,7 @@ from .conftest import copy_checkout, snakemake
 @pytest.mark.parametrize(
     ("study", "target", "message"),
     [
-        ("vibrometer", "profile/smoothed.pickle", "Make a smooth profile of the scan"),
+        ("vibrometer", "profile/smoothed.npz", "Make a smooth profile of the scan"),
         ("synthetic", "measurements/summary.json", "Measured forces beside computed ones"),
         ("patch", "simulations/device.json", "Compile the kernels"),
     ],

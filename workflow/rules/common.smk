@@ -152,7 +152,7 @@ pathvars:
 
 # A scan is smoothed once, before all else, and every command that reads the actuator reads what
 # came of it.
-SMOOTHED = "<results>/profile/smoothed.pickle" if SCAN else []
+SMOOTHED = "<results>/profile/smoothed.npz" if SCAN else []
 # What a scan leaves open is part of a fit's error.
 SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
 

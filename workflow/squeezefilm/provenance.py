@@ -15,7 +15,7 @@ from squeezefilm import __version__
 
 WORKFLOW = Path(__file__).resolve().parents[1]
 PACKAGES = (
-    *("snakemake", "numpy", "scipy", "pandas", "matplotlib", "pymoo", "pyopencl"),
+    *("snakemake", "numpy", "scipy", "pandas", "matplotlib", "pyopencl"),
     *("pocl-binary-distribution", "pyarrow", "scikit-fem"),
 )
 

@@ -18,10 +18,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from squeezefilm.errors import InputError, RunError, naming, needing
+from squeezefilm.errors import InputError, RunError, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, with_position
-from squeezefilm.headers import Vocabulary, folded, with_points
+from squeezefilm.headers import folded, words_and_unit
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import sizes
@@ -43,8 +43,6 @@ MEASURED = (
 )
 POSITION_FORMS = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
 PARQUET, SEPARATORS = ".parquet", ",;\t"
-DECIMAL = r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?"
-"""A number with a decimal point or comma."""
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
@@ -80,28 +78,22 @@ PATTERNS = [name for name in NAMES if "*" in name]
 TEXT_COLUMNS = {each.name for each in COLUMNS if each.unit == "text"}
 
 
-def _named_as_people_do() -> Vocabulary:
-    """Factors, forces and their uncertainties, as ``h0 [µm]`` or ``force uncertainty (mN)``."""
-    lengths, angles, forces = (
-        {folded(name): size for name, size in sizes(unit).items()} for unit in ("m", "deg", "N")
-    )
-    quantities = {
-        "h0_m": (lengths, ("h0", "gap")),
-        "hv_m": (lengths, ("hv", "amplitude", "ampl")),
-        "x_m": (lengths, ("x",)),
-        "y_m": (lengths, ("y",)),
-        "phi_r_m": (lengths, ("phi r",)),
-        "phi_deg": (angles, ("phi",)),
-        "force_n": (forces, ("force", "f")),
-    }
-    for column in UNCERTAINTY_COLUMNS:
-        units, names = quantities[column.replace("_uncertainty", "")]
-        kinds = ("uncertainty", "standard uncertainty")
-        quantities[column] = units, tuple(f"{name} {kind}" for name in names for kind in kinds)
-    return Vocabulary(quantities)
-
-
-HEADERS = _named_as_people_do()
+_WORDS_OF = {
+    "h0_m": ("h0", "gap"),
+    "hv_m": ("hv", "amplitude", "disp ampl"),
+    "x_m": ("x", "x position"),
+    "y_m": ("y", "y position"),
+    "phi_r_m": ("phi r",),
+    "phi_deg": ("phi",),
+    "force_n": ("force", "f"),
+}
+WORDS = {words: name for name, several in _WORDS_OF.items() for words in several}
+"""What people call columns, each also with the word uncertainty, and units beside it."""
+SIZES = {
+    unit.lower(): {folded(name): size for name, size in sizes(unit).items()}
+    for unit in ("m", "deg", "N")
+}
+UNITS = {name for units in SIZES.values() for name in units}
 
 Others = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
@@ -291,31 +283,43 @@ def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.Dat
             )
     lines = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
-    names = list(header)
-    named = {*as_in(columns, ()), *as_in(columns, CARTESIAN)}
+    names, asked = list(header), {*as_in(columns, ()), *as_in(columns, CARTESIAN)}
     for place, name in enumerate(header):
-        column = HEADERS.column(name, place)
-        size = None
-        if column and name not in named and column.quantity in named - {*header}:
-            size, names[place] = column.size, column.quantity if column.size else name
         if separator != ",":
-            with naming(path):
-                table[place] = _with_decimal_points(table[place], name=name)
-        if size and size != 1:
+            table[place] = _with_decimal_points(table[place], place=f"{path}: {name}")
+        own, size = _column(name)
+        if name not in asked and own in asked - {*header} and size:
+            names[place] = own
             table[place] = [_in_si(cell, size) for cell in table[place]]
     return table.set_axis(names, axis=1).reset_index(drop=True), lines
 
 
-def _with_decimal_points(cells: pd.Series, *, name: str) -> pd.Series:
-    """Cells of which the numbers have no decimal commas."""
-    numbers = cells[cells.str.fullmatch(DECIMAL)]
-    return pd.concat([with_points(numbers, name=name), cells.drop(numbers.index)])[cells.index]
+def _column(cell: str) -> tuple[str, float | None]:
+    """The column that a header's cell names, and the size of its unit; None of one without."""
+    for words, unit in words_and_unit(cell, UNITS):
+        uncertain = words[-1:] == ["uncertainty"]
+        text = " ".join(words[:-1] if uncertain else words).removesuffix(" standard")
+        if text in WORDS:
+            stem, _, base = WORDS[text].rpartition("_")
+            name = f"{stem}_uncertainty_{base}" if uncertain else WORDS[text]
+            return name, SIZES[base].get(unit)
+    return cell, None
+
+
+def _with_decimal_points(cells: pd.Series, *, place: str) -> pd.Series:
+    """Cells of which the numbers have no decimal commas; both signs in a column are invalid."""
+    commas = cells.str.fullmatch(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+    points = cells.str.fullmatch(r"[-+]?\d*\.\d+(?:[eE][-+]?\d+)?")
+    if commas.any() and points.any():
+        (line, one), (_, other) = next(cells[points].items()), next(cells[commas].items())
+        raise InputError(f"{place}: a point in {one!r} (line {line}), and a comma in {other!r}")
+    return cells.where(~commas, cells.str.replace(",", "."))
 
 
 def _in_si(cell: str, size: float) -> str:
     """Return the number in a cell times the size of its unit, the cell where there is none."""
     value = number_in(cell)
-    return cell if value != value else f"{value * size:.15g}"
+    return cell if size == 1 or value != value else f"{value * size:.15g}"
 
 
 def _parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, list[int]]:
@@ -382,10 +386,10 @@ def _check_header(
     elif others != "invalid":
         beside = []
     for name in beside:
-        column = HEADERS.column(name)
-        if column and column.quantity in {*columns, *position}:
-            stem = column.quantity.rpartition("_")[0]
-            units = ", ".join(f"{stem}_{unit}" for unit in HEADERS.quantities[column.quantity][0])
+        own, _ = _column(name)
+        if own in {*columns, *position}:
+            stem, _, base = own.rpartition("_")
+            units = ", ".join(f"{stem}_{unit}" for unit in SIZES[base])
             raise InputError(about(name, f"needs a unit, one of {units}"))
         raise InputError(f"{path}: unknown column {name!r}; the table needs {needs}")
     for name in missing:

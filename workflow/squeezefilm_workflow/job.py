@@ -50,7 +50,7 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     last = ""
     try:
         config = load_config(snakemake.config["study_file"])
-        smoothed = folder_of_results(snakemake, config) / "profile/smoothed.pickle"
+        smoothed = folder_of_results(snakemake, config) / "profile/smoothed.npz"
         os.environ[SMOOTHED] = str(smoothed)
         main(snakemake, config)
     except (InputError, RunError) as error:

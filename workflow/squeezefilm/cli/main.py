@@ -41,7 +41,7 @@ INTERRUPTED = "squeezefilm: interrupted\n"
 # Threads of NumPy's libraries wait for each other where the solver's keep all cores busy: the
 # modes of one ellipse (terms/outline.py) took 14 s on two threads and 0.2 s on one.
 THREADS = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
-NEGATIVE = re.compile(r"-\.?\d")
+NEGATIVE, OPTION = re.compile(r"-\.?\d"), re.compile(r"--[\w-]+")
 NAME_WIDTH, WIDTH = 18, 100
 
 
@@ -59,14 +59,15 @@ def commands_of(groups: Groups = GROUPS) -> dict[str, str]:
     }
 
 
-def summary_of(name: str, place: str) -> str:
-    """The first line of a command's help, which is not imported."""
+def summaries_in(place: str) -> dict[str, str]:
+    """The first line of each docstring of a module's functions, by their names; not imported."""
+    import ast
+
     spec = importlib.util.find_spec(place)
     assert spec is not None
-    text = Path(str(spec.origin)).read_text(encoding="utf-8")
-    found = re.search(rf'^def {name.replace("-", "_")}\(.*\n +"""(.*)', text, re.M)
-    assert found is not None
-    return found[1]
+    module = ast.parse(Path(str(spec.origin)).read_bytes())
+    functions = [node for node in module.body if isinstance(node, ast.FunctionDef)]
+    return {node.name: (ast.get_docstring(node) or "").partition("\n")[0] for node in functions}
 
 
 def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> int:
@@ -107,17 +108,26 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         description=inspect.cleandoc(command.run.__doc__),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser._negative_number_matcher = NEGATIVE  # for values such as that of --x -2mm
-    for add in command.options:
-        add(parser)
-    options, unknown = parser.parse_known_args(words[1:])
+    actions = [action for add in command.options for action in add(parser)]
+    options, unknown = parser.parse_known_args(with_negative_values(words[1:]))
     if unknown:
-        known = [name for action in parser._actions for name in action.option_strings]
+        known = ["--help", *(name for action in actions for name in action.option_strings)]
         hint = _nearest(unknown[0].partition("=")[0], known)
         what = f"takes no {unknown[0]!r}; {hint}`{parser.prog} --help` explains what it takes"
         parser.error(what)
     with showing_progress(parser.prog):
         return int(command.run(options) or 0)
+
+
+def with_negative_values(words: Sequence[str]) -> list[str]:
+    """Words of which ``--x -2mm`` is ``--x=-2mm``: argparse takes such values for options."""
+    joined: list[str] = []
+    for word in words:
+        if NEGATIVE.match(word) and joined and OPTION.fullmatch(joined[-1]):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
@@ -170,7 +180,8 @@ def overview(groups: Groups) -> str:
         there = [name for names in places.values() for name in names.split() if name in known]
         lines += [title] if there else []
         for name in there:
-            text = f"  {name:{NAME_WIDTH}}{summary_of(name, known[name])}"
+            summary = summaries_in(known[name])[name.replace("-", "_")]
+            text = f"  {name:{NAME_WIDTH}}{summary}"
             lines.append(textwrap.fill(text, WIDTH, subsequent_indent=" " * (NAME_WIDTH + 2)))
         lines += [""] if there else []
     return "\n".join([*lines, "`squeezefilm COMMAND --help` explains a command."])

@@ -33,7 +33,7 @@ POINTS = {
 ERROR_PERCENTAGES = ("error_95_percent", "profile_uncertainty_percent")
 MANY = "each a value, several (5um,6um) or first:last:count (5:10:6um), in every combination"
 
-OptionAdder = Callable[[argparse.ArgumentParser], object]
+OptionAdder = Callable[[argparse.ArgumentParser], list[argparse.Action]]
 Run = Callable[[argparse.Namespace], int | None]
 
 
@@ -44,23 +44,25 @@ def command(*options: OptionAdder) -> Callable[[Run], SimpleNamespace]:
 
 def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> OptionAdder:
     """An option, or what stands without one."""
-    return lambda parser: parser.add_argument(name, metavar=metavar, help=help, **how)
+    return lambda parser: [parser.add_argument(name, metavar=metavar, help=help, **how)]
 
 
 def flag(name: str, help: str) -> OptionAdder:
     """An option without a value."""
-    return lambda parser: parser.add_argument(name, action="store_true", help=help)
+    return lambda parser: [parser.add_argument(name, action="store_true", help=help)]
 
 
 def points(*without: str, many: bool = True) -> OptionAdder:
     """Options for the factors, but for those in ``without``; ``many`` values of each."""
 
-    def add(parser: argparse.ArgumentParser) -> None:
+    def add(parser: argparse.ArgumentParser) -> list[argparse.Action]:
         title = "points" if many else "the point"
         group = parser.add_argument_group(title, MANY if many else None)
-        for name, text in POINTS.items():
-            if name not in without:
-                group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)
+        return [
+            group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)
+            for name, text in POINTS.items()
+            if name not in without
+        ]
 
     return add
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from squeezefilm.errors import needing
-
 Array = NDArray[np.float64]
 SAME, MOST_STEPS = 1e-8, 200
 """Distance of a simplex's corners at its end; most of its steps per dimension, as SciPy has it."""
@@ -16,6 +14,10 @@ LEAST_FALL, CRAWLING = 1e-12, 1e-7
 out, as in a valley that leads to infinity."""
 STEPS = np.array([1.0, 2.0, 0.5, -0.5])[:, None, None]
 """From the centre away from the worst corner: reflection, expansion, contractions on both sides."""
+CROSSOVER_INDEX, MUTATION_INDEX, MOST_CHANGED = 15.0, 20.0, 0.9
+"""Distribution indices η; the share of pairs that are crossed, and of candidates that mutate."""
+SAME_VALUE = 1e-14
+"""Values of parents that are closer are not crossed."""
 Objective = Callable[[Array], Array]
 """Values (m,) of a population (m, d)."""
 
@@ -47,7 +49,7 @@ def genetic_search(
 
     It is pymoo's GA (Deb's: tournaments of two, simulated binary crossover, polynomial mutation,
     and the best of parents and children survive), number by number, without an object for every
-    candidate, which would take most of the time.
+    candidate, which would take most of the time; a test compares both.
     """
     drawn = np.random.default_rng(seed).uniform(lower, upper, (first, len(lower)))
     values = objective(drawn)
@@ -65,12 +67,7 @@ def genetic_search(
 def _children(
     x: Array, values: Array, lower: Array, upper: Array, random: np.random.Generator
 ) -> Array:
-    """Children, as many as parents, shape (m, d), by pymoo's operators as it sets them."""
-    # Imported here: loading them takes longer than most commands that never search.
-    with needing("fits", what="a search for parameters"):
-        from pymoo.operators.crossover.sbx import cross_sbx
-        from pymoo.operators.mutation.pm import mut_pm
-
+    """Children, as many as parents, shape (m, d)."""
     count, pairs = len(x), len(x) // 2
     rivals = np.concatenate([random.permutation(count) for _ in range(2)]).reshape(-1, 2)
     first, second = values[rivals].T
@@ -78,20 +75,57 @@ def _children(
     for tie in np.flatnonzero(first == second):
         winners[tie] = random.choice(rivals[tie])
     parents = np.swapaxes(x[winners.reshape(pairs, 2)], 0, 1)
-    crossed = random.random(pairs) < 0.9
+    crossed = random.random(pairs) < MOST_CHANGED
     random.random(pairs)  # pymoo's draw for an exchange that always happens
-    chances = {
-        "eta": np.full((pairs, 1), 15.0),
-        "prob_var": 0.5,
-        "prob_bin": np.full((pairs, 1), 0.5),
-    }
-    offspring = cross_sbx(parents, lower, upper, **chances, random_state=random)
+    offspring = crossover(parents, lower, upper, random)
     children = np.where(crossed[:, None], offspring, parents).reshape(x.shape)
-    each = np.full(count, min(0.5, 1 / x.shape[1]))
-    mutants = mut_pm(
-        children, lower, upper, np.full(count, 20.0), each, at_least_once=False, random_state=random
-    )
-    return np.where(random.random(count)[:, None] <= 0.9, mutants, children)
+    mutants = mutation(children, lower, upper, random)
+    return np.where(random.random(count)[:, None] <= MOST_CHANGED, mutants, children)
+
+
+def crossover(parents: Array, lower: Array, upper: Array, random: np.random.Generator) -> Array:
+    """Simulated binary crossover within limits, of pairs of shape (2, m, d), half of all values.
+
+    A pair's children lie about its parents, spread β times as far apart, with a density of
+    ~ β^η up to 1 and β^−(η+2) above, cut at the limits (Deb and Agrawal, Complex Systems 9, 1995).
+    """
+    apart = np.abs(parents[0] - parents[1]) > SAME_VALUE
+    chosen = (random.random(apart.shape) < 0.5) & apart & (lower < upper)
+    least, most = (np.broadcast_to(each, apart.shape)[chosen] for each in (lower, upper))
+    near, far = np.sort(parents[:, chosen], axis=0)
+    part, width = random.random(len(near)), far - near
+    power = np.full(len(near), CROSSOVER_INDEX + 1.0)
+
+    def spread(room: Array) -> Array:
+        whole = 2.0 - (1.0 + 2.0 * room / width) ** -power
+        contracts = part <= 1.0 / whole
+        return np.where(contracts, part * whole, 1.0 / (2.0 - part * whole)) ** (1.0 / power)
+
+    low = 0.5 * ((near + far) - spread(near - least) * width)
+    high = 0.5 * ((near + far) + spread(most - far) * width)
+    exchanged = random.random(len(near)) < 0.5
+    children = parents.copy()
+    children[:, chosen] = np.where(exchanged, (high, low), (low, high))
+    return np.clip(children, lower, upper)
+
+
+def mutation(x: Array, lower: Array, upper: Array, random: np.random.Generator) -> Array:
+    """Polynomial mutation within limits, one value of each candidate on average, shape (m, d).
+
+    A value moves by δ times the limits' distance, −1 < δ < 1, with a density of ~ (1 − |δ|)^η, cut
+    at the limits (Deb and Goyal, Computer Science and Informatics 26(4), 1996).
+    """
+    chosen = (random.random(x.shape) < min(0.5, 1 / x.shape[1])) & (lower < upper)
+    least, most = (np.broadcast_to(each, x.shape)[chosen] for each in (lower, upper))
+    value, width = x[chosen], most - least
+    part = random.random(len(value))
+    power = np.full(len(value), MUTATION_INDEX + 1.0)
+    down = 2.0 * part + (1.0 - 2.0 * part) * (1.0 - (value - least) / width) ** power
+    up = 2.0 * (1.0 - part) + 2.0 * (part - 0.5) * (1.0 - (most - value) / width) ** power
+    step = np.where(part <= 0.5, down ** (1.0 / power) - 1.0, 1.0 - up ** (1.0 / power))
+    mutants = x.copy()
+    mutants[chosen] = np.clip(value + step * width, least, most)
+    return mutants
 
 
 def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> list[Found]:

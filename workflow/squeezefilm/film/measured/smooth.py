@@ -21,8 +21,7 @@ size tell; that much is taken off the maximum to which the profile is scaled.
 from __future__ import annotations
 
 import math
-import pickle
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -559,31 +558,75 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     )
 
 
+OWN = {each.name for each in fields(SmoothedScan)}
+TUPLES = {Scan: {"notes", "origin_m"}, Fit: {"orders"}, Modes: {"orders", "coefficients"}}
+"""Values that are tuples where others are arrays."""
+
+
 def write_smoothed(smoothed: SmoothedScan, path: Path, **settings: Any) -> None:
     """Write a smoothed scan, whole or not at all: smoothing takes up to a minute, reading no time.
+
+    The file, NumPy's .npz, has an array for each value and holds no code.
 
     Args:
         settings: with which it was smoothed (``smoothed_scan``).
 
     Raises InputError where the file cannot be written.
     """
-    with whole_file(path) as part:
-        part.write_bytes(pickle.dumps(((digest(smoothed.scan.path), settings), smoothed)))
+    values = _values_of(smoothed) | {"made_from": _made_from(smoothed.scan.path, settings)}
+    with whole_file(path) as part, part.open("wb") as file:
+        np.savez(file, allow_pickle=False, **values)
+
+
+def _made_from(scan: Path, settings: dict[str, Any]) -> str:
+    return f"{digest(scan)} {sorted(settings.items())}"
+
+
+def _values_of(part: Any) -> dict[str, Any]:
+    """The values of a dataclass by names, those of its parts behind the part's; without places."""
+    values: dict[str, Any] = {}
+    for name in (each.name for each in fields(part)):
+        value = getattr(part, name)
+        if is_dataclass(value):
+            values |= {f"{name}.{inner}": each for inner, each in _values_of(value).items()}
+        elif not isinstance(value, Path):
+            values[name] = value
+    return values
 
 
 @lru_cache(maxsize=4)
 def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
-    """Return the smoothed scan that write_smoothed wrote; from the run's own folder alone.
+    """Return the smoothed scan that write_smoothed wrote.
 
     Raises InputError for a file that is none, or was made from another scan or other settings.
     """
     try:
-        made_from, smoothed = pickle.loads(path.read_bytes())
+        with np.load(path, allow_pickle=False) as file:
+            values = {name: each if each.ndim else each.item() for name, each in file.items()}
+        made_from, surface = values["made_from"], settings["surface"]
+        smoothed = SmoothedScan(
+            scan=_part(Scan, values, "scan.", path=scan),
+            fit=_part(Fit, values, "fit."),
+            profile=_part(Modes, values, "profile.", surface=surface),
+            out_of_phase=_part(Modes, values, "out_of_phase.", surface=surface),
+            **{name: each for name, each in values.items() if name in OWN},
+        )
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"{path}: not a smoothed scan: {error}") from None
-    if made_from != (digest(scan), settings):
+    if made_from != _made_from(scan, settings):
         raise InputError(
             f"{path}: was smoothed from another {scan.name}, or with other settings of "
             "actuator.profile; `snakemake profile` updates it"
         )
     return smoothed
+
+
+def _part(kind: Any, values: dict[str, Any], place: str, **given: Any) -> Any:
+    """A dataclass of stored values by names, which stand behind its place."""
+    stored = {
+        each.name: values[place + each.name] for each in fields(kind) if each.name not in given
+    }
+    for name in TUPLES[kind] & stored.keys():
+        rows = stored[name].tolist()
+        stored[name] = tuple(tuple(row) if isinstance(row, list) else row for row in rows)
+    return kind(**given, **stored)

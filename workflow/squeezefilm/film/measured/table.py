@@ -48,7 +48,7 @@ from squeezefilm.film.measured.scan import (
     missing_points,
     nearest_line,
 )
-from squeezefilm.headers import unit_in, with_points
+from squeezefilm.headers import unit_in
 from squeezefilm.lazy import pd
 
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
@@ -400,7 +400,14 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[st
 def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
     """A column's values in SI units; raises InputError naming the line of one that is none."""
     cells, name = table[column.place], column.quantity
-    values = _number(with_points(cells, name=name))
+    comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
+    if comma.any() and point.any():
+        line, cell = next(cells[point].items())
+        raise InputError(
+            f"line {line}: {name} has a point in {cell!r}, and a comma in other rows; one of them "
+            "must be the decimal sign, and nothing stands between thousands"
+        )
+    values = _number(cells)
     parts = cells.str.fullmatch(COMPLEX) & (name == "amplitude")
     if parts.any():
         values = values.astype(complex)
