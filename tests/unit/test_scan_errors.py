@@ -5,11 +5,14 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 from changed_sections import made_profile
 from scipy.stats import binom
 
+from reporting.figures.maps import _draw_over_radius
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.scan import Scan
@@ -227,3 +230,19 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     read_smoothed.cache_clear()
     with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
         read_smoothed(tmp_path / "smoothed.pickle", path, surface=Disc(RADIUS_M))
+
+
+def test_outliers_do_not_set_the_axes_of_the_profile():
+    """Two points at fifty times the amplitude hid the residuals of all others."""
+    r_mm = np.linspace(0, 10, 50)
+    points = {"layer": "points", "r_mm": r_mm, "amplitude_um": np.cos(r_mm / 5)}
+    profile = {"layer": "profile", "r_mm": r_mm, "error_um": 0.01}
+    profile |= {f"profile_{end}_um": np.cos(r_mm / 5) for end in ("min", "max")}
+    strays = {"layer": "outliers", "r_mm": [1.0, 2.0], "amplitude_um": 50.0, "residual_um": 49.0}
+    tables = [pd.DataFrame(each) for each in (points | {"residual_um": 0.02}, profile, strays)]
+    amplitude, residual = plt.subplots(1, 2)[1]
+    _draw_over_radius(amplitude, residual, pd.concat(tables).assign(noise_um=0.02))
+    assert max(amplitude.get_ylim()) < 2
+    assert max(residual.get_ylim()) < 0.2
+    assert residual.get_legend_handles_labels()[1].count("outliers (2)") == 1
+    plt.close("all")
