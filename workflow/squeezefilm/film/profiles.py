@@ -12,7 +12,7 @@ from math import cos, inf, isfinite, pi, radians, remainder, sin
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, StrictBool
+from pydantic import BeforeValidator, Field, PlainSerializer, StrictBool
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Disc, Orders, Surface
@@ -178,6 +178,7 @@ def _pairs(values: Any) -> Any:
 Constants = Annotated[
     tuple[tuple[str, str | float], ...],
     BeforeValidator(_pairs, json_schema_input_type=dict[str, str | float]),
+    PlainSerializer(dict),
 ]
 
 
