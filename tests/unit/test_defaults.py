@@ -4,6 +4,7 @@ from math import hypot, pi, sqrt
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -147,6 +148,33 @@ def test_numbers_that_may_lack_their_unit_are_noted(tmp_path, capsys):
         "note: actuator.frequency is read as 20 Hz; for 20 kHz write the unit",
         "note: pad.length_x is read as 8 m; for 8 mm write the unit",
     ]
+
+
+def test_a_study_of_the_paper_with_another_actuator_is_noted(repository, tmp_path, capsys):
+    """Claims of the paper were compared with another actuator's numbers, without a word."""
+    text = (repository / "config/paper.yaml").read_text(encoding="utf-8")
+    (path := tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
+    assert main(["config", str(path)]) == 0
+    assert capsys.readouterr().err == ""
+    path.write_text(text.replace("43.27 kHz", "30 kHz"), encoding="utf-8")
+    assert main(["config", str(path)]) == 0
+    assert "note: paper: true is of the paper's actuator" in capsys.readouterr().err
+
+
+def test_constants_of_a_formula_have_units_and_stay_in_the_whole_study(tmp_path):
+    """`12 mm` is 0.012 in metres; an angle is in radians, as in the formula's functions."""
+    formula = (
+        "{kind: formula, expression: cos(4*pi*x/w + turn), constants: {w: 12 mm, turn: 30 deg}}"
+    )
+    text = SHORT.replace("{kind: piston}", formula)
+    written = parse_config(text, path=tmp_path / "mine.yaml")
+    again = parse_config(effective_text(written), path=tmp_path / "mine.yaml")
+    assert again.actuator == written.actuator
+    x_m = np.linspace(-0.02, 0.02, 9)
+    exact = np.cos(4 * pi * x_m / 0.012 + pi / 6)
+    assert again.read_profile().amplitude(x_m=x_m, y_m=0 * x_m) == pytest.approx(exact, abs=1e-6)
+    with pytest.raises(InputError, match=r"constants\.w: '12 mn' is no number with a unit"):
+        check_study(parse_config(text.replace("w: 12 mm", "w: 12 mn"), path=tmp_path / "mine.yaml"))
 
 
 def test_thin_air_is_thin_in_every_number():

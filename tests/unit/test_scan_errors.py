@@ -6,7 +6,9 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 from changed_sections import made_profile
 from scipy.stats import binom
@@ -22,6 +24,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.scan_errors import scan_errors
+from squeezefilm_workflow.reporting.figures.maps import _draw_over_radius
 
 RADIUS_M = 0.01
 LINE_X_M, LINE_Y_M = np.linspace(-0.03, 0.03, 25), np.linspace(-0.02, 0.02, 17)
@@ -252,3 +255,19 @@ def test_a_file_in_a_smoothed_scans_place_is_not_executed(tmp_path):
         with pytest.raises(InputError, match=r"smoothed\.npz: not a smoothed scan"):
             read_smoothed(stored, scan, surface=Disc(RADIUS_M))
         assert not trace.exists()
+
+
+def test_outliers_do_not_set_the_axes_of_the_profile():
+    """Two points at fifty times the amplitude hid the residuals of all others."""
+    r_mm = np.linspace(0, 10, 50)
+    points = {"layer": "points", "r_mm": r_mm, "amplitude_um": np.cos(r_mm / 5)}
+    profile = {"layer": "profile", "r_mm": r_mm, "error_um": 0.01}
+    profile |= {f"profile_{end}_um": np.cos(r_mm / 5) for end in ("min", "max")}
+    strays = {"layer": "outliers", "r_mm": [1.0, 2.0], "amplitude_um": 50.0, "residual_um": 49.0}
+    tables = [pd.DataFrame(each) for each in (points | {"residual_um": 0.02}, profile, strays)]
+    amplitude, residual = plt.subplots(1, 2)[1]
+    _draw_over_radius(amplitude, residual, pd.concat(tables).assign(noise_um=0.02))
+    assert max(amplitude.get_ylim()) < 2
+    assert max(residual.get_ylim()) < 0.2
+    assert residual.get_legend_handles_labels()[1].count("outliers (2)") == 1
+    plt.close("all")

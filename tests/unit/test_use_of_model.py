@@ -70,9 +70,15 @@ def write_fit(tmp_path, limit_table):
     def write(of, at, **more) -> Path:
         names = ("h0_m", "hv_m", "phi_r_m") if len(of.factor_names) == 2 else of.factor_names
         values: dict = {
+            "format": 1,
+            "error_scale": [0.0, 1.0],
+            "profile_uncertainty": 0.0,
+            "directions": None,
+            "film": None,
             "model": of.name,
             "theta": list(at),
             "expression": of.expression,
+            "constants": dict(of.constants),
             "parameters": list(of.parameter_names),
             "parameter_units": list(of.parameter_units),
             "points": 60,
@@ -252,6 +258,32 @@ def in_c(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
 
 
+def in_matlab(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
+    """The formula and the range as MATLAB has them; nothing here runs the rest of the file."""
+    text = source(fit, "matlab")
+    assert len(re.findall(r"^(?:function|if|for)\b", text, re.M)) + text.count("\n    if") == len(
+        re.findall(r"^ *end$", text, re.M)
+    )
+    assert not re.search(r"\[[^\]]*,\n", text)  # a line that ends within brackets ends a row
+    if "own_tabulated" in text:
+        pytest.skip("no MATLAB and no Octave here to read its table")
+    body = re.sub(r"theta\((\d+)\)", lambda at: f"theta[{int(at[1]) - 1}]", text)
+    names = {name: getattr(np, name) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")}
+    names |= {"exp": np.exp, "own_sqrt": np.sqrt, "own_log": np.log, "atan": np.arctan}
+    names |= {"pow": np.power, "fabs": np.abs, "own_sinc": np.sinc, "theta": fit.theta}
+    names |= {"hypot": np.hypot, "atan2": np.arctan2}
+    rows = []
+    for point in points:
+        given = names | dict(zip(fit.force_model.factor_names, point, strict=True))
+        part = {
+            name: np.array(eval(re.search(rf"^{name} = \[?(.*?)\]?;", body, re.M)[1] + ",", given))
+            for name in ("value", "point", "low", "high")
+        }
+        inside = np.all((part["low"] <= part["point"]) & (part["point"] <= part["high"]))
+        rows.append([float(part["value"][0]), float(inside)])
+    return rows
+
+
 def in_javascript(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     node = shutil.which("node")
     if node is None:
@@ -265,7 +297,7 @@ def in_javascript(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
 
 
 @pytest.mark.parametrize(("model", "theta"), EXPORTED, ids=lambda each: "")
-@pytest.mark.parametrize("run", [in_python, in_c, in_javascript])
+@pytest.mark.parametrize("run", [in_python, in_c, in_javascript, in_matlab])
 def test_exported_code_is_the_model(run, model, theta, write_fit, tmp_path):
     fit, factors = read_fit(write_fit(model, theta)), Factors.of(**sample())
     points = np.column_stack([factors.column(name) for name in model.factor_names])
@@ -275,7 +307,7 @@ def test_exported_code_is_the_model(run, model, theta, write_fit, tmp_path):
     np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
 
 
-@pytest.mark.parametrize("run", [in_python, in_c, in_javascript])
+@pytest.mark.parametrize("run", [in_python, in_c, in_javascript, in_matlab])
 def test_exported_code_and_the_library_agree_on_the_declared_space(run, write_fit, tmp_path):
     """Of a model in r, phi on a rectangular surface as well as of one in x, y on a disc."""
     polar = make_model("polar", {"expression": "t0*hv/h0 + t1*r*cos(angle)"}, place="test")
@@ -297,6 +329,23 @@ def test_exported_code_and_the_library_agree_on_the_declared_space(run, write_fi
         )
 
 
+def test_constants_with_units_are_in_a_fit_and_in_its_code(write_fit):
+    """`cos(4*pi*x/0.012)` was invalid: the number had no unit, and none could be given."""
+    entry = {"expression": "t0*(hv/h0)**2*cos(4*pi*x/wavelength)"}
+    with pytest.raises(InputError, match=r"constants: \{name: 12 mm\}"):
+        make_model(
+            "waves", {"expression": entry["expression"].replace("wavelength", "0.012")}, place=""
+        )
+    model = make_model("waves", entry | {"constants": {"wavelength": "12 mm"}}, place="test")
+    assert model.parameter_units == ("N",)
+    fit, names = read_fit(write_fit(model, (3.0,))), {}
+    exec(source(fit, "python"), names)
+    force_n = 3.0 * 0.2**2 * math.cos(4 * math.pi * 1e-3 / 0.012)
+    assert names["force_n"](5e-6, 1e-6, 1e-3, 0.0) == pytest.approx(force_n, rel=1e-12)
+    with pytest.raises(InputError, match=r"constants.wavelength: '12 furlongs' is no number"):
+        make_model("waves", entry | {"constants": {"wavelength": "12 furlongs"}}, place="test")
+
+
 def test_outside_its_domain_generated_code_gives_no_number(write_fit):
     names: dict = {}
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"]))
@@ -306,6 +355,20 @@ def test_outside_its_domain_generated_code_gives_no_number(write_fit):
     limit: dict = {}
     exec(source(read_fit(write_fit(get_model("limit_2"), THETA["limit_2"])), "python"), limit)
     assert math.isnan(limit["force_n"](5e-6, 1e-6, 5e-3, 0.0))
+
+
+@pytest.mark.parametrize("part", ["format", "error_scale", "film", "directions", "ranges"])
+def test_a_fit_that_lacks_a_part_is_refused(part, write_fit):
+    """A file of another version was used without the error or the limit that it lacks."""
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    values = json.loads(path.read_text())
+    del values[part]
+    path.write_text(json.dumps(values))
+    with pytest.raises(InputError, match=f"format 1, and it lacks {part}; fit again"):
+        read_fit(path)
+    path.write_text(json.dumps(values | {part: 7, "format": 2}))
+    with pytest.raises(InputError, match="format 1, and its is 2; fit again"):
+        read_fit(path)
 
 
 @pytest.mark.parametrize("name", ['x"); system("true', "a b", "*/", "é", ""])

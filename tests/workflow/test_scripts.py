@@ -23,7 +23,7 @@ SCRIPT = """
 import os
 import subprocess
 from squeezefilm.errors import InputError
-from squeezefilm_workflow.job import run
+from squeezefilm_workflow.job import run, tell
 
 
 def main(snakemake, config):
@@ -69,6 +69,13 @@ def test_all_that_a_script_prints_goes_to_its_log(run):
     assert used["processor time (s)"] > 0.1
     assert "printed" not in terminal
     assert result.read_text() == "half"
+
+
+def test_a_result_that_people_wait_for_is_told_on_the_terminal_too(run):
+    """`snakemake profile` ends with the summary that the tutorial shows."""
+    status, terminal, log, _ = run("tell('noise  1.6 %')")
+    assert status == 0
+    assert terminal.count("noise  1.6 %") == log.count("noise  1.6 %") == 1
 
 
 @pytest.mark.parametrize(

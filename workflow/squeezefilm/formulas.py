@@ -20,19 +20,21 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from operator import itemgetter
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.units import BASES, NONE, UNITS, Dimension, compound, times
+from squeezefilm.units import BASES, NONE, NUMBER, UNITS, Dimension, compound, times
 
 Array = NDArray[Any]
 Value = Callable[[Mapping[str, Any]], Any]
@@ -42,6 +44,8 @@ LONGEST, DEEPEST = 4000, 150
 LARGEST_EXPONENT = 32.0
 LARGEST_NUMBER = 1e100
 CONSTANTS = {"pi": math.pi}
+LIKE = {"m": "12 mm", "1/m": "380 1/m", "deg": "30 deg", "N": "1 mN"}
+"""A constant by whose like a unit is taken away."""
 UNDEFINED = complex(math.nan, math.nan)
 
 
@@ -52,6 +56,46 @@ class Operation:
     operator: str
     arguments: tuple[Node, ...]
     place: str
+
+
+class Quantity(float):
+    """A number with a unit, in SI units or degrees; a constant of a formula."""
+
+    dimension: Dimension
+
+
+def constants_of(
+    values: Mapping[str, str | float],
+    *,
+    names: Iterable[str],
+    place: str,
+    angles_rad: bool = False,
+) -> dict[str, Quantity]:
+    """The constants of a formula from numbers and texts such as ``12 mm``.
+
+    Args:
+        names: what the formula's other names are.
+        angles_rad: angles are in radians, not in degrees.
+
+    Raises:
+        InputError: naming the place of a text that is no number with a unit, and of a name that
+            is another's already.
+    """
+    constants, taken = {}, (*names, *CONSTANTS, *FUNCTIONS)
+    for name, value in values.items():
+        where, match = f"{place}.constants.{name}", NUMBER.match(str(value))
+        if name in taken or not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
+            raise InputError(
+                f"{where}: cannot be a constant's name; take letters, digits and _, and none of "
+                f"{', '.join(taken)}"
+            )
+        unit = match and compound(str(value)[match.end() :] or "1")
+        if not (match and unit):
+            raise InputError(f"{where}: {value!r} is no number with a unit, like 12 mm or 380 1/m")
+        size = unit.size * math.radians(1) ** float(unit.dimension.get("deg", 0) * angles_rad)
+        constants[name] = Quantity(f"{float(match[1]) * size:.15g}")
+        constants[name].dimension = unit.dimension
+    return constants
 
 
 Node = float | str | Operation
@@ -180,8 +224,15 @@ class Expression:
         return value if callable(value) else lambda values: value
 
 
-def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Expression:
-    """Read a formula of the named quantities.
+def parse(
+    text: str,
+    *,
+    names: Iterable[str],
+    place: str,
+    known: str = "",
+    constants: Mapping[str, Quantity] = MappingProxyType({}),
+) -> Expression:
+    """Read a formula of the named quantities and of constants.
 
     ``place`` says where it was written, for messages; ``known`` tells the names there, if not one
     by one.
@@ -231,12 +282,14 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
             case ast.Name(name) if name in names:
                 used[name] = None
                 return name
+            case ast.Name(name) if name in constants:
+                return constants[name]
             case ast.Name(name) if name in CONSTANTS:
                 return CONSTANTS[name]
             case ast.Name(name) if name in FUNCTIONS:
                 raise refused(node, f"a function needs its argument: {name}(…)")
             case ast.Name():
-                listed = known or ", ".join((*names, *CONSTANTS))
+                listed = ", ".join([known or ", ".join((*names, *CONSTANTS)), *constants])
                 raise refused(node, f"this name is unknown; known are {listed}")
             case ast.UnaryOp(ast.UAdd(), operand):
                 return read(operand, depth + 1)
@@ -255,7 +308,7 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
                 allowed = hint or f"allowed are + - * / **, numbers and {', '.join(FUNCTIONS)}"
                 raise refused(node, f"this is no arithmetic; {allowed}")
         arguments = [read(each, depth + 1) for each in operands]
-        numbers = [np.float64(each) for each in arguments if isinstance(each, float)]
+        numbers = [np.float64(each) for each in arguments if type(each) is float]
         if len(numbers) == len(arguments):
             with np.errstate(all="ignore"):
                 value = float(_OPERATIONS[operator](*numbers))
@@ -327,10 +380,15 @@ def parameter_units(
         for each in inner:
             unit = _text(reduced(each))
             hint = "; the angle in radians is called `angle`" if unit == "deg" else ""
+            if unit in LIKE:
+                hint += f"; give a number its unit by `constants: {{name: {LIKE[unit]}}}`"
             equate(each, NONE, f"{part.place!r} needs a number without unit, not {unit}{hint}")
         return NONE
 
-    result = reduced(fold(expression.root, lambda leaf: dimensions.get(leaf, NONE), dimension_of))
+    def leaf(part: Any) -> Dimension:
+        return part.dimension if isinstance(part, Quantity) else dimensions.get(part, NONE)
+
+    result = reduced(fold(expression.root, leaf, dimension_of))
     if set(result) & set(parameters):
         equate(result, force, "the result must be a force in N")
     elif result not in (force, NONE):

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TextIO, TypeVar
 
 from squeezefilm.errors import RunError
 
@@ -110,20 +110,23 @@ def progress_of(total: int, *, unit: str, name: str) -> Iterator[Progress]:
 
 
 @contextmanager
-def showing_progress(command: str) -> Iterator[None]:
+def showing_progress(command: str, *, to: TextIO | None = None) -> Iterator[None]:
     """Show on stderr how far a command is, each time that SILENCE_S have gone by.
 
     A terminal has one line that changes; elsewhere each time has its own.
+
+    Args:
+        to: a stream in place of stderr.
     """
-    ended, start = threading.Event(), time.monotonic()
-    before, after = ("\r\033[K", "") if sys.stderr.isatty() else ("", "\n")
+    ended, start, stream = threading.Event(), time.monotonic(), to or sys.stderr
+    before, after = ("\r\033[K", "") if stream.isatty() else ("", "\n")
 
     def show() -> None:
         while not ended.wait(SILENCE_S):
             parts = [f"{command}: {time.monotonic() - start:.0f} s", *map(str, _under_way)]
-            print(before + "; ".join(parts), end=after, file=sys.stderr, flush=True)
+            print(before + "; ".join(parts), end=after, file=stream, flush=True)
         if before and time.monotonic() - start > SILENCE_S:
-            print(before, end="", file=sys.stderr, flush=True)
+            print(before, end="", file=stream, flush=True)
 
     thread = threading.Thread(target=show, daemon=True)
     thread.start()

@@ -6,9 +6,10 @@ import resource
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import pandas as pd
 
@@ -16,12 +17,15 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
+from squeezefilm.parallel import showing_progress
 from squeezefilm.tables import write_json, write_table
 
 # Variables of reynolds/device.py and studies/study.py, which take long to import.
 NODE_CACHE, SMOOTHED = "SQUEEZEFILM_NODE_CACHE", "SQUEEZEFILM_SMOOTHED"
 Job = Any
 """The object ``snakemake`` that Snakemake puts before a script's first line."""
+_terminals: list[TextIO] = []
+"""Where Snakemake was started from, beside the log: none before ``run``."""
 
 
 def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
@@ -40,6 +44,7 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     if snakemake.resources.get("node_cache"):
         os.environ[NODE_CACHE] = tempfile.gettempdir()
     terminal = os.fdopen(os.dup(2), "w", encoding="utf-8", errors="replace")
+    _terminals.append(terminal)
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
         os.dup2(log.fileno(), 1)
         os.dup2(log.fileno(), 2)
@@ -64,6 +69,20 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     if last:
         print(last.rstrip(), file=terminal, flush=True)
         sys.exit(1)
+
+
+def tell(text: str) -> None:
+    """Print a result that people wait for to the log, and to the terminal."""
+    print(text)
+    for terminal in _terminals:
+        print(text, file=terminal, flush=True)
+
+
+@contextmanager
+def telling_progress(name: str) -> Iterator[None]:
+    """Show on the terminal how far a job is that takes long."""
+    with showing_progress(name, to=_terminals[-1] if _terminals else sys.stderr):
+        yield
 
 
 def report_use() -> None:

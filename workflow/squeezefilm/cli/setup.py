@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from squeezefilm.cli.options import command, flag, option
-from squeezefilm.config.loading import effective_text, load_config, parse_config, unusual_values
+from squeezefilm.config.loading import effective_text, load_config, notes_on, parse_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
@@ -92,7 +92,7 @@ def config(options: argparse.Namespace) -> None:
     check_models(study)
     chunk_counts(study)
     print(effective_text(study), end="")
-    for note in unusual_values(study):
+    for note in notes_on(study):
         print(f"note: {note}", file=sys.stderr)
     named = {name for section in (study.comparison, study.refine) for name in section.all}
     for name in [each for each in study.models if each not in named]:

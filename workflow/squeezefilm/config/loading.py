@@ -23,6 +23,8 @@ from squeezefilm.config.keys import Part, allowed, part_at, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
+from squeezefilm.film.profiles import Sinc
+from squeezefilm.film.scene import Actuator
 from squeezefilm.sections import Place, key_of
 from squeezefilm.units import DECIMAL, examples
 
@@ -245,10 +247,20 @@ def effective_text(config: Study, *, folder: Path | None = None) -> str:
 
 USUAL = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
 """Range of a study's frequencies and lengths, and the unit that people give them in."""
+OF_PAPER = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
+"""The actuator whose claims, tables and figures a study with ``paper: true`` makes."""
 
 
-def unusual_values(config: Study) -> Iterator[str]:
-    """Yield a note on each number that was written without a unit and lies outside USUAL."""
+def notes_on(config: Study) -> Iterator[str]:
+    """Yield a note on each number that was written without a unit and lies outside USUAL.
+
+    And one on a study of the paper that has another actuator.
+    """
+    if config.paper and config.actuator != OF_PAPER:
+        yield (
+            "paper: true is of the paper's actuator (43.27 kHz, sinc of 109.8 1/m, 10 mm); here "
+            "its claims compare numbers of another; leave paper out"
+        )
     for place, value in config.written.items():
         unit = unit_of(_part(config, place))
         if unit in USUAL and isinstance(value, int | float):

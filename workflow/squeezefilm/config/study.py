@@ -204,6 +204,7 @@ class OwnModel(Section):
         about: what it is, in words, for tables
         parameters: its parameters, unless they are called `t0`, `t1`, …: a list, or a mapping to
             their units
+        constants: names of numbers with their units, such as `{wavelength: 12 mm}`
     """
 
     expression: Annotated[str, Field(min_length=1, max_length=4000)]
@@ -212,6 +213,7 @@ class OwnModel(Section):
         Annotated[list[Unit], Field(max_length=30), Different]
         | Annotated[dict[str, Unit | Literal[1]], Field(max_length=30)]
     ) = DERIVED
+    constants: dict[str, str | float] = Field({}, max_length=30)
 
 
 class BySpace(Section):

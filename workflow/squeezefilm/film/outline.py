@@ -278,7 +278,7 @@ def _read(path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: fl
 
 
 def _complete(known: Collection[str]) -> dict[str, bool]:
-    """What an outline with some quantities lacks."""
+    """Problems of an outline with some quantities."""
     return {f"there is no column x or y; an outline is {FORM}": {*known} != {"x", "y"}}
 
 

@@ -5,18 +5,18 @@ all of it moves in one phase s is real; of two quadrature components, such as th
 wave, it is complex.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from math import cos, inf, isfinite, pi, radians, remainder, sin
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, StrictBool
+from pydantic import BeforeValidator, Field, PlainSerializer, StrictBool
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Disc, Orders, Surface
-from squeezefilm.formulas import Expression, parse
+from squeezefilm.formulas import Expression, constants_of, parse
 from squeezefilm.sections import KEYS, Direction, Internal, Length, Number, Text
 
 UNBOUNDED = Disc(inf)
@@ -170,6 +170,18 @@ class BesselMode(Profile):
         return mode + self.edge_share * iv(self.nodal_diameters, phase) if self.edge_share else mode
 
 
+def _pairs(values: Any) -> Any:
+    """The items of a mapping: a profile can be told from others, and kept, by its values."""
+    return tuple(values.items()) if isinstance(values, Mapping) else values
+
+
+Constants = Annotated[
+    tuple[tuple[str, str | float], ...],
+    BeforeValidator(_pairs, json_schema_input_type=dict[str, str | float]),
+    PlainSerializer(dict),
+]
+
+
 @dataclass(frozen=True)
 class Formula(Profile):
     """An expression in x, y, r (metres) and phi (radians), over its largest magnitude.
@@ -181,6 +193,7 @@ class Formula(Profile):
         quadrature: the same for what moves a quarter of a period ahead: the surface goes down by
             expression · sin ωt + quadrature · cos ωt, over the largest root of both squares on the
             surface; 0 where all moves in one phase
+        constants: names of numbers with their units, such as `{wavelength: 12 mm}`, for both
     """
 
     __pydantic_config__ = KEYS
@@ -189,6 +202,7 @@ class Formula(Profile):
     expression: Text
     surface: Internal[Surface] = UNBOUNDED
     quadrature: Text = "0"
+    constants: Constants = ()
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return self.unscaled(x_m, y_m) / largest_unscaled(self)
@@ -197,9 +211,9 @@ class Formula(Profile):
         """The expressions' value."""
         x, y = np.broadcast_arrays(x_m, y_m)
         places = {"x": x, "y": y, "r": np.hypot(x, y), "phi": np.arctan2(y, x)}
-        value = _parsed(self.expression).evaluate(**places)
+        value = _parsed(self.expression, self.constants).evaluate(**places)
         if self.quadrature != "0":
-            value = value + 1j * _parsed(self.quadrature).evaluate(**places)
+            value = value + 1j * _parsed(self.quadrature, self.constants).evaluate(**places)
         return np.broadcast_to(value, x.shape)
 
 
@@ -314,8 +328,14 @@ def largest_magnitude(
 
 
 @lru_cache(maxsize=16)
-def _parsed(expression: str) -> Expression:
-    return parse(expression, names=("x", "y", "r", "phi"), place="actuator.profile.expression")
+def _parsed(expression: str, constants: tuple[tuple[str, str | float], ...]) -> Expression:
+    place, names = "actuator.profile", ("x", "y", "r", "phi")
+    return parse(
+        expression,
+        names=names,
+        place=f"{place}.expression",
+        constants=constants_of(dict(constants), names=names, place=place, angles_rad=True),
+    )
 
 
 @lru_cache(maxsize=16)

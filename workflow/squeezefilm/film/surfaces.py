@@ -81,11 +81,14 @@ class Disc:
         x, y = x_m / self.radius_m, y_m / self.radius_m
         square, turned = x**2 + y**2, x + 1j * y
         powers = {m: turned**m for m in {abs(m) for _, m in orders}}  # ρ^m (cos mφ + i sin mφ)
+        radial = {
+            (k, m): (-1) ** k * eval_jacobi(k, m, 0, 1 - 2 * square)
+            for k, m in {((n - abs(m)) // 2, abs(m)) for n, m in orders}
+        }
         values = np.empty((*x.shape, len(orders)))
         for index, (n, m) in enumerate(orders):
-            k = (n - abs(m)) // 2
             angular = powers[abs(m)].imag if m < 0 else powers[abs(m)].real
-            values[..., index] = (-1) ** k * eval_jacobi(k, abs(m), 0, 1 - 2 * square) * angular
+            values[..., index] = radial[(n - abs(m)) // 2, abs(m)] * angular
         return values
 
 

@@ -1,6 +1,6 @@
-"""A fitted model as source code without dependencies: a C header, a Python module, JavaScript.
+"""A fitted model as source code without dependencies: a C header, Python, JavaScript, MATLAB.
 
-A formula is printed once for all three, in brackets and with the functions of C's <math.h>; a
+A formula is printed once for all of them, in brackets and with the functions of C's <math.h>; a
 template of the language has the rest. Nothing of a fit's file gets into the code but numbers, the
 checked formula, and names of letters, digits and underscores.
 """
@@ -35,8 +35,12 @@ OTHER_FORM = {
     },
 }
 """The position by a function's arguments where they have it in the other form."""
-LANGUAGES = {"c": "NAN", "javascript": "NaN", "python": "math.nan"}
+LANGUAGES = {"c": "NAN", "javascript": "NaN", "matlab": "NaN", "python": "math.nan"}
 """And what a number that is none is called."""
+OWN = {"c": "{name}_", "matlab": "own_"}
+"""How names begin that only the code itself uses, if not with _."""
+REAL = {"matlab": ("sqrt", "log")}
+"""Functions that are complex where they have no real value: the code has its own."""
 
 
 def source(fit: FittedModel, language: str) -> str:
@@ -54,7 +58,11 @@ def source(fit: FittedModel, language: str) -> str:
         raise InputError(f"language {language!r}: unknown; allowed are {', '.join(LANGUAGES)}")
     model, interval, table = fit.force_model, fit.interval, fit.needed_table
     arguments, nan = model.factor_names, LANGUAGES[language]
-    own = f"{fit.model}_" if language == "c" else "_"
+    own = OWN.get(language, "_").format(name=fit.model)
+    names = _names(model, table, own)
+    if language == "matlab":  # it counts from 1
+        for index, parameter in enumerate(model.parameter_names, start=1):
+            names[parameter] = f"theta({index})"
     error = interval.error_95 if interval else None
     constant, share = map(_number, error) if error else (nan, nan)
     space = interval.ranges if interval else fit.ranges
@@ -68,7 +76,7 @@ def source(fit: FittedModel, language: str) -> str:
         "arguments": ", ".join(arguments),
         "parameters": ", ".join(f"double {name}" for name in arguments),
         "unused": " ".join(f"(void){name};" for name in arguments),
-        "theta": _wrapped(fit.theta or (0.0,)),
+        "theta": _wrapped(fit.theta or (0.0,), language),
         "limited": ", ".join(point),
         "point": ", ".join(point.values()),
         "low": ", ".join(_number(space[name][0]) for name in point),
@@ -76,14 +84,14 @@ def source(fit: FittedModel, language: str) -> str:
         "slack": _number(SLACK),
         "error_constant": constant,
         "error_share": share,
-        "formula": _printed(model.parsed, _names(model, table, own), own),
+        "formula": _printed(model.parsed, names, own, REAL.get(language, ())),
     }
     text = (FOLDER / f"{language}.in").read_text(encoding="utf-8")
     code, tabulated, column = map(Template, re.split("------ .*\n", text))
     if table is None:
         return code.substitute(values, table="")
     columns = "\n".join(
-        column.substitute(own=own, column=name, values=_wrapped(flat)).strip()
+        column.substitute(own=own, column=name, values=_wrapped(flat, language)).strip()
         for name, flat in table.coefficients.items()
         if name in model.column_names
     )
@@ -132,15 +140,17 @@ def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[s
     return names
 
 
-def _printed(expression: Expression, names: Mapping[str, str], own: str) -> str:
+def _printed(
+    expression: Expression, names: Mapping[str, str], own: str, real: Iterable[str]
+) -> str:
     """A formula with everything in brackets, so that the order is explicit."""
+    other = {"**": "pow", "abs": "fabs", "sinc": f"{own}sinc", **{f: f"{own}{f}" for f in real}}
 
     def printed(part: Operation, arguments: list[str]) -> str:
         if part.operator == "negative":
             return f"(-{arguments[0]})"
         if part.operator in "+-*/":
             return f"({arguments[0]} {part.operator} {arguments[1]})"
-        other = {"**": "pow", "abs": "fabs", "sinc": f"{own}sinc"}
         return f"{other.get(part.operator, part.operator)}({', '.join(arguments)})"
 
     return fold(
@@ -176,8 +186,10 @@ def _number(value: float) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
-def _wrapped(values: Iterable[float]) -> str:
-    """Numbers with commas, in lines of a page's width."""
+def _wrapped(values: Iterable[float], language: str) -> str:
+    """Numbers with commas, in lines of a page's width, which MATLAB wants to be told to go on."""
     text = " ".join(f"{_number(value)}," for value in values)
     lines = textwrap.wrap(text, WIDTH, break_on_hyphens=False, break_long_words=False)
-    return textwrap.indent("\n".join(lines), "    ")
+    if language != "matlab":
+        return textwrap.indent("\n".join(lines), "    ")
+    return textwrap.indent(" ...\n".join(lines), "    ").rstrip(",")

@@ -40,6 +40,10 @@ from squeezefilm.tables import read_json
 
 FILM_UNKNOWN = "not known: the fit's file does not describe its film"
 NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
+FORMAT = 1
+"""Of the file: counted up where a reader of the one before could not use it."""
+PARTS = ("parameter_units", "ranges", "error_scale", "profile_uncertainty", "directions", "film")
+"""What a file has besides: without them an error or a limit would be missing unseen."""
 LOOKED_AT = 400
 """Places at which a model is looked at before the one for a target force is refined."""
 STEP = 1e-4
@@ -83,12 +87,14 @@ class FittedModel(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="allow", populate_by_name=True)
 
+    format: StrictInt = FORMAT
     model: str
     theta: tuple[StrictFloat, ...]
     points: StrictInt
     global_error: StrictFloat
     sum_of_squares: StrictFloat
     expression: str
+    constants: dict[str, str | float] = {}
     parameters: list[str]
     parameter_units: list[str]
     parameter_ranges: list[dict[str, Any]] = []
@@ -118,7 +124,11 @@ class FittedModel(BaseModel):
         if len(self.parameters) != len(self.parameter_units):
             raise InputError(f"{self.place}: give one of 'parameter_units' for each parameter")
         parameters = dict(zip(self.parameters, self.parameter_units, strict=True))
-        entry = {"expression": self.expression, "parameters": parameters}
+        entry = {
+            "expression": self.expression,
+            "constants": self.constants,
+            "parameters": parameters,
+        }
         model = make_model(self.model, entry, place=self.place)
         if len(model.parameter_names) != len(self.theta):
             raise InputError(
@@ -231,9 +241,18 @@ class FittedModel(BaseModel):
 def read_fit(path: Path | str) -> FittedModel:
     """Read a fit.
 
-    Raises InputError naming the file and the entry that is missing or wrong.
+    Raises InputError naming the file and the entry that is missing or wrong, and for a file of
+    another version.
     """
-    return fit_of(read_json(path), place=path)
+    values = read_json(path)
+    lacking = [part for part in ("format", *PARTS) if part not in values]
+    if "not_supported" not in values and (lacking or values["format"] != FORMAT):
+        what = f"it lacks {', '.join(lacking)}" if lacking else f"its is {values['format']}"
+        raise InputError(
+            f"{path}: this version reads fits of format {FORMAT}, and {what}; fit again with this "
+            "version (`squeezefilm fit`, or snakemake for a study)"
+        )
+    return fit_of(values, place=path)
 
 
 def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:

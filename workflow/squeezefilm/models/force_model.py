@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from math import inf
 from pathlib import Path
@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from squeezefilm.config.study import OwnModel, Study
 from squeezefilm.errors import InputError, naming
 from squeezefilm.film.positions import CARTESIAN, POLAR
-from squeezefilm.formulas import Expression, Operation, fold, parameter_units, parse
+from squeezefilm.formulas import Expression, Operation, constants_of, fold, parameter_units, parse
 from squeezefilm.models.data import COLUMNS, FACTORS, Array, Factors
 
 LIBRARY = Path(__file__).with_name("models.yaml")
@@ -50,6 +50,7 @@ class ExpressionModel:
     parameter_names: tuple[str, ...]
     parameter_units: tuple[str, ...]
     about: str = ""
+    constants: Mapping[str, str | float] = field(default_factory=dict, hash=False)
     place: str = "model"
     """Where the expression was written, for messages."""
 
@@ -171,8 +172,8 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
     """A model from its entry in a library.
 
     ``expression`` is its formula and ``parameters`` lists parameters that are not called t0, t1,
-    …, or maps parameters to their units; units that are not given are inferred. ``place`` is where
-    the entry stands, for messages.
+    …, or maps parameters to their units; units that are not given are inferred. ``constants`` are
+    numbers with units by their names. ``place`` is where the entry stands, for messages.
     Raises InputError naming the place, for an invalid expression or one whose units do not fit.
     """
     declared = settings.get("parameters", {})
@@ -184,12 +185,15 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
                 f"and _, and none of {', '.join(known)}"
             )
     usual = tuple(f"t{index}" for index in range(MOST_PARAMETERS))
+    given = settings.get("constants", {})
+    constants = constants_of(given, names=(*known, *declared, *usual), place=place)
     where = f"{place}.expression"
     expression = parse(
         settings["expression"],
         names=(*known, *declared, *usual),
         known=", ".join((*known, *declared, "pi", "and the parameters t0, t1, …")),
         place=where,
+        constants=constants,
     )
     for parameter in declared:
         if parameter not in expression.names:
@@ -210,6 +214,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
         parameter_names=parameters,
         parameter_units=tuple(inferred.values()),
         about=settings.get("about", ""),
+        constants=given,
         place=where,
     )
 

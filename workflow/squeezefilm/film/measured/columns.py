@@ -66,7 +66,7 @@ class Column:
 
     @property
     def power(self) -> int:
-        """By which power of the angular frequency a motion in the unit is too large."""
+        """The power of the angular frequency by which a motion in the unit is too large."""
         return PER_SECOND[re.sub(r"^[^/]*", "", self.unit)]
 
     @property

@@ -245,7 +245,7 @@ def _recurs(table: pd.DataFrame, values: pd.Series) -> bool:
 
 
 def _complete(known: Collection[str]) -> dict[str, bool]:
-    """What a scan with some quantities lacks, or has in excess."""
+    """Problems of a scan with some quantities: those that it lacks, or has in excess."""
     place = {*known} & {"x", "y", "r", "phi"}
     return {
         "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "

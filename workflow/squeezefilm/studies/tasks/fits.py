@@ -16,7 +16,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import POLAR, as_in
 from squeezefilm.models.data import POSITION, Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, fit_of
+from squeezefilm.models.fit_file import FORMAT, FittedModel, fit_of
 from squeezefilm.models.fitting import (
     RANGES_NOTE,
     Fit,
@@ -153,9 +153,11 @@ def fit_values(
     ranges, notes = _ranges(model, factors, force_n, fit.theta)
     missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
     return {
+        "format": FORMAT,
         **asdict(fit),
         "about": model.about,
         "expression": model.expression,
+        "constants": dict(model.constants),
         "parameters": list(model.parameter_names),
         "parameter_units": list(model.parameter_units),
         "parameter_ranges": [each.to_dict() for each in ranges],

@@ -186,14 +186,21 @@ def _draw_profile(figure: Figure, amplitude: Axes, residual: Axes, data: pd.Data
 
 
 def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
-    """Amplitude and residual over the distance from the centre."""
+    """Amplitude and residual over the distance from the centre; outliers beyond at the edge."""
     profile, noise = style.rows(data, "profile"), float(data["noise_um"].iloc[0])
-    for axes, column in ((amplitude, "amplitude_um"), (residual, "residual_um")):
+    fitted = style.rows(data, "points")
+    largest = max(fitted["amplitude_um"].abs().max(), profile["profile_max_um"].abs().max())
+    reach = max(3.5 * noise, 1.3 * float(fitted["residual_um"].abs().max()))
+    for axes, column, limit in (
+        (amplitude, "amplitude_um", 1.2 * largest),
+        (residual, "residual_um", reach),
+    ):
         for layer, colour in (("points", style.BLUE), ("outliers", style.VERMILLION)):
             points = style.rows(data, layer)
             if len(points):
                 x, y, label = points["r_mm"], points[column], f"{layer} ({len(points)})"
-                axes.plot(x, y, ".", color=colour, markersize=2.5, label=label)
+                inside = y.clip(-limit, limit)
+                axes.plot(x, inside, ".", color=colour, markersize=2.5, label=label)
         axes.axhline(0, color="black", linewidth=0.6)
         axes.set_xlabel("distance from the centre $r$ (mm)")
         axes.set_xlim(0, 1.02 * float(profile["r_mm"].max()))
@@ -209,6 +216,5 @@ def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> No
     amplitude.set(title="(a) measured and smoothed", ylabel="amplitude (µm)")
     amplitude.legend(loc="upper right")
     residual.axhspan(-2 * noise, 2 * noise, color="0.9", zorder=0, label="± 2 σ of the noise")
-    reach = max(3.5 * noise, 1.3 * float(data["residual_um"].abs().max()))
     residual.set(ylim=(-reach, 1.25 * reach), ylabel="residual (µm)")
     residual.legend(loc="upper right")
