@@ -11,12 +11,7 @@ import numpy as np
 from squeezefilm.film.scene import Rows
 from squeezefilm.parallel import progress_of
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import (
-    ITERATION_SHARE,
-    error_text,
-    estimate,
-    margin_of,
-)
+from squeezefilm.reynolds.error_estimate import error_text, estimate
 from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic.launch import (
@@ -37,7 +32,7 @@ from squeezefilm.reynolds.periodic.resolution import (
     least_fall,
     profile_fall,
 )
-from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.terms import Terms, with_velocities
 from squeezefilm.solution import Solutions
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
@@ -115,8 +110,7 @@ class Refinement:
 
     def batch(self, group: Group) -> Batch:
         """Return the batch of a group for the device."""
-        share = LEFT_SHARE if margin_of(group.terms) == 1 else ITERATION_SHARE
-        left = (KEPT if self.keep_states else 1.0) * share * self.tolerance
+        left = (KEPT if self.keep_states else 1.0) * LEFT_SHARE * self.tolerance
         starts = len(group.grids) - 2
         shares = [max(left, START_TOLERANCE)] * starts + [left] * min(len(group.grids), 2)
         if group.guess is not None:  # so that the finer grid does not take the state over as it is
@@ -221,7 +215,7 @@ class Refinement:
         """Let scenes without a state on the last grid wait for finer ones, from rest."""
         again = finer_grid(finer, room=self.room) if finer else None
         which = failed & (self.failures[group.rows] < MOST_FAILURES)
-        if finer is None or again is None or margin_of(group.terms) > 1:
+        if finer is None or again is None or with_velocities(group.terms):
             return np.zeros_like(failed)
         if which.any():
             rows = group.rows[which]

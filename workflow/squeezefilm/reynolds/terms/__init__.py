@@ -15,7 +15,7 @@ from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.film.symmetry import axisymmetric
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
-from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.inertia import Inertia, VelocityTerm
 from squeezefilm.reynolds.terms.outline import Radius, SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
@@ -87,11 +87,6 @@ def layer_stiffness_of(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> A
     return reduce(np.maximum, (term.layer_stiffness(scene, sigma=sigma) for term in terms), 1.0)
 
 
-def size_share_of(scene: OperatingPoints, terms: Terms, *, least: float) -> Any:
-    """Share of the size of two grids' difference that counts at least."""
-    return reduce(np.maximum, [term.size_share(scene) for term in terms], least)
-
-
 @lru_cache(maxsize=64)
 def axes_of(terms: Terms) -> int:
     """Axes along which gas flows: one in a film without angle, else two."""
@@ -101,6 +96,12 @@ def axes_of(terms: Terms) -> int:
 def is_radial(terms: Terms) -> bool:
     """Return whether the film has no angle, and is solved along its radius."""
     return any(isinstance(term, Radius) for term in terms)
+
+
+@lru_cache(maxsize=64)
+def with_velocities(terms: Terms) -> bool:
+    """Return whether some terms are of the gas' velocities."""
+    return any(isinstance(term, VelocityTerm) for term in terms)
 
 
 @lru_cache(maxsize=64)
