@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from math import isfinite
 
 import numpy as np
 
 from squeezefilm.film.scene import Scenes
-from squeezefilm.reynolds.terms import Terms, size_share_of
+from squeezefilm.reynolds.terms import Terms, with_velocities
 
 # The moments of a change may be small by chance where its size is not. So this share of the size
 # counts too, at tolerances of LOOSE_FROM and more, whose grids are coarse. Without it two films
@@ -24,8 +23,9 @@ UNKNOWN_FALL = 0.4
 # While layers at the rim are thinner than nodes lie apart errors go up and down, and a change is
 # small where one turns: the least fall of films with thin layers.
 THIN_LAYER_FALL = 0.5
-# Share of the tolerance that Newton's iteration may leave; the resolution gets the rest.
-ITERATION_SHARE = 0.2
+# Of a gas with inertia, or that warms, changes creep or fall suddenly, and where waves steepen
+# grids may agree by chance in all moments: so many times the change is taken, whatever its fall.
+VELOCITY_MARGIN = 2.0
 # Round-off: error of the mean overpressure relative to the largest overpressure.
 ROUND_OFF = 1e-14
 # How many times that, over the narrowest gap, an error may be whatever the force: what the
@@ -60,52 +60,52 @@ def estimate(
     Returns:
         The errors; how large they may be; the changes, (2, n).
     """
-    margin, narrowest = margin_of(terms), scenes.narrowest
     # A mass error w moves the pressure by about n w/H.
-    per_residual = scenes.gas.polytropic_exponent / narrowest
-    size, residual, moved = said["size"], said["residual"], said["newton_steps"] > 0
-    loose = margin == 1 and tolerance >= LOOSE_FROM
-    share = size_share_of(scenes, terms, least=SIZE_SHARE if loose else 0.0)
-    largest = np.maximum(said["moment"], share * size)
-    fall: np.ndarray | float = UNKNOWN_FALL
-    again = ~np.isnan(before[1])
-    if margin == 1 and again.any():
-        new = np.array([largest, size])
-        none = np.where(new > 0, np.inf, 0.0)  # how much they fell where there was none before
-        moments, sizes = np.divide(new, before, out=none, where=before > 0)
+    residual_error = scenes.gas.polytropic_exponent / scenes.narrowest * said["residual"]
+    size, size_before = said["size"], before[1]
+    moment = np.maximum(said["moment"], SIZE_SHARE * size if tolerance >= LOOSE_FROM else 0.0)
+    margin, ratio = margin_of(terms), np.full(len(said), UNKNOWN_FALL)
+    known = ~np.isnan(size_before)
+    if margin == 1 and known.any():
         # That of the moments, but no less than their sizes': chance may make moments small, or a
         # layer at the rim that the grids do not resolve yet.
-        falls = np.maximum(np.maximum(moments, sizes), UNKNOWN_FALL)
-        fall = np.where(again, falls, fall)
+        ratios = np.maximum(_ratio(moment, before[0]), _ratio(size, size_before))
+        ratio = np.where(known, np.maximum(ratios, UNKNOWN_FALL), UNKNOWN_FALL)
         # Moments fall no more than the size does: what goes beyond is chance. Without, films (ε
         # 0.02–0.3, σ 5e4–3e5) were off by 1.5 to 6 times their estimate.
-        was = np.divide(before[0], before[1], out=np.zeros(len(said)), where=before[1] > 0)
-        largest = np.maximum(largest, was * size)
-    change = np.array([largest, size])
-    if not moved.all():
-        # A grid that took a state over as it is shows no change: what the residual would have made.
-        change += per_residual * np.where(moved, 0.0, residual)
+        none = np.zeros(len(said))
+        per_size = np.divide(before[0], size_before, out=none, where=size_before > 0)
+        moment = np.maximum(moment, per_size * size)
+    # A grid that took a state over as it is shows no change: what the residual would have made.
+    unmoved = np.where(said["newton_steps"] > 0, 0.0, residual_error)
+    change = np.array([moment, size]) + unmoved
     # Of a profile of finite smoothness the size tells the error. There it goes up and down with
     # where the nodes lie beside the kink, and moments agree by chance: of 110 forces with kinks
     # along an axis 4 were off by up to 1.35 times their estimate.
-    telling = np.where(of_profile > 0, change[1], change[0])
-    fall = np.maximum(np.maximum(fall, of_profile), least)
-    floor = ROUND_OFF * said["largest"]
-    error = margin * (left_after(fall) * telling + per_residual * residual) + floor
+    last_change = np.where(of_profile > 0, change[1], change[0])
+    ratio = np.maximum(np.maximum(ratio, of_profile), least)
+    round_off = ROUND_OFF * said["largest"]
+    error = margin * left_after(ratio) * last_change + residual_error + round_off
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
-    return error, tolerance * np.abs(said["mean"]) + ROUNDED * floor / narrowest, change
+    allowed = tolerance * np.abs(said["mean"]) + ROUNDED * round_off / scenes.narrowest
+    return error, allowed, change
+
+
+def _ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Convergence ratios; infinite where there was no change before, and is one now."""
+    none = np.where(change > 0, np.inf, 0.0)
+    return np.asarray(np.divide(change, before, out=none, where=before > 0))
+
+
+def margin_of(terms: Terms) -> float:
+    """Return the factor on the last change of films with some terms."""
+    return VELOCITY_MARGIN if with_velocities(terms) else 1.0
 
 
 def left_after(fall: np.ndarray | float) -> np.ndarray:
     """Return the remaining error in units of the last change, for a convergence ratio."""
     q = np.minimum(fall, MOST_FALL)
     return np.asarray(FALL_FACTOR * q / (1 - q))
-
-
-@lru_cache(maxsize=64)
-def margin_of(terms: Terms) -> float:
-    """Return the factor on the error estimates of films with some terms."""
-    return max(term.ESTIMATE_MARGIN for term in terms) if terms else 1.0
 
 
 def error_text(error: float, *, allowed: float, force: float) -> str:

@@ -11,12 +11,7 @@ import numpy as np
 from squeezefilm.film.scene import Rows
 from squeezefilm.parallel import progress_of
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import (
-    ITERATION_SHARE,
-    error_text,
-    estimate,
-    margin_of,
-)
+from squeezefilm.reynolds.error_estimate import error_text, estimate
 from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.periodic.launch import (
     ENDINGS,
@@ -35,7 +30,7 @@ from squeezefilm.reynolds.periodic.resolution import (
     profile_fall,
 )
 from squeezefilm.reynolds.plan import Plan
-from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.terms import Terms, with_velocities
 from squeezefilm.solution import Solutions
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
@@ -93,8 +88,7 @@ class Refinement:
         guess: np.ndarray | None = None,
     ) -> None:
         """Let scenes go through some grids, from rest or from a guess, with one of the launches."""
-        share = LEFT_SHARE if margin_of(terms) == 1 else ITERATION_SHARE
-        left = (KEPT if self.keep_states else 1.0) * share * self.tolerance
+        left = (KEPT if self.keep_states else 1.0) * LEFT_SHARE * self.tolerance
         tolerances = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
         if guess is not None:  # so that the finer grid does not take the state over as it is
             tolerances = [GOING_ON * left] * len(grids)
@@ -200,7 +194,7 @@ class Refinement:
     def _can_begin_again(self, batch: Batch) -> np.ndarray | bool:
         """Return which scenes without a state may be tried on finer grids, from rest."""
         finer = self._after(batch.grids[-1])
-        if finer is None or self._after(finer) is None or margin_of(batch.terms) > 1:
+        if finer is None or self._after(finer) is None or with_velocities(batch.terms):
             return False
         return self.failures[batch.rows] < MOST_FAILURES
 

@@ -16,7 +16,7 @@ import numpy as np
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scenes, rows_alike
-from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
+from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.plan import Plan, plan_of
 from squeezefilm.reynolds.terms import (
@@ -25,6 +25,7 @@ from squeezefilm.reynolds.terms import (
     layer_stiffness_of,
     numbers_of,
     unknown_fields,
+    with_velocities,
 )
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
@@ -92,7 +93,7 @@ def first_grids(
         terms, pad = plan.kinds[kind], film.pad
         outline = _outline_of(pad, terms)
         share, step = FIRST_SHARE, FOURS
-        if pad.smooth_outline is None and margin_of(terms) == 1 and not kept:
+        if pad.smooth_outline is None and not with_velocities(terms) and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
             share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS

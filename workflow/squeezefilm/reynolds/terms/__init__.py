@@ -113,11 +113,6 @@ def layer_stiffness_of(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> A
     return reduce(np.maximum, (term.layer_stiffness(scene, sigma=sigma) for term in terms), 1.0)
 
 
-def size_share_of(scene: OperatingPoints, terms: Terms, *, least: float) -> Any:
-    """Share of the size of two grids' difference that counts at least."""
-    return reduce(np.maximum, [term.size_share(scene) for term in terms], least)
-
-
 @lru_cache(maxsize=64)
 def axes_of(terms: Terms) -> int:
     """Axes along which gas flows: one in a film without angle, else two."""
@@ -127,6 +122,12 @@ def axes_of(terms: Terms) -> int:
 def is_radial(terms: Terms) -> bool:
     """Return whether the film has no angle, and is solved along its radius."""
     return any(isinstance(term, Radius) for term in terms)
+
+
+@lru_cache(maxsize=64)
+def with_velocities(terms: Terms) -> bool:
+    """Return whether some terms are of the gas' velocities."""
+    return any(isinstance(term, VelocityTerm) for term in terms)
 
 
 @lru_cache(maxsize=64)

@@ -44,12 +44,6 @@ RESOLVED, AGAINST_THEM, DAMPED = 3.0, 0.8, 0.1
 # Share of a velocity at the rim, about, within which gas is neither coming in nor going out: with a
 # fifth or five times as much a force (Re 4.3, ε 0.65, σ 17) changed by 1e-6.
 REVERSING = 0.1
-# Where waves are steeper than this and layers at the rim thinner than in a film of this σ, two
-# grids may agree in all moments by chance, and so much of their difference's size counts: without
-# it one of 200 random forces (Re 2.2, ε 0.76, σ 2173, steepness 0.51) was off by 1.8e-4 at 1e-4,
-# twice its estimate. In thick layers the size says too much: with it 11 of the 200 more were
-# refused there.
-STEEPENING, LAYERED_SIGMA, SIZE_SHARE = 0.3, 300.0, 0.15
 # By so much a first grid takes layers to be thinner than σ says, where they are thinner than in a
 # film of this σ, or waves steeper than STIFF: without it two grids agreed by chance at σ 1e5,
 # ε 0.5, Re 0.5, on a force that was off by four times its estimate, and a quarter of the paper's
@@ -94,7 +88,6 @@ class Inertia(VelocityTerm):
     OWN_FIELDS = 27
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 10
-    ESTIMATE_MARGIN = 2.0
     IN_EXPANSIONS = True
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
@@ -121,10 +114,6 @@ class Inertia(VelocityTerm):
     def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
         layered = (sigma > THIN_LAYER_SIGMA) | (steepness(scene) > STIFF)
         return np.where(layered, LAYER_STIFFNESS, 1.0)
-
-    def size_share(self, scene: OperatingPoints) -> Any:
-        layered = (scene.sigma > LAYERED_SIGMA) & (steepness(scene) > STEEPENING)
-        return np.where(layered, SIZE_SHARE, 0.0)
 
     def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
         pairs = zip("xy", _points(coarse), _points(fine), strict=True)

@@ -60,7 +60,6 @@ class Term:
         IN_SINGLE: whether its lines in the linear system work in single precision too.
         VELOCITIES: fields along each axis that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
-        ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
@@ -79,7 +78,6 @@ class Term:
     IN_SINGLE: ClassVar[bool] = False
     VELOCITIES: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
-    ESTIMATE_MARGIN: ClassVar[float] = 1.0
     SPACE_PRODUCTS: ClassVar[int] = 0
     TIME_PRODUCTS: ClassVar[int] = 0
     CARRYING: ClassVar[tuple[str, ...]] = ()
@@ -100,10 +98,6 @@ class Term:
     def numbers(self, scene: Scenes) -> Numbers:
         """Coefficients of the term for scenes, by their names in the kernels."""
         return {}
-
-    def size_share(self, scene: OperatingPoints) -> Any:
-        """Share of the size of two grids' difference that counts, though its moments be smaller."""
-        return 0.0
 
     def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
         """Factor of σ, at its largest, where it chooses a first grid for the layers at the rim."""

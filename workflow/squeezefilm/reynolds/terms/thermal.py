@@ -66,8 +66,6 @@ class Thermal(VelocityTerm):
     HOOKS = ("residual", "response")
     OWN_FIELDS = 9
     OPERATORS = ("warming",)
-    # Of 50 random films at 1e-4 one, at ε Re = 2, was 2.6 times as far off as its grids were apart.
-    ESTIMATE_MARGIN = 3.0
 
     @classmethod
     def of(cls, scene: Scene) -> Thermal | None:
