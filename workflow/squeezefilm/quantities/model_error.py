@@ -219,13 +219,20 @@ class FilmWithEffects:
     def neighbours(self) -> list[Scene]:
         """The films of the same motion, whose forces differ by what the gas does alone."""
         without = [scene for name, scene in self.without.items() if name != "bearing"]
-        return [self.scene, self.reference, self.together, *without, *self.alone.values()]
+        return [
+            *(self.scene, self.reference, self.together),
+            *without,
+            *self.alone.values(),
+            *self.flow_factor,
+        ]
 
     @property
     def scenes(self) -> list[Scene]:
         """All of them; some may be the same."""
-        scenes = [*self.neighbours, *self.without.values(), *self.flow_factor]
-        return scenes + self.still.neighbours if self.still else scenes
+        scenes = [*self.neighbours, *self.without.values()]
+        if self.still:
+            scenes += [self.still.together, *sum(self.still.by_gas, ())]
+        return scenes
 
 
 def _budgets(
