@@ -39,6 +39,7 @@ GUARDS: dict[str, tuple[Any, str, float]] = {
     "FALL_FACTOR": (error_estimate, "FALL_FACTOR", 1.0),
     "UNKNOWN_FALL": (error_estimate, "UNKNOWN_FALL", 0.0),
     "THIN_LAYER_FALL": (resolution, "THIN_LAYER_FALL", 0.0),
+    "UNEVEN_SIGMA": (resolution, "UNEVEN_SIGMA", float("inf")),
     "VELOCITY_MARGIN": (error_estimate, "VELOCITY_MARGIN", 1.0),
 }
 
