@@ -327,7 +327,7 @@ class Places:
     def once(self, find: Callable[..., Found], *arguments: Any) -> Found:
         """Return what a function finds of the positions, kept for when it is asked for again.
 
-        They are for many gaps and amplitudes; of more than some positions it is found anew.
+        Many gaps and amplitudes share their positions; of more than a few it is found each time.
         """
         kept = _found_at if len(self.x_m) <= MOST_KEPT else _found_at.__wrapped__
         return kept(find, self, *arguments)

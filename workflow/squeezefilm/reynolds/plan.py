@@ -26,6 +26,8 @@ class Plan:
     Attributes:
         kinds: the terms that scenes have beside squeezing; ``kind`` is each scene's.
         fold_x, fold_y: the film is even about the pad's middle along x, y: half is enough.
+        domain: the part of the pad that is solved, of DOMAINS.
+        absent_terms: names of the terms that the equation does not have, joined by ``; ``.
         profiles: of each film: which scenes have it, the profile under the pad at its
             positions, and each scene's position.
     """
@@ -35,11 +37,10 @@ class Plan:
     kind: np.ndarray
     fold_x: np.ndarray
     fold_y: np.ndarray
+    domain: np.ndarray
+    absent_terms: np.ndarray
     profiles: Sequence[tuple[Rows, SampledProfiles, np.ndarray]]
     _known: dict[object, Any] = field(default_factory=dict)
-
-    def __len__(self) -> int:
-        return len(self.scenes)
 
     @property
     def terms(self) -> Terms:
@@ -68,22 +69,6 @@ class Plan:
         found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
         rows = np.concatenate([rows for rows, _, _ in self.profiles])
         return joined_samples(found)[np.argsort(rows)]
-
-    @property
-    def domains(self) -> np.ndarray:
-        """The part of the pad that is solved for each scene, of DOMAINS, (n,)."""
-        return DOMAINS[np.where(self.radial, 4, 2 * self.fold_x + self.fold_y)]
-
-    @property
-    def radial(self) -> np.ndarray:
-        """Return which films have no angle, (n,)."""
-        return np.array([is_radial(terms) for terms in self.kinds])[self.kind]
-
-    @property
-    def absent_terms(self) -> np.ndarray:
-        """Return the names of the terms that each scene does not have, joined by ``; ``, (n,)."""
-        texts = ["; ".join(each.name for each in absent_terms(terms)) for terms in self.kinds]
-        return np.array(texts, dtype=object)[self.kind]
 
 
 def plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> Plan:
@@ -122,4 +107,7 @@ def _plan_of(scenes: Scenes) -> Plan:
             profiles.append((own, sampled, at))
     fold_x &= np.array(["x" not in axes for axes in breaks])[kind]
     fold_y &= np.array(["y" not in axes for axes in breaks])[kind]
-    return Plan(scenes, kinds, kind, fold_x, fold_y, profiles)
+    domain = DOMAINS[np.where(radial, 4, 2 * fold_x + fold_y)]
+    names = ["; ".join(each.name for each in absent_terms(terms)) for terms in kinds]
+    absent = np.array(names, dtype=object)[kind]
+    return Plan(scenes, kinds, kind, fold_x, fold_y, domain, absent, profiles)

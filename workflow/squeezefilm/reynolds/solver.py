@@ -116,7 +116,7 @@ def planned(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Ex
         refused = not_derived_for(plan) | refused
     else:
         refused = plan.once("on grids", plan.reasons, refused_on_grid) | refused
-    solutions = Solutions.of_method("periodic" if method == "auto" else method, len(plan))
+    solutions = Solutions.of_method("periodic" if method == "auto" else method, len(plan.scenes))
     for row, reason in refused.items():
         solutions.status[row] = reason
     if rows := found.rows.tolist():

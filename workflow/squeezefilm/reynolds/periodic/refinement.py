@@ -235,7 +235,7 @@ class Refinement:
 
     def write_grid(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
-        self.solutions.domain[rows] = self.plan.domains[rows]
+        self.solutions.domain[rows] = self.plan.domain[rows]
         self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
         self.solutions.nt[rows] = grid.nt
 
@@ -259,8 +259,8 @@ def solve_periodic(
         tolerance=tolerance,
         room=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS)),
         keep_states=keep_states,
-        change=np.full((2, len(plan)), np.nan),
-        failures=np.zeros(len(plan), dtype=np.int64),
+        change=np.full((2, len(plan.scenes)), np.nan),
+        failures=np.zeros(len(plan.scenes), dtype=np.int64),
     )
     room, count = refinement.room, int(np.count_nonzero(waiting))
     for alike, terms, grids in first_grids(
