@@ -329,13 +329,13 @@ class Places:
 
         Many gaps and amplitudes share their positions; of more than a few it is found each time.
         """
-        kept = _found_at if len(self.x_m) <= MOST_KEPT else _found_at.__wrapped__
-        return kept(find, self, *arguments)
+        return (kept if len(self.x_m) <= MOST_KEPT else kept.__wrapped__)(find, self, *arguments)
 
 
 @lru_cache(maxsize=512)
-def _found_at(find: Callable[..., Any], places: Places, *arguments: Any) -> Any:
-    return find(places, *arguments)
+def kept(find: Callable[..., Any], *arguments: Any) -> Any:
+    """Return what a function finds of films and positions, known already where it was asked for."""
+    return find(*arguments)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from squeezefilm.film.outline import POLAR_COORDINATES
-from squeezefilm.film.scene import MOST_KEPT, Film, Places, Rows, Scene, Scenes, rows_alike
+from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scene, Scenes, kept, rows_alike
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, Samples, joined_samples
 from squeezefilm.reynolds.terms import Terms, absent_terms, is_radial, terms_of_each
 
@@ -75,16 +75,17 @@ def plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> Plan:
     """Return what scenes need by their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
     # The terms of a gap that is shaped at rest go by its size.
-    if len(scenes.films) > 1 or not scenes.flat or len(scenes) > MOST_KEPT:
+    if not scenes.flat or len(scenes) > MOST_KEPT:
         return _plan_of(scenes)
-    places, at = scenes.places
-    return replace(places.once(_plan_at, scenes.films[0], at.tobytes()), scenes=scenes)
+    columns = (scenes.film_index, scenes.x_m, scenes.y_m)
+    plan = kept(_plan_at, scenes.films, *(each.tobytes() for each in columns))
+    return replace(plan, scenes=scenes)
 
 
-def _plan_at(places: Places, film: Film, at: bytes) -> Plan:
-    which = np.frombuffer(at, dtype=np.int64)
-    one = np.ones(len(which))
-    return _plan_of(film.scenes(one, 0 * one, places.x_m[which], places.y_m[which]))
+def _plan_at(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes) -> Plan:
+    x, y = np.frombuffer(x_m), np.frombuffer(y_m)
+    one, index = np.ones(len(x)), np.frombuffer(film_index, dtype=np.int64)
+    return _plan_of(Scenes(films, index, one, 0 * one, x, y, one))
 
 
 def _plan_of(scenes: Scenes) -> Plan:
