@@ -92,11 +92,11 @@ ANGLED = {
 
 @pytest.mark.parametrize("name", ANGLED)
 def test_a_film_with_an_angle_keeps_it(name):
-    assert plan_of(ANGLED[name]).domains.tolist() != ["radius"]
+    assert plan_of(ANGLED[name]).domain.tolist() != ["radius"]
 
 
 def test_a_piston_has_no_angle_wherever_the_disc_is():
-    assert plan_of([disc(), disc(x=0.3), disc(SINC, x=0.3)]).domains.tolist() == [
+    assert plan_of([disc(), disc(x=0.3), disc(SINC, x=0.3)]).domain.tolist() == [
         "radius",
         "radius",
         "half in y",

@@ -177,6 +177,11 @@ class Scene(OperatingPoints):
         rest = 1 + self.pad.gap.rise_m(x, y) / self.h0_m
         return rest[..., None] + self.epsilon * moved
 
+    @property
+    def narrowest(self) -> float:
+        """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
+        return float(self._alone.narrowest[0])
+
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and pad touch (``Scenes``)."""
         return float(self._alone.closure[0])
@@ -327,15 +332,15 @@ class Places:
     def once(self, find: Callable[..., Found], *arguments: Any) -> Found:
         """Return what a function finds of the positions, kept for when it is asked for again.
 
-        They are for many gaps and amplitudes; of more than some positions it is found anew.
+        Many gaps and amplitudes share their positions; of more than a few it is found each time.
         """
-        kept = _found_at if len(self.x_m) <= MOST_KEPT else _found_at.__wrapped__
-        return kept(find, self, *arguments)
+        return (kept if len(self.x_m) <= MOST_KEPT else kept.__wrapped__)(find, self, *arguments)
 
 
 @lru_cache(maxsize=512)
-def _found_at(find: Callable[..., Any], places: Places, *arguments: Any) -> Any:
-    return find(places, *arguments)
+def kept(find: Callable[..., Any], *arguments: Any) -> Any:
+    """Return what a function finds of films and positions, known already where it was asked for."""
+    return find(*arguments)
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,7 @@ def _rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, An
     expected_error[found.rows] = found.relative_error
     waiting = np.flatnonzero(solutions.status == "")
     solutions.status[waiting], expected_error[waiting] = "ok", tolerance
-    solutions.domain[waiting] = plan.domains[waiting]
+    solutions.domain[waiting] = plan.domain[waiting]
     first = first_grids(plan, waiting, tolerance=tolerance) if len(waiting) else ()
     for rows, terms, grids in first:
         solutions.nx[rows], solutions.ny[rows] = grids[-1].across

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from squeezefilm.film.outline import POLAR_COORDINATES
-from squeezefilm.film.scene import MOST_KEPT, Film, Places, Rows, Scene, Scenes, rows_alike
+from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scene, Scenes, kept, rows_alike
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, Samples, joined_samples
 from squeezefilm.reynolds.terms import Terms, absent_terms, is_radial, terms_of_each
 
@@ -26,6 +26,8 @@ class Plan:
     Attributes:
         kinds: the terms that scenes have beside squeezing; ``kind`` is each scene's.
         fold_x, fold_y: the film is even about the pad's middle along x, y: half is enough.
+        domain: the part of the pad that is solved, of DOMAINS.
+        absent_terms: names of the terms that the equation does not have, joined by ``; ``.
         profiles: of each film: which scenes have it, the profile under the pad at its
             positions, and each scene's position.
     """
@@ -35,11 +37,10 @@ class Plan:
     kind: np.ndarray
     fold_x: np.ndarray
     fold_y: np.ndarray
+    domain: np.ndarray
+    absent_terms: np.ndarray
     profiles: Sequence[tuple[Rows, SampledProfiles, np.ndarray]]
     _known: dict[object, Any] = field(default_factory=dict)
-
-    def __len__(self) -> int:
-        return len(self.scenes)
 
     @property
     def terms(self) -> Terms:
@@ -69,37 +70,22 @@ class Plan:
         rows = np.concatenate([rows for rows, _, _ in self.profiles])
         return joined_samples(found)[np.argsort(rows)]
 
-    @property
-    def domains(self) -> np.ndarray:
-        """The part of the pad that is solved for each scene, of DOMAINS, (n,)."""
-        return DOMAINS[np.where(self.radial, 4, 2 * self.fold_x + self.fold_y)]
-
-    @property
-    def radial(self) -> np.ndarray:
-        """Return which films have no angle, (n,)."""
-        return np.array([is_radial(terms) for terms in self.kinds])[self.kind]
-
-    @property
-    def absent_terms(self) -> np.ndarray:
-        """Return the names of the terms that each scene does not have, joined by ``; ``, (n,)."""
-        texts = ["; ".join(each.name for each in absent_terms(terms)) for terms in self.kinds]
-        return np.array(texts, dtype=object)[self.kind]
-
 
 def plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> Plan:
     """Return what scenes need by their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
     # The terms of a gap that is shaped at rest go by its size.
-    if len(scenes.films) > 1 or not scenes.flat or len(scenes) > MOST_KEPT:
+    if not scenes.flat or len(scenes) > MOST_KEPT:
         return _plan_of(scenes)
-    places, at = scenes.places
-    return replace(places.once(_plan_at, scenes.films[0], at.tobytes()), scenes=scenes)
+    columns = (scenes.film_index, scenes.x_m, scenes.y_m)
+    plan = kept(_plan_at, scenes.films, *(each.tobytes() for each in columns))
+    return replace(plan, scenes=scenes)
 
 
-def _plan_at(places: Places, film: Film, at: bytes) -> Plan:
-    which = np.frombuffer(at, dtype=np.int64)
-    one = np.ones(len(which))
-    return _plan_of(film.scenes(one, 0 * one, places.x_m[which], places.y_m[which]))
+def _plan_at(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes) -> Plan:
+    x, y = np.frombuffer(x_m), np.frombuffer(y_m)
+    one, index = np.ones(len(x)), np.frombuffer(film_index, dtype=np.int64)
+    return _plan_of(Scenes(films, index, one, 0 * one, x, y, one))
 
 
 def _plan_of(scenes: Scenes) -> Plan:
@@ -122,4 +108,7 @@ def _plan_of(scenes: Scenes) -> Plan:
             profiles.append((own, sampled, at))
     fold_x &= np.array(["x" not in axes for axes in breaks])[kind]
     fold_y &= np.array(["y" not in axes for axes in breaks])[kind]
-    return Plan(scenes, kinds, kind, fold_x, fold_y, profiles)
+    domain = DOMAINS[np.where(radial, 4, 2 * fold_x + fold_y)]
+    names = ["; ".join(each.name for each in absent_terms(terms)) for terms in kinds]
+    absent = np.array(names, dtype=object)[kind]
+    return Plan(scenes, kinds, kind, fold_x, fold_y, domain, absent, profiles)

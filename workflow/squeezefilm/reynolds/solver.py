@@ -9,7 +9,12 @@ import numpy as np
 from squeezefilm.errors import each_on_its_own, unexpected
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validities
-from squeezefilm.reynolds.asymptotics.composite import Expanded, composite, not_derived_for
+from squeezefilm.reynolds.asymptotics.composite import (
+    NOT_EXPANDED,
+    Expanded,
+    composite,
+    not_derived_for,
+)
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import unseen_profiles
@@ -109,14 +114,14 @@ def planned(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Ex
     The status is empty where one will be. The results behind those by an expansion go with them.
     """
     refused = unseen_profiles(plan, tolerance=tolerance)
-    found = Expanded.of([])
+    found = NOT_EXPANDED
     if method != "periodic":
         found = composite(plan, tolerance=tolerance, auto=method == "auto", but=refused)
     if method == "composite":
         refused = not_derived_for(plan) | refused
     else:
         refused = plan.once("on grids", plan.reasons, refused_on_grid) | refused
-    solutions = Solutions.of_method("periodic" if method == "auto" else method, len(plan))
+    solutions = Solutions.of_method("periodic" if method == "auto" else method, len(plan.scenes))
     for row, reason in refused.items():
         solutions.status[row] = reason
     if rows := found.rows.tolist():

@@ -115,7 +115,7 @@ class Forces(NamedTuple):
 def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
     whole = np.zeros(len(scenes), dtype=bool)
     plan = replace(plan_of(scenes), fold_x=whole, fold_y=whole)
-    solutions = Solutions.of_method("periodic", len(plan))
+    solutions = Solutions.of_method("periodic", len(plan.scenes))
     solve_periodic(plan, solutions, tolerance=tolerance, device=device)
     return solutions
 

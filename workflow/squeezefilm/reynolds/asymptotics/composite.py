@@ -277,6 +277,9 @@ class Expanded:
         ]
 
 
+NOT_EXPANDED = Expanded.of([])
+
+
 def not_derived_for(plan: Plan) -> dict[int, str]:
     """The scenes of whose force there is no expansion, and why."""
     still = np.flatnonzero(plan.scenes.epsilon == 0).tolist()
@@ -316,7 +319,7 @@ def composite(plan: Plan, *, tolerance: float, auto: bool, but: Collection[int] 
         thin = THIN_LAYER_SIGMA * max(1.0, AT_TOLERANCE / tolerance) ** 0.5
         known = (shorter >= thin) | (scenes.epsilon**2 <= TINY * tolerance)
         if not known.any():
-            return Expanded.of([])
+            return NOT_EXPANDED
     known[[*but, *not_derived_for(plan)]] = False
     rows = np.flatnonzero(known)
     found = expanded(edge_layer_expansion, plan, rows, tolerance=tolerance)

@@ -129,7 +129,7 @@ class Refinement:
         """
         rows, terms, grids, solutions = batch.rows, batch.terms, batch.grids, self.solutions
         at: Rows = slice(None) if batch.scenes is self.plan.scenes else rows
-        last, grid, finer = stages[-1], grids[-1], self._after(grids[-1])
+        last, grid, finer = stages[-1], grids[-1], finer_grid(grids[-1], room=self.room)
         nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate(
             last.said,
@@ -179,7 +179,7 @@ class Refinement:
             return len(rows)
 
         begun_again = rows[outcome == BEGUN_AGAIN]
-        if finer and (finest := self._after(finer)) and len(begun_again):
+        if finer and (finest := finer_grid(finer, room=self.room)) and len(begun_again):
             self.failures[begun_again] += 1
             self.wait(begun_again, terms, (finer, finest))
         refined = outcome == REFINED
@@ -188,13 +188,11 @@ class Refinement:
         self._write_reasons(batch, stages, outcome, error=error, allowed=allowed)
         return len(rows) - len(begun_again) - int(np.count_nonzero(refined))
 
-    def _after(self, grid: Grid) -> Grid | None:
-        return finer_grid(grid, room=self.room)
-
     def _can_begin_again(self, batch: Batch) -> np.ndarray | bool:
         """Return which scenes without a state may be tried on finer grids, from rest."""
-        finer = self._after(batch.grids[-1])
-        if finer is None or self._after(finer) is None or with_velocities(batch.terms):
+        finer = finer_grid(batch.grids[-1], room=self.room)
+        finest = finer_grid(finer, room=self.room) if finer else None
+        if finest is None or with_velocities(batch.terms):
             return False
         return self.failures[batch.rows] < MOST_FAILURES
 
@@ -220,7 +218,7 @@ class Refinement:
         for row in rows[outcome == NEGATIVE]:
             status[row] = f"not converged: the pressure is not positive everywhere ({_size(grid)})"
         limit, advice = f"within {MOST_WORK:.0e} operations", fewer_operations(batch.terms)
-        if self._after(grid) is None:
+        if finer_grid(grid, room=self.room) is None:
             limit, advice = "on the finest grid", ""
         reason = f"not converged: tolerance not reached {limit} ({_size(grid)})"
         for k in np.flatnonzero(outcome == EXHAUSTED).tolist():
@@ -229,7 +227,7 @@ class Refinement:
 
     def write_grid(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
-        self.solutions.domain[rows] = self.plan.domains[rows]
+        self.solutions.domain[rows] = self.plan.domain[rows]
         self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
         self.solutions.nt[rows] = grid.nt
 
@@ -253,8 +251,8 @@ def solve_periodic(
         tolerance=tolerance,
         room=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS)),
         keep_states=keep_states,
-        change=np.full((2, len(plan)), np.nan),
-        failures=np.zeros(len(plan), dtype=np.int64),
+        change=np.full((2, len(plan.scenes)), np.nan),
+        failures=np.zeros(len(plan.scenes), dtype=np.int64),
     )
     room, count = refinement.room, int(np.count_nonzero(waiting))
     for alike, terms, grids in first_grids(

@@ -98,7 +98,7 @@ def first_grids(
             # needed; but plain films want fewer nodes than the guess.
             share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
         columns = _points(plan, alike, film, tolerance=tolerance, share=share, step=step)
-        numbers = np.arange(len(plan))[alike]
+        numbers = np.arange(len(plan.scenes))[alike]
         for some in rows_alike(*columns):
             grids = _sequence(tuple(columns[:, some[0]].tolist()), outline, room, step)
             yield numbers[some], terms, grids
@@ -153,7 +153,7 @@ def _alike(plan: Plan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
         return
     pads = [(film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m) for film in films]
     first_alike = np.array([pads.index(pad) for pad in pads])[plan.scenes.film_index]
-    numbers = np.arange(len(plan))[rows]
+    numbers = np.arange(len(plan.scenes))[rows]
     for some in rows_alike(plan.kind[rows], first_alike[rows]):
         first = numbers[some[0]]
         yield int(plan.kind[first]), films[plan.scenes.film_index[first]], numbers[some]
@@ -303,7 +303,7 @@ def profile_fall(
         falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
         return np.asarray(falls.max(axis=1))
 
-    if len(plan) > MOST_KEPT:
+    if len(plan.scenes) > MOST_KEPT:
         return fall(rows)
     return plan.once("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
 

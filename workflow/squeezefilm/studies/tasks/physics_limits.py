@@ -54,8 +54,8 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
         [s.with_gas(inertia="included") if s.gas.inertia == "auto" else s for s in scenes]
     )
     underived = not_derived_for(films)
-    derived = ~np.isin(np.arange(len(films)), list(underived))
-    has = np.broadcast_to(films.scenes.gas.inertia == "included", len(films))
+    derived = ~np.isin(np.arange(len(scenes)), list(underived))
+    has = np.broadcast_to(films.scenes.gas.inertia == "included", len(scenes))
     scale_n = np.broadcast_to(films.scenes.force_scale_n, len(scenes))
     columns = {"sigma": films.scenes.sigma}
     columns |= {name: np.full(len(scenes), np.nan) for name in (*EXPANSIONS, "limit_error_n")}
