@@ -18,7 +18,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from squeezefilm.errors import InputError, RunError, needing
+from squeezefilm.errors import InputError, RunError, naming, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, with_position
 from squeezefilm.headers import folded, words_and_unit
@@ -49,7 +49,6 @@ FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
 NOT_NEEDED = {*SOLUTION_COLUMNS} - {"force_n", "force_error_n", "status", "absent_terms"}
 """Columns of forces that a table may lack."""
-NO_ROWS = "{}: the table has a header and no rows"
 MOST_NAMED = 100
 """Points without a force, at most, in a message."""
 
@@ -214,18 +213,13 @@ def _read(
         optional: others that may be missing.
         needs: what the table needs, for messages.
     """
-    path, needs = Path(path), needs or ", ".join(columns)
-    table, lines = _rows(path, columns=columns, needs=needs, chunk=chunk)
-    header, word = list(map(str, table)), "row" if path.suffix == PARQUET else "line"
-    wanted = as_in(columns, header)
-    optional = (*optional, "point_id", *POLAR, *CARTESIAN)
-    _check_header(header, wanted, optional=optional, others=others, needs=needs, path=path)
-    if not lines:
-        raise InputError(NO_ROWS.format(path))
-    wanted = [name for name in wanted if name in header]
-    statuses = table.get("status")
-    table = table[wanted + [name for name in header if name not in wanted] * (others == "kept")]
-    place = f"{path}: {word}"
+    path, optional = Path(path), (*optional, "point_id", *POLAR, *CARTESIAN)
+    how: dict[str, Any] = {"optional": optional, "others": others, "chunk": chunk}
+    table, lines = _rows(path, columns, needs=needs or ", ".join(columns), **how)
+    word = "row" if path.suffix == PARQUET else "line"
+    place, statuses = f"{path}: {word}", table.get("status")
+    wanted = [name for name in as_in(columns, table) if name in table]
+    table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
     for name in [each for each in as_in(numbers, wanted) if each in wanted]:
         values = table[name].map(number_in).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
@@ -251,16 +245,29 @@ def _read(
 
 
 def _rows(
-    path: Path, *, columns: Iterable[str], needs: str, chunk: tuple[int, int] = (1, 1)
+    path: Path,
+    columns: Sequence[str],
+    *,
+    optional: Collection[str],
+    others: Others,
+    needs: str,
+    chunk: tuple[int, int] = (1, 1),
 ) -> tuple[pd.DataFrame, list[int]]:
     """All rows of a CSV file but blank ones as text, or some of a Parquet file; the line of each.
 
-    Args:
-        columns: that a header may name in words or with another unit; others stay as they are.
+    Columns that a header names in words or with another unit are brought to their own; others stay.
     """
     if path.suffix == PARQUET:
-        return _parquet_rows(path, chunk=chunk)
-    return _csv_rows(path, columns=columns, needs=needs)
+        table, lines = _parquet_rows(path, chunk=chunk)
+    else:
+        table, lines = _csv_rows(path, columns=columns, needs=needs)
+    header = list(map(str, table))
+    with naming(path):
+        asked, optional = as_in(columns, header), [*optional, *as_in(optional, header)]
+        _check_header(header, asked, optional, others=others, needs=needs)
+    if not lines:
+        raise InputError(f"{path}: the table has a header and no rows")
+    return table, lines
 
 
 def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.DataFrame, list[int]]:
@@ -359,23 +366,21 @@ def number_in(cell: Any) -> float:
 def _check_header(
     header: Sequence[str],
     columns: Sequence[str],
-    *,
     optional: Collection[str],
+    *,
     others: Others,
     needs: str,
-    path: Path,
 ) -> None:
     """Reject a header with a column that is not known, then one that lacks a column.
 
     Unknown columns that would be ignored are named where another is missing: they may be that one.
     """
-    about = f"{path}: column {{!r}} {{}}; the table needs {needs}".format
     for name in columns:
         if header.count(name) > 1:
-            raise InputError(about(name, "stands twice"))
+            raise InputError(f"column {name!r} stands twice")
     for name in CARTESIAN if POLAR[0] in columns else ():
         if name in header:
-            raise InputError(f"{path}: unknown column {name!r}; {POSITION_FORMS}")
+            raise InputError(f"unknown column {name!r}; {POSITION_FORMS}")
     beside, position = [name for name in header if name not in columns], {*POLAR, *CARTESIAN}
     missing = [name for name in columns if name not in (*header, *optional)]
     if "phi_r_m" in columns and "phi_deg" in header and "phi_r_m" not in header:
@@ -390,11 +395,14 @@ def _check_header(
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
             units = ", ".join(f"{stem}_{unit}" for unit in SIZES[base])
-            raise InputError(about(name, f"needs a unit, one of {units}"))
-        raise InputError(f"{path}: unknown column {name!r}; the table needs {needs}")
+            raise InputError(
+                f"column {name!r} needs a unit, one of {units}; the table needs {needs}"
+            )
+        raise InputError(f"unknown column {name!r}; the table needs {needs}")
     for name in missing:
         form = f" ({POSITION_FORMS})" if name in position else ""
-        raise InputError(about(name, f"is missing; it has {', '.join(header)}{form}"))
+        missed = f"column {name!r} is missing; it has {', '.join(header)}{form}"
+        raise InputError(f"{missed}; the table needs {needs}")
 
 
 def read_columns(
@@ -409,12 +417,8 @@ def read_columns(
 
     Raises InputError naming the file and the column that is missing, or a file without rows.
     """
-    path, needs = Path(path), ", ".join(columns)
-    table, lines = _rows(path, columns=(*columns, *optional), needs=needs)
-    header, how = list(map(str, table)), dict[str, Any](needs=needs, path=path)
-    _check_header(header, as_in(columns, header), optional=(), others="ignored", **how)
-    if not lines:
-        raise InputError(NO_ROWS.format(path))
+    path, known = Path(path), (*columns, *optional)
+    table, _ = _rows(path, known, optional=optional, others="ignored", needs=", ".join(columns))
     if path.suffix != PARQUET:
         table = pd.read_csv(io.StringIO(table.to_csv(index=False)))
     return table
