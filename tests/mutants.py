@@ -64,8 +64,8 @@ MUTATIONS = {
         "own * (lighter + kappa * thicker)",
         "own * (lighter - kappa * thicker)",
         (
-            f"{NUMERICS}/test_inertia.py::test_small_motion_has_the_second_order_force",
-            f"{NUMERICS}/test_inertia.py::test_a_little_heat_moves_the_force_by_the_first_order",
+            f"{NUMERICS}/test_inertia.py::test_the_middle_of_a_long_pad_is_the_strip"
+            "[0.2-583.0-1.81-included]",
         ),
     ),
     "rarefaction": Mutation(

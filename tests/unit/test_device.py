@@ -180,3 +180,30 @@ def test_a_force_in_a_forked_process_is_refused_with_a_sentence():
         [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=30, check=True
     )
     assert "the OpenCL device belongs to process" in told.stdout
+
+
+def test_a_cold_cache_is_filled_once_and_gives_the_same_force(tmp_path):
+    table = tmp_path / "scenes.csv"
+    table.write_text("point_id,h0_m,hv_m,x_m,y_m\n1,5e-6,1e-6,0,0\n", encoding="utf-8")
+    caches = {"POCL_CACHE_DIR": str(tmp_path / "pocl"), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+
+    def forces(environment: dict[str, str]) -> str:
+        output = tmp_path / "forces.csv"
+        words = ("simulate", str(table), "--output", str(output), "--tolerance", "1e-3")
+        subprocess.run(
+            [sys.executable, "-m", "squeezefilm", *words],
+            env={**os.environ, **environment},
+            capture_output=True,
+            timeout=300,
+            check=True,
+        )
+        return output.read_text(encoding="utf-8")
+
+    def compiled() -> set[Path]:
+        return {path for name in ("pocl", "cache") for path in (tmp_path / name).rglob("*.so")}
+
+    cold, known = forces(caches), compiled()
+    assert cold == forces(caches) == forces({})
+    if "Portable Computing Language" in choose_device().name:
+        assert known
+    assert compiled() == known
