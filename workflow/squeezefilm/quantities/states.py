@@ -52,6 +52,8 @@ def alike(scenes: Scenes, solutions: Solutions, *, numbers: int) -> Iterator[np.
     Args:
         numbers: of the finer states of a group; more would fall out of the caches.
     """
+    if not len(scenes):
+        return
     kinds, kind = terms_of_each(scenes)
     aspect = np.broadcast_to(scenes.aspect, len(scenes))
     groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
