@@ -161,6 +161,12 @@ def test_a_study_of_the_paper_with_another_actuator_is_noted(repository, tmp_pat
     assert "note: paper: true is of the paper's actuator" in capsys.readouterr().err
 
 
+def test_the_origin_of_a_scan_is_a_place_in_its_file(tmp_path):
+    measured = "{kind: measured, file: scan.csv, origin: [100 mm, 0]}"
+    written = parse_config(SHORT.replace("{kind: piston}", measured), path=tmp_path / "mine.yaml")
+    assert written.smoothing["origin_m"] == (0.1, 0.0)
+
+
 def test_constants_of_a_formula_have_units_and_stay_in_the_whole_study(tmp_path):
     """`12 mm` is 0.012 in metres; an angle is in radians, as in the formula's functions."""
     formula = (

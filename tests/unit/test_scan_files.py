@@ -90,9 +90,19 @@ FORMS: dict[str, bytes] = {
     )
     .replace(",", "\t")
     .encode(),
+    "a comment's column without cells": text(
+        "x_mm\ty_mm\tAmplitude (um)\tPhase (deg)\tComment", X, Y, abs(U), PHASE
+    )
+    .replace(",", "\t")
+    .encode(),
+    "savetxt": b"# x_m y_m uz_m\n"
+    + b"".join(
+        f"{x / 1e3:.9e} {y / 1e3:.9e} ({u.real:.9e}{u.imag:+.9e}j)\n".encode()
+        for x, y, u in zip(X, Y, TURNED * 1e-6, strict=True)
+    ),
     "COMSOL": text(
         "% Model:   disc.mph\n% Dimension:   3\n% Length unit:   mm\n"
-        "% x         y          z          w (m) @ freq=42000      w (m) @ freq=43270",
+        "% x         y          z          w (m) @ freq=42000 w (m) @ freq=43270",
         *(X, Y, 0 * X, X, U / 1e6),
     )
     .replace(",", "      ")
@@ -409,6 +419,7 @@ def test_named_arrays_are_a_table(ending, tmp_path):
         ("scan.mat", b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM", "'-v7'"),
         ("scan.npy", b"", "the arrays cannot be read"),
         ("scan.bin", bytes(200), "no table of text"),
+        ("scan.vtu", b"<?xml version='1.0'?>", "as CSV .in ParaView"),
     ],
 )
 def test_a_file_that_is_no_table_is_named_with_what_to_export(name, start, message, tmp_path):

@@ -100,14 +100,8 @@ def column_of(name: str, place: int = 0) -> Column | None:
 
 
 def named_columns(header: Sequence[str]) -> list[Column]:
-    """The columns that a header names; ``X centre (mm)`` is x where nothing else is."""
-    columns = [column for at, name in enumerate(header) if (column := column_of(name, at))]
-    known = {column.quantity for column in columns if column.size}
-    for at, name in enumerate(header):
-        words, unit = next(words_and_unit(name, LENGTHS_M))
-        if unit in LENGTHS_M and not MOTION & {*words} and {*words[:1]} & ({"x", "y"} - known):
-            columns.append(Column(words[0], unit, LENGTHS_M[unit], at, name))
-    return columns
+    """The columns that a header names."""
+    return [column for at, name in enumerate(header) if (column := column_of(name, at))]
 
 
 def chosen_columns(
@@ -151,10 +145,11 @@ def check_units(columns: Collection[Column]) -> None:
     lacking = [column for column in columns if not column.size]
     names = ", ".join(repr(each.name) for each in lacking)
     written = ", ".join(f"{each.name} [{USUAL_UNITS[each.quantity]}]" for each in lacking)
-    hint = "; decibels are not supported" * any("db" in each.unit for each in lacking)
+    if any("db" in each.unit for each in lacking):
+        raise InputError(f"decibels are not supported; export {names} on a linear scale")
     if lacking:
         raise InputError(
-            f"no unit is known of {names}{hint}; write it into the header, as in {written}. "
+            f"no unit is known of {names}; write it into the header, as in {written}. "
             f"Lengths are in {', '.join(LENGTHS_M)}, motions also over s or s², angles in "
             f"{', '.join(ANGLES_RAD)}"
         )

@@ -61,13 +61,15 @@ FIRST_LINES, FEWEST_NAMED = 100, 2
 COMMENT = re.compile(r"\s*[#%!][#%!\s]*")
 LENGTH_UNIT = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
 """How a program says, above the header, in which unit places are."""
-COMPLEX = r"[\s\d.,eE+-]*\d\s*[ij]"
+COMPLEX = r"\(?[\s\d.,eE+-]*\d\s*[ij]\)?"
 OTHER_FORMATS = {
     b"PK": "save a spreadsheet as CSV, with any separator",
     b"\xd0\xcf\x11\xe0": "export a Polytec file (.svd) as universal file or as text, and save a "
     "spreadsheet (.xls) as CSV",
     b"\x89HDF": "export the points as text or CSV",
     b"%PDF": "export the points as text or CSV",
+    b"<?xml": "export the points as CSV (in ParaView: Save Data)",
+    b"{": "write the points as CSV",
 }
 """How files begin that are no text, and what to do with them."""
 MOST_LOOKED_AT = 1000
@@ -117,7 +119,8 @@ def read_points(
                 beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
                 raise InputError(f"{problem}; the columns are {', '.join(columns)}{beside}")
         check_units(columns.values())
-    cells = _cells(lines, first, separator, names=len(header))
+    needed = max(taken) + 1
+    cells = _cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
     notes += [*others, *at_frequency]
@@ -303,13 +306,17 @@ def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
     return io.StringIO(text, newline=None).read().split("\n"), notes
 
 
-def _cells(lines: Sequence[str], first: int, separator: str, *, names: int) -> pd.DataFrame:
-    """The cells below a header of so many names, by their line in the file."""
+def _cells(
+    lines: Sequence[str], first: int, separator: str, *, names: int, needed: int
+) -> pd.DataFrame:
+    """The cells below a header of so many names, the first of them needed, by their line."""
     rows: dict[int, list[str]] = {}
     for number, line in enumerate(lines[first:], first + 1):
         if not line.strip(" \t,;") or COMMENT.match(line):
             continue
         rows[number] = cells = _split(line, separator)
+        if separator != BLANKS and needed <= len(cells):  # between blanks an empty cell is none
+            cells += [""] * (names - len(cells))
         if len(cells) != names:
             hint = "; decimal commas need another separator, such as semicolons"
             hint *= separator == "," and len(cells) > names
@@ -346,7 +353,8 @@ def _bare_length(column: Column) -> bool:
 def _split(line: str, separator: str) -> list[str]:
     """A line's cells."""
     if separator == WIDE:
-        return re.split(r"\s\s+", line.strip())
+        # COMSOL has a single blank behind a long name.
+        return re.split(r"\s\s+| (?=\S+ \(\S+\) @)", line.strip())
     if separator == BLANKS:
         line = " ".join(line.split())
     try:
@@ -420,6 +428,6 @@ def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
 def _complex(cell: str) -> complex:
     """A number such as ``1.2-0.3i``; NaN where a cell has none."""
     try:
-        return complex("".join(cell.split()).replace(",", ".").replace("i", "j"))
+        return complex("".join(cell.strip("()").split()).replace(",", ".").replace("i", "j"))
     except ValueError:
         return complex("nan")
