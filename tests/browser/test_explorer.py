@@ -26,7 +26,7 @@ EXACT = 1e-9
 SHOWN_UNIT = {"h0": 1e-6, "hv": 1e-6, "phi-r": 1e-3, "phi-phi": 1.0, "target": 1.0}
 FACTOR = dict(zip(("h0", "hv", "phi-r", "phi-phi"), FACTOR_COLUMNS, strict=True))
 # A value and its error, in the page's units.
-SAID = [(0.962042, 6e-7), (0.9613, 0.0031), (-3.26, 0.4), (42.4, 3.0), (1234.0, 20.0)]
+RESULT_ROW = [(0.962042, 6e-7), (0.9613, 0.0031), (-3.26, 0.4), (42.4, 3.0), (1234.0, 20.0)]
 FITS = (
     "two_factor_design",
     "screen",
@@ -153,8 +153,10 @@ def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer)
 
 
 def test_the_page_gives_a_value_the_digits_of_its_error_as_the_library_does(explorer):
-    told = explorer.browser.run("return arguments[0].map((each) => toItsError(...each))", SAID)
-    for (value, error), shown in zip(SAID, told, strict=True):
+    told = explorer.browser.run(
+        "return arguments[0].map((each) => toItsError(...each))", RESULT_ROW
+    )
+    for (value, error), shown in zip(RESULT_ROW, told, strict=True):
         ours = [float(text) for text in to_its_error(value, error)]
         assert [float(text.replace("−", "-")) for text in shown] == ours
 

@@ -14,7 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from squeezefilm_workflow.paper.figures import FIGURES
-from squeezefilm_workflow.reporting.check import PLACE_OF_PICTURES as PLACE
+from squeezefilm_workflow.reporting.check import PICTURES_FOLDER as PLACE
 from squeezefilm_workflow.reporting.figures import style
 from squeezefilm_workflow.reporting.figures.style import PLAIN
 from squeezefilm_workflow.reporting.results import Results as StudyResults

@@ -20,9 +20,11 @@ def test_large_work_groups_give_the_stored_forces(monkeypatch) -> None:
     monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
     films = {name: self_test.films()[name] for name in COMPILED}
     monkeypatch.setattr(self_test, "films", lambda: films)
-    stored = pd.read_csv(self_test.TABLE, index_col="film")["mean_overpressure"][list(films)]
+    stored = pd.read_csv(self_test.STORED_FORCES, index_col="film")["mean_overpressure"][
+        list(films)
+    ]
     found = self_test.forces(choose_device(work_items=128))
-    assert found == pytest.approx(stored.to_dict(), rel=self_test.CLOSENESS)
+    assert found == pytest.approx(stored.to_dict(), rel=self_test.FORCE_TOLERANCE)
 
 
 @pytest.mark.parametrize("items", [1, 4])

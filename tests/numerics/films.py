@@ -119,7 +119,7 @@ class AsTheGap:
 
 def saying(states: States, **values: np.ndarray) -> States:
     """States of which something else is said."""
-    said = states.said.copy()
+    said = states.results.copy()
     for name, each in values.items():
         said[name] = each
-    return replace(states, said=said)
+    return replace(states, results=said)

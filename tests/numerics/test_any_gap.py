@@ -19,7 +19,7 @@ from squeezefilm.reynolds.solver import solve
 DISC = Disc(0.01)
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 OTHER = StandingWave(wavelength_m=0.014, direction_deg=60.0, crest_m=0.004)
-TWO_MODES = Quadrature(WAVE, OTHER, shares=(0.7, 0.7))
+TWO_MODES = Quadrature(WAVE, OTHER, component_factors=(0.7, 0.7))
 FLAT = GapShape()
 SHAPE = GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, crown_m=0.5e-6)
 
@@ -30,7 +30,7 @@ def travelling(direction_deg: float = 0.0) -> Profile:
 
 def begun_later(angle: float) -> Quadrature:
     """The wave that stands, at another instant called the first."""
-    return Quadrature(WAVE, WAVE, shares=(cos(angle), sin(angle)))
+    return Quadrature(WAVE, WAVE, component_factors=(cos(angle), sin(angle)))
 
 
 def shaped(scene: Scene, gap: GapShape = SHAPE) -> Scene:
@@ -112,7 +112,7 @@ def test_a_gap_that_breathes_keeps_its_mean_square():
     still = shaped(film(epsilon=epsilon, sigma=50.0))
     scene = replace(still, actuator=replace(still.actuator, profile=AsTheGap(still)))
     grid, states = periodic_state(scene, points=24, instants=24)
-    pressure = 1 + states.overpressure[0]
+    pressure = 1 + states.gauge_pressure_ratio[0]
     mean_square = ((1 + epsilon * np.sin(grid.t.nodes)) ** 3 * pressure**2).mean(axis=-1)
     assert mean_square == pytest.approx(1 + 1.5 * epsilon**2, rel=1e-6)
     assert np.ptp(pressure.mean(axis=-1)) > 0.01

@@ -13,7 +13,7 @@ from periodic_strip import PeriodicStrip
 from squeezefilm.film.scene import Scene
 from squeezefilm.lazy import cl
 from squeezefilm.quantities.model_error import (
-    NAMES,
+    EFFECT_NAMES,
     Effect,
     ErrorBudget,
     budget_row,
@@ -139,7 +139,7 @@ def test_what_is_not_known_has_no_number(scene: Scene) -> None:
 
 def test_a_total_that_is_unknown_has_a_reason() -> None:
     """Each effect alone is known here, all of them together are not."""
-    known = dict.fromkeys(NAMES, Effect(1.0, 0.0))
+    known = dict.fromkeys(EFFECT_NAMES, Effect(1.0, 0.0))
     assert ErrorBudget(known, 1.5, (0.8, 1.2)).unknown == []
     assert budget_row(ErrorBudget(known, 1.5))["unknown_effects"] == "all effects together"
     without_inertia = ErrorBudget(known | {"inertia": Effect(float("nan"))}, 1.5)

@@ -12,7 +12,7 @@ from stored_strip import strip_force
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import (
-    TABLE,
+    DEPTH_AVERAGING_TABLE,
     depth_averaging_percent,
 )
 from squeezefilm.reynolds import solve
@@ -37,7 +37,7 @@ HEATED = {"thermal": "included"}
 
 
 def test_the_tables_nodes_come_back(scene):
-    for row in pd.read_csv(TABLE).itertuples():
+    for row in pd.read_csv(DEPTH_AVERAGING_TABLE).itertuples():
         change, off = depth_averaging_percent(
             film(scene, row.reynolds, row.sigma, **(HEATED if row.thermal else {}))
         )
@@ -49,7 +49,7 @@ def test_the_tables_nodes_come_back(scene):
 def test_a_row_of_the_table_is_found_again(row):
     """``squeezefilm-verification depth-averaged``; stored averages with heat are of ε 0.005."""
     thermal, reynolds, sigma = rows()[row]
-    stored = pd.read_csv(TABLE).loc[row]
+    stored = pd.read_csv(DEPTH_AVERAGING_TABLE).loc[row]
     assert tuple(stored[["thermal", "reynolds", "sigma"]]) == (thermal, reynolds, sigma)
     numbers = {"reynolds": reynolds, "sigma": sigma, "thermal": thermal}
     assert resolved_force(**numbers) == pytest.approx(stored["resolved"], abs=6e-7)
@@ -85,7 +85,7 @@ def test_the_solver_has_the_tables_depth_averaged_forces(scene, sigma, gas):
     """So that the table is of these terms, and no others."""
     its = film(scene, 10.0, sigma, epsilon=0.005, **gas)
     (found,) = solve([its], tolerance=2e-5, method="periodic")
-    table = pd.read_csv(TABLE).set_index(["thermal", "reynolds", "sigma"])
+    table = pd.read_csv(DEPTH_AVERAGING_TABLE).set_index(["thermal", "reynolds", "sigma"])
     mean = found.force_n / its.force_scale_n / its.epsilon**2
     assert mean == pytest.approx(table["averaged"][int(bool(gas)), 10.0, sigma], rel=3e-5)
 

@@ -15,7 +15,7 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.derivatives import moved, with_derivatives
+from squeezefilm.quantities.derivatives import with_derivatives, with_number_changed
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import Derivatives
 from squeezefilm.tables import read_forces, write_table
@@ -50,8 +50,10 @@ def rounded(scene: Scene, number: str) -> float:
 def quotient(scene: Scene, number: str) -> float:
     """Of forces simulated anew, of fourth order."""
     step = step_of(scene, number)
-    moved = [changed(scene, number, k * step) for k in (-2, -1, 1, 2)]
-    a, b, c, d = (each.force_n for each in solve(moved, tolerance=1e-9, method="periodic"))
+    with_number_changed = [changed(scene, number, k * step) for k in (-2, -1, 1, 2)]
+    a, b, c, d = (
+        each.force_n for each in solve(with_number_changed, tolerance=1e-9, method="periodic")
+    )
     return (a - 8 * b + 8 * c - d) / (12 * step)
 
 
@@ -62,7 +64,11 @@ def under_ellipse(scene: Scene) -> Scene:
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 OTHER = StandingWave(wavelength_m=0.014, direction_deg=60.0, crest_m=0.004)
 TWO_PHASES = film(
-    epsilon=0.3, sigma=300.0, x=0.1, y=0.05, profile=Quadrature(WAVE, OTHER, shares=(0.7, 0.7))
+    epsilon=0.3,
+    sigma=300.0,
+    x=0.1,
+    y=0.05,
+    profile=Quadrature(WAVE, OTHER, component_factors=(0.7, 0.7)),
 )
 FILMS = {
     "off the centre": film(epsilon=0.44, sigma=2331.0, x=0.2, y=0.1),
@@ -144,7 +150,7 @@ def test_a_gas_with_inertia_and_thermal_effects_has_derivatives() -> None:
     assert found.status == "ok"
     for name in ("h0_m", "hv_m", "density_kg_per_m3", "prandtl", "viscosity_exponent"):
         unit = scene.h0_m if name.endswith("_m") else getattr(scene.gas, name)
-        beside = [moved(scene, name, sign * 2e-3 * unit) for sign in (1, -1)]
+        beside = [with_number_changed(scene, name, sign * 2e-3 * unit) for sign in (1, -1)]
         ahead, behind = (each.force_n for each in solve(beside, tolerance=1e-6))
         quotient = (ahead - behind) / (4e-3 * unit)
         assert abs(found.value[name] - quotient) <= found.error[name] + 2e-3 * abs(quotient)

@@ -48,7 +48,7 @@ def test_a_state_with_negative_pressure_is_no_solution(monkeypatch):
 
     def negative(self, device):
         return [
-            [saying(states, lowest=states.said["lowest"] - 2) for states in stages]
+            [saying(states, lowest=states.results["lowest"] - 2) for states in stages]
             for stages in original(self, device)
         ]
 

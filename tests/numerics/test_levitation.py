@@ -9,7 +9,7 @@ import yaml
 from films import film
 
 from squeezefilm.cli.main import main
-from squeezefilm.dynamics.levitation import DAMPED, levitate, resonance
+from squeezefilm.dynamics.levitation import OVERDAMPED, levitate, resonance
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 
@@ -56,7 +56,7 @@ def test_a_heavy_mass_swings_on_the_slow_spring_and_a_light_one_on_gas_that_stay
         for rate in np.geomspace(1, 1e3, 13)
     ]
     assert max(each.damping_ratio for each in moving if not each.reason) > 0.4
-    assert all(each.reason == DAMPED for each in moving if np.isnan(each.frequency_hz))
+    assert all(each.reason == OVERDAMPED for each in moving if np.isnan(each.frequency_hz))
 
 
 def study(tmp_path, **sections) -> str:

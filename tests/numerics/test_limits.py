@@ -47,7 +47,7 @@ def test_boundary_layer_functions_at_known_excursions(a, d, g):
 @pytest.mark.parametrize("row", [0, 3, 20])
 def test_the_layer_of_a_row_of_the_table_is_found_again(row):
     """``squeezefilm-verification edge-layers``."""
-    table = np.loadtxt(edge_layer.TABLE, delimiter=",", skiprows=1)
+    table = np.loadtxt(edge_layer.LAYER_TABLE, delimiter=",", skiprows=1)
     a = excursions()[row]
     assert (a, *layer(a)) == pytest.approx(table[row], rel=1e-8)
 
@@ -173,7 +173,7 @@ def error_over_estimate(row) -> float:
 
 
 # Where constants stand, and the values with which they change nothing.
-SWITCHED_OFF = {"FREE_SIGMA": (estimates, 1e-9), "PRECISION": (core, 1.0)}
+SWITCHED_OFF = {"FREE_FLOW_SIGMA": (estimates, 1e-9), "PRECISION": (core, 1.0)}
 
 
 @pytest.mark.parametrize("number", STORED.index)

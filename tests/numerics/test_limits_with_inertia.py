@@ -31,7 +31,7 @@ Method = Callable[[Films], AsymptoticForces]
 
 def at(a: float, reynolds: float) -> list[float]:
     """(ψ² − 1)/a², d/a², g/a and h/a² of the stored table."""
-    rise, d, g, h = edge_layer.rim_values(np.array([[a]]), np.array([reynolds]))
+    rise, d, g, h = edge_layer.edge_functions(np.array([[a]]), np.array([reynolds]))
     scaled = (rise / a**2, d / a**2, g / a, h / a**2)
     return [float(each[0, 0]) for each in scaled]
 
@@ -92,16 +92,16 @@ def test_table_between_its_rows(a: float, reynolds: float) -> None:
 
 def test_the_layer_of_a_row_of_the_table_is_found_again() -> None:
     """``squeezefilm-verification edge-layers``."""
-    table = np.loadtxt(edge_layer.TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
+    table = np.loadtxt(edge_layer.LAYER_TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
     reynolds = reynolds_numbers()[2]
     found = layers_with_inertia(reynolds, excursions_with_inertia(reynolds)[:1])
     assert found[0] == pytest.approx(table[2 * INERTIA_ROWS], rel=1e-8)
 
 
 def test_table_says_where_it_ends() -> None:
-    values = edge_layer.rim_values(np.array([[0.41, 0.39], [0.8, 0.91]]), np.array([10.0, 0.0]))
+    values = edge_layer.edge_functions(np.array([[0.41, 0.39], [0.8, 0.91]]), np.array([10.0, 0.0]))
     assert np.isnan(values[0]).tolist() == [[True, False], [False, True]]
-    assert np.isnan(edge_layer.rim_values(np.array([[0.1]]), np.array([10.1]))).all()
+    assert np.isnan(edge_layer.edge_functions(np.array([[0.1]]), np.array([10.1]))).all()
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def on_nodes(scene: Scene, *, points: int, instants: int) -> WithUnknowns:
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     assert state.status[0] == 0
-    fields = WithUnknowns([scene], grid, state.overpressure)
+    fields = WithUnknowns([scene], grid, state.gauge_pressure_ratio)
     fields.unknowns = state.unknowns[0]
     return fields
 
@@ -111,7 +111,7 @@ def test_thrust_is_the_shear_at_the_pad_s_wall(name: str) -> None:
     """−⟨∫(h/2) ∇p⟩, here by the pressure's own slope."""
     scene = FILMS[name]
     fields = on_nodes(scene, points=40, instants=24)
-    slope = fields.gradient((1 + fields.overpressure) - 1)
+    slope = fields.gradient((1 + fields.gauge_pressure_ratio) - 1)
     unit = FORCE_N * H0_M / LENGTH_M
     found = outputs(scene, "thrust")
     for thrust, along in (("thrust_x", slope[0]), ("thrust_y", slope[1])):
@@ -167,7 +167,7 @@ def momentum_from_inside(scene: Scene, grid: Grid, unknowns: np.ndarray) -> np.n
         turn = np.ones(field.shape[:2], dtype=complex)
         around = grid.y.weights
         if grid.outline:  # over the conjugate of z′, in a mean with the area behind each point
-            mu = grid.outline.rim * (2 * places[0] - 1)
+            mu = grid.outline.edge_mu * (2 * places[0] - 1)
             turn = grid.outline.slope(mu, places[1]) * grid.outline.typical_stretch**0.5
             turn = turn / grid.outline.mean_stretch
         else:
@@ -191,7 +191,7 @@ def test_thrust_of_a_gas_with_inertia_lacks_half_of_what_leaves_over_the_rim(
     if rarefaction == "slip":
         slip = scene.slip_knudsen
         out *= (1 + 10 * slip + 30 * slip**2) / (1 + 6 * slip) ** 2
-    slope = fields.gradient((1 + fields.overpressure) - 1)[0]
+    slope = fields.gradient((1 + fields.gauge_pressure_ratio) - 1)[0]
     shear = -float(fields.mean(fields.gap * slope)[0]) / 2
     found = outputs(scene, "thrust", tolerance=1e-5).value["thrust_x"]
     assert found == pytest.approx((shear - out / 2) * unit, rel=rel)

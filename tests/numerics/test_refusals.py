@@ -15,7 +15,9 @@ INERTIA, THERMAL, SLIDING = {"inertia": "included"}, {"thermal": "included"}, {"
 FACTOR, SLIP = {"rarefaction": "fukui-kaneko"}, {"rarefaction": "slip"}
 ELLIPSE, TILTED = {"shape": "ellipse"}, {"gap": GapShape(tilt_x_m=1e-6)}
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
-TWO_PHASES = {"profile": Quadrature(WAVE, replace(WAVE, direction_deg=60.0), shares=(0.7, 0.7))}
+TWO_PHASES = {
+    "profile": Quadrature(WAVE, replace(WAVE, direction_deg=60.0), component_factors=(0.7, 0.7))
+}
 COMPOSITE = "the composite expansion is "
 
 

@@ -21,7 +21,7 @@ def response(sigma: float, aspect: float = 1.0) -> tuple[float, float]:
     epsilon = 1e-5
     scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
     grid, states = periodic_state(scene, points=32, instants=8)
-    force = np.einsum("xyt,x,y->t", states.overpressure[0], grid.x.weights, grid.y.weights)
+    force = np.einsum("xyt,x,y->t", states.gauge_pressure_ratio[0], grid.x.weights, grid.y.weights)
     spring = -2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon
     damping = -2 * np.mean(force * np.cos(grid.t.nodes)) / epsilon
     return float(spring), float(damping)
@@ -42,7 +42,7 @@ def test_mean_square_of_gap_times_pressure_weighted_by_gap_is_exact_everywhere(e
         film(epsilon=epsilon, sigma=sigma, profile=PISTON), points=40, instants=48
     )
     gap = 1 + epsilon * np.sin(grid.t.nodes)
-    value = np.mean(gap**3 * (1 + states.overpressure[0]) ** 2, axis=-1)
+    value = np.mean(gap**3 * (1 + states.gauge_pressure_ratio[0]) ** 2, axis=-1)
     assert value == pytest.approx(1 + 1.5 * epsilon**2, rel=1e-8)
 
 
@@ -77,7 +77,7 @@ def test_divergence_form_of_the_equation_holds_with_every_term():
     sine = np.sin(grid.t.nodes)
     gap = 1 + scene.epsilon * scene.amplitude(x, y)[..., None] * sine
     gap_rate = scene.epsilon * scene.amplitude(x, y)[..., None] * np.cos(grid.t.nodes)
-    pressure = 1 + np.pad(states.overpressure[0], ((1, 1), (1, 1), (0, 0)))
+    pressure = 1 + np.pad(states.gauge_pressure_ratio[0], ((1, 1), (1, 1), (0, 0)))
 
     def d_dx(values: np.ndarray) -> np.ndarray:
         return np.einsum("ij,jyt->iyt", grid.x.derivative, values)

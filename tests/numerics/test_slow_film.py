@@ -12,8 +12,8 @@ from physics_facts import piston_response
 from squeezefilm.dynamics.averaged_film import AveragedFilm
 from squeezefilm.dynamics.response import (
     AVERAGING_ERROR,
-    CHANGED,
     NEGLECTED,
+    SLIP_CHANGE_COLUMNS,
     gains,
     neglected,
     response,
@@ -216,7 +216,7 @@ def test_the_change_by_slip_is_that_of_a_film_with_slip():
         for each in ("none", "slip")
     )
     (found,) = neglected([scene], tolerance=1e-4, device=DEVICE)
-    for what, name in CHANGED.items():
+    for what, name in SLIP_CHANGE_COLUMNS.items():
         change = 100 * (getattr(slipping, name) / getattr(without, name) - 1)
         assert found[f"slip_{what}_percent"] == pytest.approx(change, rel=0.02)
     assert found["slip_settling_start_percent"] < -25

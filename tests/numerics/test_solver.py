@@ -193,8 +193,8 @@ def test_no_more_is_left_of_an_iteration_than_it_says(tolerance):
         for each in (1e-12, tolerance)
     )
     narrowest = 1 - np.array([each.epsilon for each in FEW_FILMS])
-    floor = 1e-14 * exact.said["largest"]
-    assert (np.abs(found.mean - exact.mean) <= found.said["residual"] / narrowest + floor).all()
+    floor = 1e-14 * exact.results["largest"]
+    assert (np.abs(found.mean - exact.mean) <= found.results["residual"] / narrowest + floor).all()
     assert (np.abs(found.mean / exact.mean - 1) <= tolerance).all()
 
 

@@ -17,8 +17,8 @@ from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
-    SLIP,
-    TABLE,
+    FLOW_TABLE,
+    SLIP_LIMIT,
     flow_over_viscous,
     slip_flow,
     slip_growth,
@@ -36,15 +36,15 @@ def test_the_flow_factor_is_the_integral_equations(inverse):
 
 
 def test_the_table_is_the_integral_equations():
-    for inverse, stored in np.loadtxt(TABLE, delimiter=",", skiprows=1)[::10]:
+    for inverse, stored in np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1)[::10]:
         assert stored == pytest.approx(poiseuille_flow(inverse), rel=4e-9)
 
 
 def test_beyond_the_table_gas_slips_or_its_molecules_fly_freely():
     """Slip of the BGK equation, 1.1466 Kn, and ln(1/D)/√π, which is approached slowly."""
     for inverse in (1e4, 1e6):
-        assert slip_flow(inverse) == pytest.approx(SLIP, rel=3 / inverse**0.5)
-    assert 2 * SLIP / np.pi**0.5 == pytest.approx(1.1466, rel=1e-4)
+        assert slip_flow(inverse) == pytest.approx(SLIP_LIMIT, rel=3 / inverse**0.5)
+    assert 2 * SLIP_LIMIT / np.pi**0.5 == pytest.approx(1.1466, rel=1e-4)
     direct, other = (poiseuille_flow(each, points=40, half_rule=40) for each in (1e-4, 1e-5))
     assert slip_flow(1e-5) - slip_flow(1e-4) == pytest.approx(other - direct, rel=2e-3)
     assert slip_flow(1e-5) == pytest.approx(other, rel=1e-3)
@@ -96,7 +96,7 @@ def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
     grid, states = periodic_state(scene, points=32, instants=40)
     assert states.status[0] == 0
     gap = 1 + scene.epsilon * np.sin(grid.t.nodes)
-    pressure = 1 + states.overpressure[0]
+    pressure = 1 + states.gauge_pressure_ratio[0]
     nodes, weights = np.polynomial.legendre.leggauss(20)
     path = 1 + (pressure[..., None] - 1) * (nodes + 1) / 2
     density, numbers = path ** (1 / exponent), numbers_table(Scenes.of([scene]), terms_of(scene))
@@ -162,7 +162,9 @@ def test_fast_adiabatic_compression_is_stiffer_by_the_exponent():
     def spring(exponent: float) -> float:
         scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, polytropic_exponent=exponent)
         grid, states = periodic_state(scene, points=80, instants=8)
-        force = np.einsum("xyt,x,y->t", states.overpressure[0], grid.x.weights, grid.y.weights)
+        force = np.einsum(
+            "xyt,x,y->t", states.gauge_pressure_ratio[0], grid.x.weights, grid.y.weights
+        )
         return float(-2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon)
 
     assert spring(1.4) / spring(1.0) == pytest.approx(1.4, rel=2e-3)
@@ -210,7 +212,7 @@ def test_a_term_s_response_is_the_difference_quotient_of_its_residual(terms):
     for steps in (0, 1):
         how = {"tolerance": 0.0, "device": device, "guess": guess, "most_newton": steps}
         states = solve_batch([scene], grid, **how)
-        residuals.append(float(states.said["residual"][0]))
+        residuals.append(float(states.results["residual"][0]))
     before, after = residuals
     assert 1e-3 < before < 1e-2
     assert after < 4 * before**2

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from physics_facts import SINC_CONVERGED, SPRING_AT_20
 
-from squeezefilm.film.scene import Places
+from squeezefilm.film.scene import PadPositions
 from squeezefilm.reynolds import packing, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm_workflow.verification.films import PISTON, SAMPLE, beyond, cases, film
@@ -125,7 +125,7 @@ def turn_slope(fields: Fields) -> None:
 )
 def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
     monkeypatch.setattr(packing, "profile_fields", spoil_fields(change))
-    monkeypatch.setattr(Places, "once", lambda self, find, *of: find(self, *of))  # not kept
+    monkeypatch.setattr(PadPositions, "once", lambda self, find, *of: find(self, *of))  # not kept
     assert red() == expected
 
 

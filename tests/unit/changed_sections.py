@@ -4,7 +4,7 @@ from typing import Any, TypeVar, get_args
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import with_changes
-from squeezefilm.film.profiles import KINDS, Profile
+from squeezefilm.film.profiles import PROFILE_KINDS, Profile
 from squeezefilm.film.surfaces import Surface
 from squeezefilm.sections import key_of
 
@@ -32,5 +32,5 @@ def in_file(value: Any) -> Any:
 
 def made_profile(surface: Surface, *, kind: str, **settings: Any) -> Profile:
     """A profile on a surface from the values of a study's keys."""
-    (made,) = (each for each in get_args(KINDS) if each.kind == kind)
+    (made,) = (each for each in get_args(PROFILE_KINDS) if each.kind == kind)
     return made(**settings).on(surface)

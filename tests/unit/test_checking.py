@@ -7,10 +7,10 @@ import pytest
 from squeezefilm.cli import main as cli
 from squeezefilm_workflow.reporting import check
 from squeezefilm_workflow.reporting.check import (
+    EQUAL_TEXT,
     PASSED,
-    PLACE_OF_PICTURES,
-    SAME,
-    SAMPLE,
+    PICTURES_FOLDER,
+    SAMPLED_ROWS,
     Close,
     Quantity,
     column_quantities,
@@ -57,7 +57,7 @@ def with_cell(row: int) -> pd.Series:
 def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
     """Any cell, though few rows are kept."""
     assert failed(FORCES.assign(force_n=force_n)) == seen
-    assert len(quantities(FORCES)[1].cells) == SAMPLE
+    assert len(quantities(FORCES)[1].cells) == SAMPLED_ROWS
 
 
 @pytest.mark.parametrize(
@@ -69,8 +69,8 @@ def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
         (Close(), "2", "2", 0),
         (Close(relative=1), "2", "many", np.inf),
         (Close(relative=1e-9), "nan", "nan", 0),
-        (SAME, "a", "a", 0),
-        (SAME, "(µm)", "(mm)", np.inf),
+        (EQUAL_TEXT, "a", "a", 0),
+        (EQUAL_TEXT, "(µm)", "(mm)", np.inf),
         (Close(digits=1), "0.987 N", "0.988 N", 1),
         (Close(digits=1), "−2.1e−4", "−2.3e−4", 2),
     ],
@@ -88,7 +88,7 @@ def test_a_reference_is_read_as_it_was_written(tmp_path):
 
 
 def test_pictures_go_with_a_reference_into_a_new_folder(tmp_path):
-    picture = tmp_path / PLACE_OF_PICTURES / f"fig08{PLAIN}"
+    picture = tmp_path / PICTURES_FOLDER / f"fig08{PLAIN}"
     picture.parent.mkdir(parents=True)
     picture.write_bytes(b"drawn")
     write_reference(quantities(FORCES), tmp_path, tmp_path / "of/mine")

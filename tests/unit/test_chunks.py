@@ -31,9 +31,9 @@ def test_neither_chunks_nor_pieces_change_a_row(repository, tmp_path, monkeypatc
     names = ("scenes", "forces", "timings")
     whole = {name: str(tmp_path / f"{name}.{suffix}") for name in names}
     settings = {"params": {"keep_failed": False}, "plan": "sweep"}
-    monkeypatch.setattr("squeezefilm.studies.plans.PIECE", 8)
+    monkeypatch.setattr("squeezefilm.studies.plans.POINTS_PER_PIECE", 8)
     script("simulate", config, input={"sources": []}, output=whole, **settings)
-    monkeypatch.setattr(simulation, "PIECE", 4)
+    monkeypatch.setattr(simulation, "WRITTEN_ROWS", 4)
     parts = [
         {name: str(tmp_path / f"{name}-{part}.{suffix}") for name in names[1:]} for part in (1, 2)
     ]

@@ -67,9 +67,9 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
         return text
 
     films = {name: film for name, film in self_test.films().items() if name in ("inertia", "slip")}
-    stored = pd.read_csv(self_test.TABLE, index_col="film").loc[[*films]].to_csv()
+    stored = pd.read_csv(self_test.STORED_FORCES, index_col="film").loc[[*films]].to_csv()
     monkeypatch.setattr(self_test, "films", lambda: films)
-    monkeypatch.setattr(self_test, "TABLE", io.StringIO(stored))
+    monkeypatch.setattr(self_test, "STORED_FORCES", io.StringIO(stored))
     monkeypatch.setattr(Path, "read_text", compiled_wrongly)
     caches = (device.kernel, device._program, self_test._wrong)
     try:

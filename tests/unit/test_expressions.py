@@ -12,7 +12,7 @@ NAMES = ("a", "b", "x", "h0")
 
 
 def read(text: str):
-    return parse(text, names=NAMES, place="model")
+    return parse(text, names=NAMES, source="model")
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,7 @@ AT = Factors.of(h0_m=H0_M, hv_m=EPSILON * H0_M)
 
 
 def own(expression: str):
-    return make_model("own", {"expression": expression}, place="models.own")
+    return make_model("own", {"expression": expression}, source="models.own")
 
 
 def scattered(model, theta, share: float):

@@ -26,7 +26,7 @@ def test_the_piston_formula_is_a_case_of_the_model():
 def test_the_formula_of_the_docs_is_valid(repository):
     page = (repository / "docs/reference/formulas.md").read_text(encoding="utf-8")
     settings = yaml.safe_load(page.partition("\n\n")[2].partition("\n\n")[0])["models"]["mine"]
-    assert make_model("mine", settings, place="docs").parameter_units == ("1/m", "1", "1", "1")
+    assert make_model("mine", settings, source="docs").parameter_units == ("1/m", "1", "1", "1")
 
 
 def test_position_enters_in_degrees_over_45_and_in_metres():
@@ -39,7 +39,7 @@ def test_position_enters_in_degrees_over_45_and_in_metres():
 
 def test_a_point_without_a_derivative_is_refused_by_name():
     model = make_model(
-        "kink", {"expression": "t0*(hv/h0)**2*abs(t1*x - y)"}, place="C: models.kink"
+        "kink", {"expression": "t0*(hv/h0)**2*abs(t1*x - y)"}, source="C: models.kink"
     )
     factors = Factors.of(h0_m=5e-6, hv_m=2e-6, x_m=[0.0, 2e-3, 1e-3], y_m=[0.0, 3e-3, 1e-3])
     assert np.isfinite(model.gradient([2.0, 3.0], factors)).all()

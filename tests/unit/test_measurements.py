@@ -4,7 +4,12 @@ import pandas as pd
 import pytest
 from example_measurements import synthetic_forces
 
-from squeezefilm.api.measurements import PARTS, compare_measurements, summary_of, with_residuals
+from squeezefilm.api.measurements import (
+    UNCERTAINTY_COLUMNS,
+    compare_measurements,
+    summary_of,
+    with_residuals,
+)
 from squeezefilm.config.loading import load_config
 
 # Forces, bounds of the modelling error, χ² by itself and beyond the bounds, the verdict.
@@ -37,7 +42,7 @@ def test_chi_square_is_that_found_by_hand(measured, upper, squares, beyond, wort
     """Three points of 10 N, each with an uncertainty of √(0.6² + 0.8²), and one without a force."""
     table = pd.DataFrame({"measured_force_n": measured, "modelling_error_upper_n": upper})
     table = table.assign(point_id=[*"abcd"], status=[*3 * ["ok"], "not converged"], force_n=10.0)
-    table[PARTS] = [0.6, 0.8, 0.0]
+    table[UNCERTAINTY_COLUMNS] = [0.6, 0.8, 0.0]
     table[["force_error_n", "profile_uncertainty_n", "modelling_error_lower_n"]] = 0.0
     got = summary_of(with_residuals(table))
     assert [got["chi_square"], got["chi_square_unexplained"]] == pytest.approx([squares, beyond])

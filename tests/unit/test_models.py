@@ -13,7 +13,7 @@ from squeezefilm.models.search import nelder_mead
 
 
 def own(expression: str):
-    return make_model("own", {"expression": expression}, place="models.own")
+    return make_model("own", {"expression": expression}, source="models.own")
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ def fitted(name: str, factor: float):
     names = [f"b{number}" for number in range(1, len(known["theta"]) + 1)]
     expression = known["expression"].replace("exp", "E").replace("x", f"({PER_HV}*hv/h0)")
     entry = {"expression": expression.replace("E", "exp"), "parameters": names}
-    model = make_model(name.lower(), entry, place=name)
+    model = make_model(name.lower(), entry, source=name)
     factors = Factors.of(h0_m=1e-5, hv_m=np.array(known["x"]) / PER_HV * 1e-5)
     force = factor * np.array(known["y"])
     return fit_model(model, factors, force, bound=100.0), model, factors

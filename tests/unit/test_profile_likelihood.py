@@ -15,7 +15,7 @@ from squeezefilm.models.fitting import local_fit, parameter_ranges, sum_of_squar
 from squeezefilm.models.force_model import make_model
 from squeezefilm.tables import FORCE_COLUMNS
 
-LINE = make_model("line", {"expression": "t0 + t1*(hv/h0)"}, place="test")
+LINE = make_model("line", {"expression": "t0 + t1*(hv/h0)"}, source="test")
 EPSILON = np.linspace(0.05, 0.4, 12)
 AT = Factors.of(h0_m=5e-6, hv_m=5e-6 * EPSILON)
 
@@ -71,7 +71,7 @@ def test_at_the_end_of_a_range_the_sum_of_squares_is_what_was_asked_for():
 
 def test_a_parameter_that_the_points_do_not_bound_has_an_open_range():
     """exp(-t0 eps) is nothing for every large t0."""
-    step = make_model("step", {"expression": "t1*(1 - exp(-t0*hv/h0))"}, place="test")
+    step = make_model("step", {"expression": "t1*(1 - exp(-t0*hv/h0))"}, source="test")
     force = 0.5 + 1e-4 * np.sin(50 * EPSILON)
     theta = local_fit(step, AT, force, [60.0, 0.5])
     slope = parameter_ranges(step, AT, force, theta)[0]

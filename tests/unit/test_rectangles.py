@@ -91,7 +91,7 @@ def test_mirrored_positions_have_the_same_force(plate):
     folded = found.represent(x_m=np.array([-1.0, 2.0]), y_m=np.array([-3.0, 4.0]))
     assert folded["x_m"].tolist() == [1.0, 2.0]
     assert folded["y_m"].tolist() == [-3.0, 4.0]
-    assert symmetry_from_dict(found.to_dict(), place="fit") == found
+    assert symmetry_from_dict(found.to_dict(), source="fit") == found
 
 
 def test_a_plate_s_surface_has_its_key_where_settings_are_shown(repository):

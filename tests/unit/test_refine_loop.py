@@ -18,7 +18,7 @@ GOAL |= {"separation": 0.1, "seed": 1}
 
 
 def model(expression: str) -> ExpressionModel:
-    return make_model("tried", {"expression": expression}, place="test")
+    return make_model("tried", {"expression": expression}, source="test")
 
 
 QUADRATIC = "t0*(hv/h0)**2 + t1*(hv/h0)**4"

@@ -59,8 +59,8 @@ def test_scenes_as_columns_have_the_numbers_of_each(scene):
         assert getattr(scenes, name) == pytest.approx(alone, rel=1e-15), name
     assert scenes.closure == pytest.approx([one.closure() for one in each], rel=1e-15)
     assert scenes.closure[1] > scenes.closure[0]
-    alone = np.concatenate([Scenes.of([one]).rest_range for one in each], axis=1)
-    assert np.array(scenes.rest_range) == pytest.approx(alone, rel=1e-15)
+    alone = np.concatenate([Scenes.of([one]).static_gap_range for one in each], axis=1)
+    assert np.array(scenes.static_gap_range) == pytest.approx(alone, rel=1e-15)
 
 
 @pytest.mark.parametrize("polar", [True, False])

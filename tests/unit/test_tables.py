@@ -8,8 +8,8 @@ import pytest
 
 from squeezefilm.errors import InputError
 from squeezefilm.tables import (
-    COLUMNS,
     FORCE_COLUMNS,
+    REGISTERED_COLUMNS,
     SCENE_COLUMNS,
     read_forces,
     read_json,
@@ -171,8 +171,12 @@ def test_a_wrong_parquet_table_is_refused(tmp_path):
 
 
 def test_a_column_has_one_meaning_and_the_unit_of_its_name(tmp_path):
-    assert len({each.name for each in COLUMNS if each.meaning}) == len(COLUMNS) > 300
-    for each in COLUMNS:
+    assert (
+        len({each.name for each in REGISTERED_COLUMNS if each.meaning})
+        == len(REGISTERED_COLUMNS)
+        > 300
+    )
+    for each in REGISTERED_COLUMNS:
         assert unit_of_column(each.name)[1] in ("", each.unit) or each.unit == "text", each
     table = pd.DataFrame({"h0_m": [5e-6], "guess_n": [1.0]})
     with pytest.raises(ValueError, match="no guess_n"):

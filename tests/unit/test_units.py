@@ -11,7 +11,7 @@ from squeezefilm.models.force_model import ExpressionModel, make_model
 
 
 def model(expression: str, **settings) -> ExpressionModel:
-    return make_model("own", {"expression": expression, **settings}, place="models.own")
+    return make_model("own", {"expression": expression, **settings}, source="models.own")
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
-from squeezefilm.reynolds.device import LEVELS, level, rename
+from squeezefilm.reynolds.device import INSTRUCTION_SETS, level, rename
 
-ALL = frozenset().union(*LEVELS.values())
+ALL = frozenset().union(*INSTRUCTION_SETS.values())
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 

@@ -112,7 +112,7 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
             "expression": model.expression,
             "parameters": dict(zip(model.parameter_names, model.parameter_units, strict=True)),
         },
-        place="test",
+        source="test",
     )
     path = write_fit(renamed, THETA[name])
     table = table_of(
@@ -220,7 +220,7 @@ EVERY_FUNCTION = make_model(
         " + tan(hv/h0)*2**(-h0/y_scale)",
         "parameters": {"r_scale": "m", "y_scale": "m"},
     },
-    place="test",
+    source="test",
 )
 EXPORTED = [
     *((get_model(name), theta) for name, theta in THETA.items()),
@@ -310,8 +310,8 @@ def test_exported_code_is_the_model(run, model, theta, write_fit, tmp_path):
 @pytest.mark.parametrize("run", [in_python, in_c, in_javascript, in_matlab])
 def test_exported_code_and_the_library_agree_on_the_declared_space(run, write_fit, tmp_path):
     """Of a model in r, phi on a rectangular surface as well as of one in x, y on a disc."""
-    polar = make_model("polar", {"expression": "t0*hv/h0 + t1*r*cos(angle)"}, place="test")
-    cartesian = make_model("cartesian", {"expression": "t0*hv/h0 + t1*x*y"}, place="test")
+    polar = make_model("polar", {"expression": "t0*hv/h0 + t1*r*cos(angle)"}, source="test")
+    cartesian = make_model("cartesian", {"expression": "t0*hv/h0 + t1*x*y"}, source="test")
     film = {"h0_m": (5e-6, 10e-6), "hv_m": (0.2e-6, 2e-6)}
     disc = film | {"phi_r_m": (0.0, 2e-3), "phi_deg": (0.0, 45.0)}
     plate = film | {"x_m": (-3e-3, 3e-3), "y_m": (0.0, 1e-3)}
@@ -334,16 +334,16 @@ def test_constants_with_units_are_in_a_fit_and_in_its_code(write_fit):
     entry = {"expression": "t0*(hv/h0)**2*cos(4*pi*x/wavelength)"}
     with pytest.raises(InputError, match=r"constants: \{name: 12 mm\}"):
         make_model(
-            "waves", {"expression": entry["expression"].replace("wavelength", "0.012")}, place=""
+            "waves", {"expression": entry["expression"].replace("wavelength", "0.012")}, source=""
         )
-    model = make_model("waves", entry | {"constants": {"wavelength": "12 mm"}}, place="test")
+    model = make_model("waves", entry | {"constants": {"wavelength": "12 mm"}}, source="test")
     assert model.parameter_units == ("N",)
     fit, names = read_fit(write_fit(model, (3.0,))), {}
     exec(source(fit, "python"), names)
     force_n = 3.0 * 0.2**2 * math.cos(4 * math.pi * 1e-3 / 0.012)
     assert names["force_n"](5e-6, 1e-6, 1e-3, 0.0) == pytest.approx(force_n, rel=1e-12)
     with pytest.raises(InputError, match=r"constants.wavelength: '12 furlongs' is no number"):
-        make_model("waves", entry | {"constants": {"wavelength": "12 furlongs"}}, place="test")
+        make_model("waves", entry | {"constants": {"wavelength": "12 furlongs"}}, source="test")
 
 
 def test_outside_its_domain_generated_code_gives_no_number(write_fit):

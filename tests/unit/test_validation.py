@@ -17,7 +17,7 @@ MODEL = np.array([1.1, 2.0, 3.0, 0.115])
 def test_summary(repository):
     values = {"model": "own", "expression": "t0*hv/h0", "theta": [10.0], "points": 4}
     values |= {"parameters": ["t0"], "parameter_units": ["N"]}
-    fit = fit_of(values | {"global_error": 0.0, "sum_of_squares": 0.0}, place="fit.json")
+    fit = fit_of(values | {"global_error": 0.0, "sum_of_squares": 0.0}, source="fit.json")
     forces = pd.DataFrame({"point_id": list("abcd"), "h0_m": 1e-5, "hv_m": 1e-6 * MODEL})
     forces = forces.assign(phi_r_m=0.0, phi_deg=0.0, force_n=SIMULATION)
     config = changed(load_config(repository / "config/quick.yaml"), validation=BAND)

@@ -8,9 +8,9 @@ import pytest
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.validity import (
+    ERROR_UNVERIFIED,
     NOT_APPLICABLE,
     OK,
-    UNKNOWN,
     exceeded,
     validity,
 )
@@ -47,28 +47,28 @@ IN, SLIP, KINETIC = (
     [
         ({"h0_um": 5, "side_m": 1e-5}, f"h0/l = 0.5 is above 0.1: {NOT_APPLICABLE}"),
         ({"h0_um": 1e-3, "hv_um": 1e-4}, f"Kn = 67 is above 0.18 (viscous flow): {NOT_APPLICABLE}"),
-        ({"h0_um": 0.6, **SLIP}, f"Kn = 0.112 is above 0.1 (first-order slip): {UNKNOWN}"),
+        ({"h0_um": 0.6, **SLIP}, f"Kn = 0.112 is above 0.1 (first-order slip): {ERROR_UNVERIFIED}"),
         (
             {"h0_um": 69.66, "hz": 20e3},
             f"Re = 40.6 is above 10 (inertia neglected): {NOT_APPLICABLE}",
         ),
         (
             {"h0_um": 24, **IN, "thermal": "included"},
-            f"Re = 10.4 is above 10 (thermal effects included): {UNKNOWN}",
+            f"Re = 10.4 is above 10 (thermal effects included): {ERROR_UNVERIFIED}",
         ),
         ({"h0_um": 5, "hz": 8e6}, f"h0/λ = 0.117 is above 0.1: {NOT_APPLICABLE}"),
         ({"h0_um": 5, "speed": -1000.0}, f"Ma = 2.91 is above 1: {NOT_APPLICABLE}"),
-        ({"h0_um": 5, "speed": 120.0}, f"Ma = 0.35 is above 0.3: {UNKNOWN}"),
+        ({"h0_um": 5, "speed": 120.0}, f"Ma = 0.35 is above 0.3: {ERROR_UNVERIFIED}"),
         (
             {"h0_um": 30, "hz": 100.0, "side_m": 1.5e-3, "speed": 100.0},
-            f"Re_s = 2 is above 1: {UNKNOWN}",
+            f"Re_s = 2 is above 1: {ERROR_UNVERIFIED}",
         ),
         (
             {"h0_um": 30, "side_m": 1.5e-3, "speed": 100.0, "gap": GapShape(tilt_x_m=30e-6)},
-            f"Re_s = 4.49 is above 1: {UNKNOWN}",
+            f"Re_s = 4.49 is above 1: {ERROR_UNVERIFIED}",
         ),
-        ({"h0_um": 200, "speed": 100.0}, f"ρUh/μ = 1.33e+03 is above 1000: {UNKNOWN}"),
-        ({"h0_um": 1, "hv_um": 0.92}, f"Ra/h = 1.25 is above 1: {UNKNOWN}"),
+        ({"h0_um": 200, "speed": 100.0}, f"ρUh/μ = 1.33e+03 is above 1000: {ERROR_UNVERIFIED}"),
+        ({"h0_um": 1, "hv_um": 0.92}, f"Ra/h = 1.25 is above 1: {ERROR_UNVERIFIED}"),
     ],
 )
 def test_beyond_a_limit_the_quantity_bound_and_consequence_are_named(scene, changes, words):

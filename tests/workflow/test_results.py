@@ -12,13 +12,13 @@ from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import COLUMNS as COLUMNS_OF_PHYSICS
+from squeezefilm.models.data import PHYSICS_COLUMNS as COLUMNS_OF_PHYSICS
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import fit_of, read_fit
 from squeezefilm.studies.tasks.fits import validated
 from squeezefilm.tables import FACTOR_COLUMNS, read_forces, unregistered
-from squeezefilm_workflow.paper.claims import CLAIMS, COLUMNS, judge
-from squeezefilm_workflow.paper.equations import CONDITIONS, FITS, compare, conditions
+from squeezefilm_workflow.paper.claims import CLAIM_COLUMNS, CLAIMS, judge
+from squeezefilm_workflow.paper.equations import CONDITIONS, FIT_OF_MODEL, compare, conditions
 from squeezefilm_workflow.reporting import models
 
 MORE = 1.02
@@ -31,7 +31,7 @@ def claims(study):
 
 
 def test_every_claim_of_the_paper_is_there_once_with_a_verdict(study, claims):
-    assert tuple(judge(study.results).columns) == COLUMNS
+    assert tuple(judge(study.results).columns) == CLAIM_COLUMNS
     assert claims.index.is_unique
     assert len(claims) == len(CLAIMS) >= 20
     assert claims["verdict"].str.match(r"agrees \S+|differs because \S+|undecided with \d").all()
@@ -112,7 +112,7 @@ def equations(study, tmp_path_factory):
 def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(equations, study):
     table = equations.set_index(["part", "quantity"])
     assert table.index.is_unique
-    for name, part in FITS.items():
+    for name, part in FIT_OF_MODEL.items():
         for index, theta in enumerate(study.results.fit(name).theta):
             assert float(table.loc[(part, f"θ{index}"), "with_inertia"]) == theta
     judged = table.loc["the paper's equation judged by forces with inertia"]["with_inertia"]
@@ -241,4 +241,4 @@ def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(study):
     wrong = [value * (1 + 0.1 * (-1) ** k) for k, value in enumerate(coefficients["limit_n"])]
     values["limit_table"]["coefficients"] = coefficients | {"limit_n": wrong}
     with pytest.raises(InputError, match="table of asymptotic forces is too coarse"):
-        validated(fit_of(values, place="here"), study.results.config, sample=sample)
+        validated(fit_of(values, source="here"), study.results.config, sample=sample)

@@ -14,8 +14,8 @@ def main(snakemake: Job, config: Study) -> None:
     files = defaultdict(list)
     for file in map(Path, snakemake.output):
         files[f"{file.parent.name}/{file.name.partition('.')[0]}"].append(file)
-    for place, paths in files.items():
-        save((FIGURES | OF_THE_PAPER)[place], results, paths)
+    for figure_path, paths in files.items():
+        save((FIGURES | OF_THE_PAPER)[figure_path], results, paths)
 
 
 if __name__ == "__main__":

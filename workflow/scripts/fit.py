@@ -5,7 +5,7 @@ from typing import Any
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import digest
-from squeezefilm.models.data import COLUMNS
+from squeezefilm.models.data import PHYSICS_COLUMNS
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import fit_to_forces, limits_of, profile_uncertainty
 from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json, write_table
@@ -24,12 +24,12 @@ def main(snakemake: Job, config: Study) -> None:
         for (name, points), path in zip([*given.items()], candidates, strict=True):
             limits = limits_of(points, config)
             write_table(limits, path)
-            given[name] = points.assign(**limits[[*COLUMNS.values()]])
+            given[name] = points.assign(**limits[[*PHYSICS_COLUMNS.values()]])
         given |= {"limit_table": read_json(files.limit_table)}
     uncertainty = profile_uncertainty(config, summary=files.scan)
     source = {"forces_sha256": digest(Path(files.forces))}
     for name, path in zip(params.models, output.fits, strict=True):
-        model = get_model(name, config.models, place=config.path)
+        model = get_model(name, config.models, source=config.path)
         try:
             fit, runs = fit_to_forces(
                 model,

@@ -10,7 +10,7 @@ from squeezefilm_workflow.job import Job, Study, run, write
 def main(snakemake: Job, config: Study) -> None:
     files = snakemake.input
     tables, fit, verdict = refine(
-        get_model(snakemake.wildcards.model, config.models, place=config.path),
+        get_model(snakemake.wildcards.model, config.models, source=config.path),
         config,
         space=snakemake.wildcards.space,
         sample=read_forces(files.sample),

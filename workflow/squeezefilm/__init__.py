@@ -20,15 +20,15 @@ __version__ = "0.1.0"
 
 # The names of the library, in the file that tells type checkers of them.
 _STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
-_PLACES = {name: place for place, name in re.findall(r"from (\S+) import (\w+)", _STUB)}
-__all__ = sorted(_PLACES)
+_MODULE_OF_NAME = {name: place for place, name in re.findall(r"from (\S+) import (\w+)", _STUB)}
+__all__ = sorted(_MODULE_OF_NAME)
 
 
 def __getattr__(name: str) -> Any:
     """A name of the library, loaded when it is first asked for: commands need few of them."""
-    if name not in _PLACES:
+    if name not in _MODULE_OF_NAME:
         raise AttributeError(f"module 'squeezefilm' has no attribute {name!r}")
-    value = getattr(import_module(_PLACES[name]), name)
+    value = getattr(import_module(_MODULE_OF_NAME[name]), name)
     globals()[name] = value
     return value
 

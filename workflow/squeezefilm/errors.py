@@ -21,15 +21,15 @@ class RunError(Exception):
     """
 
 
-def refuse(place: object, problems: Mapping[str, object]) -> None:
-    """Raise an InputError with the first of some problems, at a place, that there is."""
+def refuse(source: object, problems: Mapping[str, object]) -> None:
+    """Raise an InputError with the first problem whose condition holds."""
     for problem, wrong in problems.items():
         if wrong:
-            raise InputError(f"{place}: {problem}")
+            raise InputError(f"{source}: {problem}")
 
 
 @contextmanager
-def naming(place: object) -> Iterator[None]:
+def naming(source: object) -> Iterator[None]:
     """Put a place, such as a file's name, before the message of an InputError from within.
 
     Without a place, None, the message stays; so does one that begins with the place.
@@ -37,8 +37,8 @@ def naming(place: object) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        named = not place or str(error).startswith(f"{place}: ")
-        raise InputError(str(error) if named else f"{place}: {error}") from None
+        named = not source or str(error).startswith(f"{source}: ")
+        raise InputError(str(error) if named else f"{source}: {error}") from None
 
 
 @contextmanager
@@ -55,13 +55,13 @@ def needing(extra: str, *, what: str) -> Iterator[None]:
         ) from None
 
 
-def each_on_its_own(
+def retried_singly(
     work: Callable[[Any], Sequence[Result]],
     items: Any,
     *,
     failed: Callable[[Exception], Result],
 ) -> Sequence[Result]:
-    """``work`` on all items; where it ends in an unexpected error, that of one item alone.
+    """Apply ``work`` to all items; after an unexpected error to each half, and so on.
 
     Raises:
         InputError: that of ``work``, such as a device that is not there: it concerns all of them.
@@ -77,7 +77,11 @@ def each_on_its_own(
             return [failed(error)]
     half = len(items) // 2
     halves = (items[:half], items[half:])
-    return [result for some in halves for result in each_on_its_own(work, some, failed=failed)]
+    return [
+        result
+        for items_half in halves
+        for result in retried_singly(work, items_half, failed=failed)
+    ]
 
 
 def unexpected(error: Exception) -> str:

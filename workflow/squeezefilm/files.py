@@ -14,7 +14,7 @@ from pathlib import Path
 
 from squeezefilm.errors import InputError
 
-PART = ".part"
+PART_SUFFIX = ".part"
 
 
 @contextlib.contextmanager
@@ -26,7 +26,9 @@ def whole_file(path: Path | str) -> Iterator[Path]:
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=PART)
+        descriptor, name = tempfile.mkstemp(
+            dir=path.parent, prefix=f".{path.name}.", suffix=PART_SUFFIX
+        )
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     part = Path(name)
@@ -84,5 +86,5 @@ def digest(path: Path) -> str:
 
 def remove_parts(folder: Path) -> None:
     """Remove what killed jobs left; only right while no job writes in the folder."""
-    for part in folder.rglob(f".*{PART}"):
+    for part in folder.rglob(f".*{PART_SUFFIX}"):
         part.unlink(missing_ok=True)

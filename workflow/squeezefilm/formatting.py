@@ -16,17 +16,25 @@ from squeezefilm.reynolds.terms import absent_terms, terms_of
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.tables import COLUMNS
+from squeezefilm.tables import REGISTERED_COLUMNS
 from squeezefilm.units import error_columns, rounded_up, to_its_error, unit_of_column
 
-LABELS = {unit_of_column(each.name)[0]: each.label for each in COLUMNS if each.label}
+LABEL_OF_QUANTITY = {
+    unit_of_column(each.name)[0]: each.label for each in REGISTERED_COLUMNS if each.label
+}
 """Of columns without their unit, where the name itself is none."""
-NUMBERS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
-FACTORS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
-RESULTS = ("force_n", "h0_m", "hv_m")
-LAST = ("device", "model", "validation", "absent_term_reasons", "notes", "note")
-FRACTIONS = ("error", "expected_error", "global_error", "worst_relative_error", "worst_error")
-NOT_SHOWN = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
+DIMENSIONLESS_COLUMNS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
+FACTOR_COLUMNS_SHOWN = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
+RESULT_COLUMNS = ("force_n", "h0_m", "hv_m")
+LAST_COLUMNS = ("device", "model", "validation", "absent_term_reasons", "notes", "note")
+FRACTION_COLUMNS = (
+    "error",
+    "expected_error",
+    "global_error",
+    "worst_relative_error",
+    "worst_error",
+)
+HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
     *("bearing_percent", "bearing_error_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
@@ -50,20 +58,20 @@ def label_of(name: str) -> str:
     if effect in ("slip", "inertia", "thermal") and what:
         return f"change of {label_of(what)} by {label_of(effect)}"
     spaced = name.replace("dforce_d", "dF/d ").replace("_", " ") if name.islower() else name
-    return LABELS.get(name, spaced)
+    return LABEL_OF_QUANTITY.get(name, spaced)
 
 
 def scene_row(scene: Scene) -> dict[str, Any]:
     """Return what a result shows of its scene, by the names of columns."""
     terms = [t for t in terms_of(scene) if not isinstance(t, SmoothOutline | Polytropic)]
     named = [label for term in terms for label in term.label.split(", ")]
-    absent = [each for each in absent_terms(terms_of(scene)) if each.assumption]
+    absent = [term for term in absent_terms(terms_of(scene)) if term.assumption]
     exponent = scene.gas.polytropic_exponent
     thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
     assumed = [thermal if each is Thermal.ABSENT else each.assumption for each in absent]
     equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
     position = {name: round(getattr(scene, name), 12) for name in CARTESIAN}
-    numbers = {name: getattr(scene, name) for name in ("h0_m", "hv_m", *NUMBERS)}
+    numbers = {name: getattr(scene, name) for name in ("h0_m", "hv_m", *DIMENSIONLESS_COLUMNS)}
     return numbers | position | {"pad_shape": scene.pad.shape, "equation": equation}
 
 
@@ -72,13 +80,15 @@ def plain(value: float, *, sign: str = "+", digits: int = 2, least: float = LEAS
     shown = f"{value:{sign}.{digits - 1}e}"
     if not isfinite(value) or 0 < abs(value) < least:
         return shown
-    places = digits - 1 - floor(log10(abs(float(shown)))) if value else 0
-    return f"{value:{sign}.{max(places, 0)}f}"
+    decimals = digits - 1 - floor(log10(abs(float(shown)))) if value else 0
+    return f"{value:{sign}.{max(decimals, 0)}f}"
 
 
 def percent(*values: float, sign: str = "+", digits: int = 2) -> str:
     """Return per cent, or the ends of a range of them, as people write them."""
-    return " to ".join(plain(each, sign=sign, digits=digits, least=1e-9) for each in values) + " %"
+    return (
+        " to ".join(plain(number, sign=sign, digits=digits, least=1e-9) for number in values) + " %"
+    )
 
 
 def value_text(value: Any, unit: str = "", *, error: float | None = None, digits: int = 3) -> str:
@@ -104,10 +114,10 @@ def error_in_unit(error: float, *, value: float, unit: str) -> str:
 
 def in_lines(row: Mapping[Any, Any]) -> str:
     """Return a row as lines: the result, its errors, other values, scene and solver, notes."""
-    rest = {name: value for name, value in row.items() if name not in NOT_SHOWN}
+    rest = {name: value for name, value in row.items() if name not in HIDDEN_COLUMNS}
     effects, result = _effects(rest), _result(rest)
     last = [*_scene(rest), *_solver(rest)]
-    last += [(label_of(name), rest.pop(name, "")) for name in LAST]
+    last += [(label_of(name), rest.pop(name, "")) for name in LAST_COLUMNS]
     errors = {error for name in rest for error in error_columns(name, rest)}
     others = [
         (label_of(unit_of_column(name)[0]), _text(name, value, rest))
@@ -133,7 +143,7 @@ def _text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
         stems = {k: unit_of_column(k)[0] for k in value}
         return ", ".join(f"{label_of(stems[k])} {_text(k, value[k], value)}" for k in stems)
     stem, unit = unit_of_column(name)
-    if stem in FRACTIONS:
+    if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
     errors = [row[each] for each in error_columns(name, row)]
     text = value_text(value, unit, error=max(errors, default=None))
@@ -144,8 +154,8 @@ def _text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
 
 
 def _result(row: Row) -> Lines:
-    """Take the result and its errors from a row: lines about them, or why there is none."""
-    name = next((each for each in RESULTS if error_columns(each, row)), "")
+    """Take the result and its errors out of a row, as lines; or the reason for its absence."""
+    name = next((each for each in RESULT_COLUMNS if error_columns(each, row)), "")
     value, status, (stem, unit) = row.pop(name, nan), row.pop("status", "ok"), unit_of_column(name)
     errors = {each: row.pop(each) for each in error_columns(name, row)}
     column, why = next(iter(errors), ""), f": {status}" * (status != "ok")
@@ -158,8 +168,8 @@ def _result(row: Row) -> Lines:
         if not isfinite(error):
             return NOT_AVAILABLE
         part = rounded_up(100 * abs(error / value)) if value else 0.0
-        share = f", {percent(part, sign='')}" if value else ""
-        return f"± {error_in_unit(error, value=value, unit=unit)}{share}{source}"
+        percentage = f", {percent(part, sign='')}" if value else ""
+        return f"± {error_in_unit(error, value=value, unit=unit)}{percentage}{source}"
 
     wider, bias = errors.get("error_99_n", 0.0), row.pop("quadrature_n", 0.0)
     noise = next((errors[each] for each in errors if "noise" in each), 0.0)
@@ -181,8 +191,8 @@ def _result(row: Row) -> Lines:
 def _scene(row: Row) -> Lines:
     """Take validity, operating point, dimensionless numbers and equation from a row."""
     validity = row.pop("validity", "")
-    point = {unit_of_column(name): row.pop(name) for name in FACTORS if name in row}
-    numbers = {name: row.pop(name, 0) for name in NUMBERS}
+    point = {unit_of_column(name): row.pop(name) for name in FACTOR_COLUMNS_SHOWN if name in row}
+    numbers = {name: row.pop(name, 0) for name in DIMENSIONLESS_COLUMNS}
     texts = [f"{name} = {value_text(each, unit, digits=6)}" for (name, unit), each in point.items()]
     named = [f"{label_of(name)} {value_text(each)}" for name, each in numbers.items() if each]
     return [
@@ -203,7 +213,7 @@ def _effects(row: Row) -> Lines:
 
     def change(*percents: float, sign: str = "+") -> str:
         scale = size if sign else abs(size)
-        ends = " to ".join(plain(scale * each, sign=sign) for each in percents)
+        ends = " to ".join(plain(scale * bound, sign=sign) for bound in percents)
         return f"{ends} {unit}, " * isfinite(size) + percent(*percents, sign=sign)
 
     included, unknown = (row.pop(k).split("; ") for k in ("included_effects", "unknown_effects"))
@@ -246,6 +256,6 @@ def _solver(row: Row) -> Lines:
 
 def json_text(row: Mapping[Any, Any]) -> str:
     """Return a row as a JSON object; what is not a number is null."""
-    text = json.dumps(row, default=lambda each: each.item())
+    text = json.dumps(row, default=lambda scalar: scalar.item())
     values = json.loads(text, parse_constant=lambda name: None)
     return json.dumps(values, ensure_ascii=False, indent=2)

@@ -34,16 +34,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.units import BASES, NONE, NUMBER, UNITS, Dimension, compound, times
+from squeezefilm.units import BASE_UNITS, DIMENSIONLESS, NUMBER, UNITS, Dimension, compound, times
 
 Array = NDArray[Any]
 Value = Callable[[Mapping[str, Any]], Any]
 Result = TypeVar("Result")
 
-LONGEST, DEEPEST = 4000, 150
+MOST_CHARACTERS, MOST_NESTED = 4000, 150
 LARGEST_EXPONENT = 32.0
 LARGEST_NUMBER = 1e100
-CONSTANTS = {"pi": math.pi}
+NAMED_CONSTANTS = {"pi": math.pi}
 LIKE = {"m": "12 mm", "1/m": "380 1/m", "deg": "30 deg", "N": "1 mN"}
 """A constant by whose like a unit is taken away."""
 UNDEFINED = complex(math.nan, math.nan)
@@ -81,7 +81,7 @@ def constants_of(
         InputError: naming the place of a text that is no number with a unit, and of a name that
             is another's already.
     """
-    constants, taken = {}, (*names, *CONSTANTS, *FUNCTIONS)
+    constants, taken = {}, (*names, *NAMED_CONSTANTS, *FUNCTIONS)
     for name, value in values.items():
         where, match = f"{place}.constants.{name}", NUMBER.match(str(value))
         if name in taken or not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
@@ -110,7 +110,7 @@ def fold(
     """Evaluate a formula from the values of its numbers and names and from its operations."""
     if not isinstance(part, Operation):
         return leaf(part)
-    return operation(part, [fold(each, leaf, operation) for each in part.arguments])
+    return operation(part, [fold(argument, leaf, operation) for argument in part.arguments])
 
 
 def _at_zero(z: Any) -> Any:
@@ -228,25 +228,26 @@ def parse(
     text: str,
     *,
     names: Iterable[str],
-    place: str,
+    source: str,
     known: str = "",
     constants: Mapping[str, Quantity] = MappingProxyType({}),
 ) -> Expression:
     """Read a formula of the named quantities and of constants.
 
-    ``place`` says where it was written, for messages; ``known`` tells the names there, if not one
+    ``source`` says where it was written, for messages; ``known`` tells the names there, if not one
     by one.
     Raises InputError for anything but arithmetic on these names, with the place and the part that
     is not allowed; for a formula that is too long, too deep or has too large an exponent.
     """
     text = " ".join(text.split())
     if not text:
-        raise InputError(f"{place}: the formula is empty")
+        raise InputError(f"{source}: the formula is empty")
     if "#" in text or "\\" in text:
-        raise InputError(f"{place}: {_shown(text)}: # and \\ have no meaning in a formula")
-    if len(text) > LONGEST:
+        raise InputError(f"{source}: {_shown(text)}: # and \\ have no meaning in a formula")
+    if len(text) > MOST_CHARACTERS:
         raise InputError(
-            f"{place}: the formula has {len(text)} characters; at most {LONGEST} are allowed"
+            f"{source}: the formula has {len(text)} characters; at most {MOST_CHARACTERS} are "
+            "allowed"
         )
     try:
         with warnings.catch_warnings():
@@ -255,9 +256,9 @@ def parse(
     except SyntaxError as error:
         # Python's message, without its advice, which is about programs.
         what = (error.msg or "not a formula").split(".")[0].split(" Perhaps")[0]
-        raise InputError(f"{place}: {_shown(text)}: {what}") from None
+        raise InputError(f"{source}: {_shown(text)}: {what}") from None
     except (ValueError, RecursionError, MemoryError):
-        raise InputError(f"{place}: {_shown(text)}: the formula cannot be read") from None
+        raise InputError(f"{source}: {_shown(text)}: the formula cannot be read") from None
     names, used = tuple(names), dict[str, None]()
 
     def text_of(node: ast.expr) -> str:
@@ -266,12 +267,12 @@ def parse(
     def refused(node: ast.expr, what: str) -> InputError:
         before = text.encode()[: node.col_offset]  # Python counts bytes
         column = len(before.decode()) + 1
-        return InputError(f"{place}: column {column}, {_shown(text_of(node))}: {what}")
+        return InputError(f"{source}: column {column}, {_shown(text_of(node))}: {what}")
 
     def read(node: ast.expr, depth: int = 1) -> Node:
         """A formula's part of Python's tree; anything else is an error."""
-        if depth > DEEPEST:
-            raise refused(node, f"the formula is nested more than {DEEPEST} deep")
+        if depth > MOST_NESTED:
+            raise refused(node, f"the formula is nested more than {MOST_NESTED} deep")
         match node:
             case ast.Constant(int() | float() as value) if not isinstance(value, bool):
                 if not abs(value) <= LARGEST_NUMBER:
@@ -284,12 +285,12 @@ def parse(
                 return name
             case ast.Name(name) if name in constants:
                 return constants[name]
-            case ast.Name(name) if name in CONSTANTS:
-                return CONSTANTS[name]
+            case ast.Name(name) if name in NAMED_CONSTANTS:
+                return NAMED_CONSTANTS[name]
             case ast.Name(name) if name in FUNCTIONS:
                 raise refused(node, f"a function needs its argument: {name}(…)")
             case ast.Name():
-                listed = ", ".join([known or ", ".join((*names, *CONSTANTS)), *constants])
+                listed = ", ".join([known or ", ".join((*names, *NAMED_CONSTANTS)), *constants])
                 raise refused(node, f"this name is unknown; known are {listed}")
             case ast.UnaryOp(ast.UAdd(), operand):
                 return read(operand, depth + 1)
@@ -307,7 +308,7 @@ def parse(
                 hint = _HINTS.get(type(getattr(node, "op", None)), "")
                 allowed = hint or f"allowed are + - * / **, numbers and {', '.join(FUNCTIONS)}"
                 raise refused(node, f"this is no arithmetic; {allowed}")
-        arguments = [read(each, depth + 1) for each in operands]
+        arguments = [read(operand, depth + 1) for operand in operands]
         numbers = [np.float64(each) for each in arguments if type(each) is float]
         if len(numbers) == len(arguments):
             with np.errstate(all="ignore"):
@@ -334,7 +335,7 @@ def parameter_units(
     *,
     units: Mapping[str, str],
     parameters: tuple[str, ...],
-    place: str,
+    source: str,
 ) -> dict[str, str]:
     """The units of a formula's parameters, such that all of it fits and a force in N comes out.
 
@@ -343,26 +344,26 @@ def parameter_units(
     Raises InputError naming the part whose units do not fit.
     """
     force, solved = UNITS["N"].dimension, dict[str, Dimension]()
-    dimensions = {name: _coherent(unit, place=f"{place}, {name}") for name, unit in units.items()}
+    dimensions = {name: _coherent(unit, source=f"{source}, {name}") for name, unit in units.items()}
     dimensions = {name: {name: Fraction(1)} for name in parameters} | dimensions
 
     def reduced(dimension: Dimension) -> Dimension:
         """Insert the parameters that are solved for."""
-        while name := next((each for each in dimension if each in solved), None):
+        while name := next((factor for factor in dimension if factor in solved), None):
             power = dimension[name]
             dimension = times(times(dimension, {name: power}, -1), solved[name], power)
         return dimension
 
     def equate(a: Dimension, b: Dimension, otherwise: str) -> None:
         rest = dict(reduced(times(a, b, -1)))
-        name = next((each for each in rest if each in parameters), None)
+        name = next((parameter for parameter in rest if parameter in parameters), None)
         if name:
-            solved[name] = times(NONE, rest, -1 / rest.pop(name))
+            solved[name] = times(DIMENSIONLESS, rest, -1 / rest.pop(name))
         elif rest:
-            raise InputError(f"{place}: {otherwise}")
+            raise InputError(f"{source}: {otherwise}")
 
     def dimension_of(part: Operation, inner: list[Dimension]) -> Dimension:
-        first, second = (*inner, NONE)[:2]
+        first, second = (*inner, DIMENSIONLESS)[:2]
         match part.operator:
             case "+" | "-":
                 a, b = (f"in {_text(d)}" if d else "without unit" for d in map(reduced, inner))
@@ -374,41 +375,43 @@ def parameter_units(
             case "negative" | "abs":
                 return first
             case "sqrt":
-                return times(NONE, first, Fraction(1, 2))
+                return times(DIMENSIONLESS, first, Fraction(1, 2))
             case "**" if isinstance(exponent := part.arguments[1], float):
-                return times(NONE, first, Fraction(exponent).limit_denominator(1000))
+                return times(DIMENSIONLESS, first, Fraction(exponent).limit_denominator(1000))
         for each in inner:
             unit = _text(reduced(each))
             hint = "; the angle in radians is called `angle`" if unit == "deg" else ""
             if unit in LIKE:
                 hint += f"; give a number its unit by `constants: {{name: {LIKE[unit]}}}`"
-            equate(each, NONE, f"{part.place!r} needs a number without unit, not {unit}{hint}")
-        return NONE
+            equate(
+                each, DIMENSIONLESS, f"{part.place!r} needs a number without unit, not {unit}{hint}"
+            )
+        return DIMENSIONLESS
 
     def leaf(part: Any) -> Dimension:
-        return part.dimension if isinstance(part, Quantity) else dimensions.get(part, NONE)
+        return part.dimension if isinstance(part, Quantity) else dimensions.get(part, DIMENSIONLESS)
 
     result = reduced(fold(expression.root, leaf, dimension_of))
     if set(result) & set(parameters):
         equate(result, force, "the result must be a force in N")
-    elif result not in (force, NONE):
+    elif result not in (force, DIMENSIONLESS):
         raise InputError(
-            f"{place}: the result is in {_text(result)}; a force in N, or a number, is wanted"
+            f"{source}: the result is in {_text(result)}; a force in N, or a number, is wanted"
         )
     # What stays open is a parameter that cannot be told from another: any unit would do.
     found = {name: reduced(dimensions[name]) for name in parameters}
     return {
-        name: _text({base: each[base] for base in each if base in BASES})
+        name: _text({base: each[base] for base in each if base in BASE_UNITS})
         for name, each in found.items()
     }
 
 
-def _coherent(text: str, *, place: str) -> Dimension:
+def _coherent(text: str, *, source: str) -> Dimension:
     """The dimension of a unit in which formulas are evaluated: SI, or degrees."""
     unit = compound(text)
     if unit is None or unit.size != 1:
         raise InputError(
-            f"{place}, unit: {text!r} is no unit of N, m, s, deg, Pa, Hz and kg; write it like "
+            f"{source}, unit: {text!r} is no unit of N, m, s, deg, Pa, Hz and kg; write it like "
             "N/m**2"
         )
     return unit.dimension
@@ -418,12 +421,12 @@ def _text(dimension: Dimension) -> str:
     """A dimension as a unit: N/m**2, 1/deg, 1; a parameter's that is not known yet in brackets."""
 
     def power(base: str, exponent: Fraction) -> str:
-        name = base if base in BASES else f"[{base}]"
+        name = base if base in BASE_UNITS else f"[{base}]"
         if exponent == 1:
             return name
         return f"{name}**{exponent if exponent.denominator == 1 else f'({exponent})'}"
 
-    order = sorted(dimension, key=[*BASES, *dimension].index)
+    order = sorted(dimension, key=[*BASE_UNITS, *dimension].index)
     above = [power(base, dimension[base]) for base in order if dimension[base] > 0]
     below = [power(base, -dimension[base]) for base in order if dimension[base] < 0]
     return "/".join(["*".join(above) or "1", *below])

@@ -1,4 +1,4 @@
-"""Work on several processes, and how far it is."""
+"""Parallel work in processes, and its progress."""
 
 import ctypes
 import signal

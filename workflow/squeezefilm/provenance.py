@@ -23,7 +23,7 @@ PACKAGES = (
 def _library(*without: str) -> list[str]:
     """The library's folders and modules but those that are named, and this one."""
     there = sorted(
-        each.name for each in WORKFLOW.glob("squeezefilm/[a-z]*") if each.suffix != ".csv"
+        path.name for path in WORKFLOW.glob("squeezefilm/[a-z]*") if path.suffix != ".csv"
     )
     return [f"squeezefilm/{name}" for name in there if name not in ("provenance.py", *without)]
 
@@ -64,17 +64,17 @@ def _source_digest(source: str) -> str:
 
 def versions() -> dict[str, str]:
     """Versions of the system and of the packages that results depend on."""
-    found = {
+    version_of = {
         "squeezefilm": __version__,
         "python": f"{platform.python_version()} ({sys.executable})",
         "system": platform.platform(),
     }
     for name in PACKAGES:
         try:
-            found[name] = importlib.metadata.version(name)
+            version_of[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+            version_of[name] = "not installed"
+    return version_of
 
 
 def provenance(configuration: Mapping[str, Any], *, device: Mapping[str, Any]) -> dict[str, Any]:

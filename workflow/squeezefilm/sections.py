@@ -28,7 +28,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from squeezefilm.units import in_unit
 
 UNIT_OF_NAME = re.compile(r"_(m|hz|n|deg|k|pa|pa_s|kg_per_m3|m_per_s|per_m|rad_per_m)$")
-Place = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 """The keys, and numbers of a list's items, that lead to a value."""
 Items = TypeVar("Items", bound=Iterable[Hashable])
 
@@ -39,10 +39,10 @@ def key_of(name: str) -> str:
 
 
 def mistake(
-    text: str, *place: str, kind: Literal["relation", "missing"] = "relation"
+    text: str, *key_path: str, kind: Literal["relation", "missing"] = "relation"
 ) -> PydanticCustomError:
     """An error at a key further inside than where the validator is that raises it."""
-    return PydanticCustomError(kind, "{text}", {"text": text, "place": place})
+    return PydanticCustomError(kind, "{text}", {"text": text, "place": key_path})
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ Length = Annotated[float, Number("m", 1e-6, 10)]
 Rise = Annotated[float, Number("m", -1e-3, 1e-3)]
 Direction = Annotated[float, Number("°", -360, 360)]
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
-Different = AfterValidator(_different)
+UniqueItems = AfterValidator(_different)
 DERIVED: Any = Field(default=None)
 """Of an optional key: ``default:`` in the docstring says what follows from others."""
 NOT_GIVEN: Any = None

@@ -61,7 +61,12 @@ class Solution:
     def asked_columns(self) -> dict[str, float | str]:
         """A row of what was asked for beside the force."""
         asked = (self.derivatives, self.outputs)
-        return {name: value for each in asked if each for name, value in each.columns().items()}
+        return {
+            name: value
+            for quantity in asked
+            if quantity
+            for name, value in quantity.columns().items()
+        }
 
 
 class Solutions(Sequence[Solution]):
@@ -94,11 +99,11 @@ class Solutions(Sequence[Solution]):
         """The columns of some solutions."""
         if isinstance(solutions, Solutions):
             return solutions
-        found = cls.of_method("", len(solutions))
+        table = cls.of_method("", len(solutions))
         for row, solution in enumerate(solutions):
-            for name, column in found.columns.items():
+            for name, column in table.columns.items():
                 column[row] = getattr(solution, name)
-        return found
+        return table
 
     def __len__(self) -> int:
         return len(self.status)
@@ -244,15 +249,15 @@ class Outputs:
     def of(
         cls,
         asked: tuple[str, ...],
-        found: Mapping[str, tuple[float, float]],
+        values: Mapping[str, tuple[float, float]],
         missing: Mapping[str, str],
     ) -> Outputs:
         """Return what was asked for of numbers with errors, and of reasons for missing ones."""
-        names = [name for output in asked for name in OUTPUTS[output] if name in found]
+        names = [name for output in asked for name in OUTPUTS[output] if name in values]
         return cls(
             asked=asked,
-            value={name: found[name][0] for name in names},
-            error={name: found[name][1] for name in names},
+            value={name: values[name][0] for name in names},
+            error={name: values[name][1] for name in names},
             missing={name: why for name, why in missing.items() if name in asked},
         )
 

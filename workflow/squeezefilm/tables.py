@@ -37,7 +37,7 @@ ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", 
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 UNCERTAINTY_COLUMNS = ("force_uncertainty_n", "h0_uncertainty_m", "hv_uncertainty_m")
 # What a table of measured forces has, for messages.
-MEASURED = (
+MEASURED_COLUMNS_TEXT = (
     "h0 [µm], hv [µm], force [mN] and force uncertainty [mN], each with its unit; and, where they "
     "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
 )
@@ -70,11 +70,11 @@ class Column(NamedTuple):
 
 
 _REGISTRY = read_text(Path(__file__).with_name("columns.csv"), what="registry").splitlines()
-COLUMNS = tuple(Column(*row) for row in csv.reader(_REGISTRY[1:]))
+REGISTERED_COLUMNS = tuple(Column(*row) for row in csv.reader(_REGISTRY[1:]))
 """Every column that the commands and the workflow write."""
-NAMES = {each.name for each in COLUMNS}
-PATTERNS = [name for name in NAMES if "*" in name]
-TEXT_COLUMNS = {each.name for each in COLUMNS if each.unit == "text"}
+REGISTERED_NAMES = {each.name for each in REGISTERED_COLUMNS}
+NAME_PATTERNS = [name for name in REGISTERED_NAMES if "*" in name]
+TEXT_COLUMNS = {each.name for each in REGISTERED_COLUMNS if each.unit == "text"}
 
 
 _WORDS_OF = {
@@ -137,7 +137,7 @@ def read_measurements(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the file, the row or the column that is wrong, and what is allowed.
     """
     numbers = (*FACTOR_COLUMNS, "force_n", *UNCERTAINTY_COLUMNS)
-    how: dict[str, Any] = {"optional": UNCERTAINTY_COLUMNS[1:], "needs": MEASURED}
+    how: dict[str, Any] = {"optional": UNCERTAINTY_COLUMNS[1:], "needs": MEASURED_COLUMNS_TEXT}
     table = _read(path, columns=("point_id", *numbers), numbers=numbers, **how)
     return table.assign(**{name: table.get(name, 0.0) for name in UNCERTAINTY_COLUMNS})
 
@@ -217,7 +217,7 @@ def _read(
     how: dict[str, Any] = {"optional": optional, "others": others, "chunk": chunk}
     table, lines = _rows(path, columns, needs=needs or ", ".join(columns), **how)
     word = "row" if path.suffix == PARQUET else "line"
-    place, statuses = f"{path}: {word}", table.get("status")
+    source, statuses = f"{path}: {word}", table.get("status")
     wanted = [name for name in as_in(columns, table) if name in table]
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
     for name in [each for each in as_in(numbers, wanted) if each in wanted]:
@@ -225,19 +225,21 @@ def _read(
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             problem = f"{name} is {table[name].tolist()[row]!r}, not a finite number"
             why = "" if statuses is None else f"; its status is {statuses.tolist()[row]!r}"
-            raise InputError(f"{place} {lines[row]}: {problem}{why}")
+            raise InputError(f"{source} {lines[row]}: {problem}{why}")
         for row in np.flatnonzero((values <= 0) & (name in UNCERTAINTY_COLUMNS))[:1]:
-            raise InputError(f"{place} {lines[row]}: {name} is {values[row]:g}; it must be above 0")
+            raise InputError(
+                f"{source} {lines[row]}: {name} is {values[row]:g}; it must be above 0"
+            )
         table[name] = values
     if "point_id" not in table:
         table.insert(0, "point_id", [f"{word} {line}" for line in lines])
     ids = table["point_id"] = table["point_id"].astype("str")
     for row in np.flatnonzero(ids.isna() | (ids == ""))[:1]:
-        raise InputError(f"{place} {lines[row]}: point_id is empty")
+        raise InputError(f"{source} {lines[row]}: point_id is empty")
     for row in np.flatnonzero(ids.duplicated())[:1]:
         first = lines[np.flatnonzero(ids == ids.iloc[row])[0]]
         raise InputError(
-            f"{place} {lines[row]}: point_id {ids.iloc[row]!r} stands in {word} {first} already"
+            f"{source} {lines[row]}: point_id {ids.iloc[row]!r} stands in {word} {first} already"
         )
     if POLAR[0] in columns:
         table = with_position(table)
@@ -291,13 +293,13 @@ def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.Dat
     lines = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
     names, asked = list(header), {*as_in(columns, ()), *as_in(columns, CARTESIAN)}
-    for place, name in enumerate(header):
+    for column_index, name in enumerate(header):
         if separator != ",":
-            table[place] = _with_decimal_points(table[place], place=f"{path}: {name}")
+            table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
         own, size = _column(name)
         if name not in asked and own in asked - {*header} and size:
-            names[place] = own
-            table[place] = [_in_si(cell, size) for cell in table[place]]
+            names[column_index] = own
+            table[column_index] = [_in_si(cell, size) for cell in table[column_index]]
     return table.set_axis(names, axis=1).reset_index(drop=True), lines
 
 
@@ -349,8 +351,8 @@ def _parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, 
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: the table cannot be read: {reason}") from None
     before = sum(sizes[: groups[0]]) if len(groups) else 0
-    found = read.slice(asked.start - before, len(asked)).to_pandas()
-    return found, [row + 1 for row in asked]
+    rows_read = read.slice(asked.start - before, len(asked)).to_pandas()
+    return rows_read, [row + 1 for row in asked]
 
 
 def number_in(cell: Any) -> float:
@@ -425,9 +427,11 @@ def read_columns(
 
 
 def unregistered(names: Iterable[str]) -> list[str]:
-    """Return the columns that COLUMNS does not list."""
-    others = [name for name in names if name not in NAMES]
-    return [name for name in others if not any(fnmatchcase(name, each) for each in PATTERNS)]
+    """Return the columns that REGISTERED_COLUMNS does not list."""
+    others = [name for name in names if name not in REGISTERED_NAMES]
+    return [
+        name for name in others if not any(fnmatchcase(name, pattern) for pattern in NAME_PATTERNS)
+    ]
 
 
 def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str] = ()) -> None:
@@ -448,7 +452,7 @@ def table_writer(
         given: columns of the user's own.
 
     Raises InputError for a name that says that something else is in the file, ValueError for a
-    column without a meaning in COLUMNS.
+    column without a meaning in REGISTERED_COLUMNS.
     """
     path = Path(path)
     if path.suffix.lower() in OTHER_FORMATS:
@@ -522,7 +526,7 @@ def merge_forces(
                     f"{part}: its points are not those of part {number} of {len(parts)} of "
                     f"{scenes}; simulate it again"
                 )
-            failures += [f"{each} ({part})" for each in failures_in(rows)]
+            failures += [f"{failure} ({part})" for failure in failures_in(rows)]
             write(rows)
         if failures and not keep_failed:
             raise RunError(no_force(failures, scenes))

@@ -13,18 +13,18 @@ from typing import Any, NamedTuple
 from squeezefilm.errors import InputError
 
 Dimension = Mapping[str, Fraction]
-BASES = ("N", "m", "s", "deg", "K")
-NONE: Dimension = {}
+BASE_UNITS = ("N", "m", "s", "deg", "K")
+DIMENSIONLESS: Dimension = {}
 MOST_LEVELS = 10_000
 OF_A_FORCE = ("error_95_n", "error_99_n", "measurement_noise_n")
 """Columns of errors that are those of a force without its name."""
-MOST_PLACES, LEAST_PLAIN = 15, 1e-4
+MOST_DECIMALS, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 NUMBER = re.compile(rf"(?!\s*[-+]?0\d+\s*$)\s*({DECIMAL})\s*", re.ASCII)  # 010 may be an octal 8
 SHARED_UNIT = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
 """Numbers without units, and the unit at the end that is that of all."""
-FACTOR = re.compile(
+UNIT_FACTOR = re.compile(
     r"(?P<sign>[/*·\s]*)(?P<name>[^\d\s/*·^²³()]+|1)"
     r"(?:(?:\^|\*\*)?(?P<power>[1-9²³]|\(-?\d+(?:/\d+)?\)))?"
 )
@@ -34,11 +34,11 @@ IN_NAMES = {unit.lower(): unit for unit in ("N", "m", "s", "Hz", "rad", "Pa", "W
 IN_NAMES |= {"m3": "m³", "deg": "°", "percent": "%"}
 """How units are called at the end of a column's name: ``stiffness_n_per_m``."""
 _SEVERAL = rf"(?:{'|'.join(IN_NAMES)})(?:_(?:{'|'.join(IN_NAMES)}))*"
-WITH_UNIT = re.compile(rf"(.+?)_({_SEVERAL}(?:_per_{_SEVERAL})?)")
+NAME_WITH_UNIT = re.compile(rf"(.+?)_({_SEVERAL}(?:_per_{_SEVERAL})?)")
 
 
 class Unit(NamedTuple):
-    """Size of a unit in BASES, and its dimension."""
+    """Size of a unit in BASE_UNITS, and its dimension."""
 
     size: float
     dimension: Dimension
@@ -73,9 +73,9 @@ def times(a: Dimension, b: Dimension, power: Fraction | int = 1) -> Dimension:
 
 def compound(text: str) -> Unit | None:
     """A unit made of others, such as ``kg/m³``, ``Pa s`` or ``1/mm``; None for anything else."""
-    text, size, dimension, end = text.strip(), 1.0, NONE, 0
-    for match in FACTOR.finditer(text):
-        unit = Unit(1.0, NONE) if match["name"] == "1" else UNITS.get(match["name"])
+    text, size, dimension, end = text.strip(), 1.0, DIMENSIONLESS, 0
+    for match in UNIT_FACTOR.finditer(text):
+        unit = Unit(1.0, DIMENSIONLESS) if match["name"] == "1" else UNITS.get(match["name"])
         sign = match["sign"].strip()
         if match.start() != end or unit is None or sign not in ("", "/", "*", "·"):
             return None
@@ -148,7 +148,7 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
         raise InputError(f"{option} {text!r}: a range is first:last:count, such as 5:10:6um")
     if not 2 <= int(count) <= MOST_LEVELS:
         raise InputError(f"{option} {text!r}: the count must lie within 2 … {MOST_LEVELS}")
-    first, last = (quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in ends)
+    first, last = (quantity(f"{bound}{unit_of_all}", option=option, unit=unit) for bound in ends)
     step = (last - first) / (int(count) - 1)
     values = [float(f"{first + step * number:.12g}") for number in range(int(count))]
     return _distinct(values, f"{option} {text!r}")
@@ -186,18 +186,18 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
     if not math.isfinite(error):
         return f"{value:.3g}", "unknown"
     size = rounded_up(abs(error))
-    places = 1 - math.floor(math.log10(size))
-    if 0 <= places <= MOST_PLACES and max(abs(value), size) >= LEAST_PLAIN:
-        return f"{value:z.{places}f}", error_text(size)
+    decimals = 1 - math.floor(math.log10(size))
+    if 0 <= decimals <= MOST_DECIMALS and max(abs(value), size) >= LEAST_PLAIN:
+        return f"{value:z.{decimals}f}", error_text(size)
     # A film that bears next to nothing, or an error of 100 and more: as many digits as that makes.
-    value = round(value, places)
-    digits = math.floor(math.log10(abs(value))) + places if value else 0
+    value = round(value, decimals)
+    digits = math.floor(math.log10(abs(value))) + decimals if value else 0
     return f"{value:.{digits}e}", error_text(size)
 
 
 def unit_of_column(name: str) -> tuple[str, str]:
     """Quantity of a column, and the unit that its name ends in: ``power_w`` in ``W``."""
-    match = WITH_UNIT.fullmatch(name)
+    match = NAME_WITH_UNIT.fullmatch(name)
     if match is None:
         return name, ""
     above, *below = (
@@ -208,8 +208,8 @@ def unit_of_column(name: str) -> tuple[str, str]:
 
 def error_columns(name: str, names: Any) -> list[str]:
     """The columns of a value's errors among those of a table: ``h0_error_m`` of ``h0_m``."""
-    end = f"_{match[2]}" if (match := WITH_UNIT.fullmatch(name)) else ""
+    end = f"_{match[2]}" if (match := NAME_WITH_UNIT.fullmatch(name)) else ""
     start = name.removesuffix(end)
     known = [f"{start}_{kind}{end}" for kind in ("error", "error_95", "measurement_noise")]
     known += [*OF_A_FORCE] * (name == "force_n")
-    return [each for each in known if each in names]
+    return [column for column in known if column in names]

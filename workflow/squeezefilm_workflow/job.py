@@ -88,9 +88,9 @@ def telling_progress(name: str) -> Iterator[None]:
 def report_use() -> None:
     """Write what this process and its children took, the log's last line."""
     whose = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-    used = [resource.getrusage(each) for each in whose]
-    seconds = sum(each.ru_utime + each.ru_stime for each in used)
-    megabytes = max(each.ru_maxrss for each in used) / 1024
+    used = [resource.getrusage(who) for who in whose]
+    seconds = sum(usage.ru_utime + usage.ru_stime for usage in used)
+    megabytes = max(usage.ru_maxrss for usage in used) / 1024
     print(f"Used: {seconds:.2f} s of processor time, {megabytes:.0f} MB", flush=True)
 
 

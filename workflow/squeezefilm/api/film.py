@@ -35,7 +35,14 @@ if TYPE_CHECKING:
 Values = str | float | Sequence[float] | np.ndarray
 """Values of one factor: a number in SI units (degrees for angles), several of them, or a text with
 units such as ``"5 um"``, ``"5 um, 6 um"``, ``"0.5:2.5:9 um"`` (first:last:count)."""
-COLUMNS = {"h0": "h0_m", "hv": "hv_m", "x": "x_m", "y": "y_m", "phi_r": "phi_r_m", "phi": "phi_deg"}
+COLUMN_OF_FACTOR = {
+    "h0": "h0_m",
+    "hv": "hv_m",
+    "x": "x_m",
+    "y": "y_m",
+    "phi_r": "phi_r_m",
+    "phi": "phi_deg",
+}
 """What the factors are called where they are asked for, and their columns."""
 MOST_POINTS = 1_000_000
 
@@ -54,17 +61,17 @@ def columns_of(*, option: str = "{}", **given: Values | None) -> dict[str, tuple
 
     Args:
         option: how a factor's name is written in messages.
-        given: by the names in COLUMNS.
+        given: by the names in COLUMN_OF_FACTOR.
 
     Raises InputError for a value without its unit or no finite number, for a position in both
     forms, for too many points.
     """
-    if unknown := given.keys() - COLUMNS.keys():
-        raise TypeError(f"{min(unknown)!r} is none of {', '.join(COLUMNS)}")
-    called = {name: option.format(name.replace("_", "-")) for name in COLUMNS}
+    if unknown := given.keys() - COLUMN_OF_FACTOR.keys():
+        raise TypeError(f"{min(unknown)!r} is none of {', '.join(COLUMN_OF_FACTOR)}")
+    called = {name: option.format(name.replace("_", "-")) for name in COLUMN_OF_FACTOR}
     values_of = {
         column: levels(values, called=called[name], unit="deg" if name == "phi" else "m")
-        for name, column in COLUMNS.items()
+        for name, column in COLUMN_OF_FACTOR.items()
         if (values := given.get(name)) is not None
     }
     if values_of.keys() & {*CARTESIAN} and values_of.keys() & {*POLAR}:
@@ -101,9 +108,9 @@ def levels(values: Values, *, called: str, unit: str) -> list[float]:
     return numbers
 
 
-PLACES, INSTANTS = (3, 1001), (4, 1024)
+PLACES_LIMITS, INSTANTS_LIMITS = (3, 1001), (4, 1024)
 """The least and most of a pressure field, along a side and over a period."""
-DESCRIBED = {
+DATASET_LABELS = {
     "gauge_pressure": ("Pa", "pressure above ambient"),
     "gap": ("m", "gap between surface and pad"),
     "phase": ("degree", "phase"),
@@ -111,7 +118,7 @@ DESCRIBED = {
     "x": ("m", "from the pad's centre along its own x axis"),
     "time": ("s", "time"),
 }
-TOLERANCE = 1e-4
+PRESSURE_TOLERANCE = 1e-4
 """Of the largest gauge pressure, where none is given."""
 
 
@@ -269,7 +276,7 @@ class Film:
         *,
         places: int = 41,
         instants: int = 32,
-        tolerance: float = TOLERANCE,
+        tolerance: float = PRESSURE_TOLERANCE,
         **position: Unpack[Position],
     ) -> xarray.Dataset:
         """Gauge pressure (Pa) and gap (m) under the pad over one period, with coordinates.
@@ -288,8 +295,8 @@ class Film:
         with needing("fields", what="a pressure field"):
             import xarray
         for name, value, least, most in (
-            ("places", places, *PLACES),
-            ("instants", instants, *INSTANTS),
+            ("places", places, *PLACES_LIMITS),
+            ("instants", instants, *INSTANTS_LIMITS),
             ("tolerance", tolerance, 1e-8, 0.1),
         ):
             if not least <= value <= most:
@@ -299,7 +306,7 @@ class Film:
         solver = self.solver(method="periodic")
         (scene,) = solver.resolved([self.scene(h0, hv, **position)])
         across = np.linspace(0.0, 1.0, places)
-        overpressure, change = pressure(
+        gauge_pressure_ratio, change = pressure(
             scene, x=across, y=across, instants=instants, tolerance=tolerance, device=self.device
         )
         phase = 2 * np.pi * np.arange(instants) / instants
@@ -307,8 +314,8 @@ class Film:
         ambient, pad, axes = scene.gas.ambient_pressure_pa, scene.pad, ("phase", "y", "x")
         field = xarray.Dataset(
             {
-                "gauge_pressure": (axes, ambient * overpressure),
-                "gap": (axes, np.where(np.isnan(overpressure), np.nan, gap_m)),
+                "gauge_pressure": (axes, ambient * gauge_pressure_ratio),
+                "gap": (axes, np.where(np.isnan(gauge_pressure_ratio), np.nan, gap_m)),
             },
             coords={
                 "phase": np.degrees(phase),
@@ -329,7 +336,7 @@ class Film:
                 "comment": "change_pa: most that a pressure changed by in the last refinement",
             },
         )
-        for name, (unit, words) in DESCRIBED.items():
+        for name, (unit, words) in DATASET_LABELS.items():
             field[name].attrs |= {"units": unit, "long_name": words}
         return field
 

@@ -17,7 +17,7 @@ from squeezefilm.errors import naming
 from squeezefilm.film.positions import CARTESIAN, as_in, with_position
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
-from squeezefilm.formatting import NUMBERS, in_lines, scene_row
+from squeezefilm.formatting import DIMENSIONLESS_COLUMNS, in_lines, scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.model_error import (
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from squeezefilm.film.measured.smooth import SmoothedScan
 
 # Scenes solved together, whose states may be held.
-WITH_STATES = 256
+STATES_BATCH = 256
 NOT_ASKED = "not asked for"
-ALIKE = ["method", "domain", "terms", "status", "validity", "notes"]
+TREATMENT_COLUMNS = ["method", "domain", "terms", "status", "validity", "notes"]
 SCAN_COLUMNS = ("misfit_n", "quadrature_n")
 """Parts of a force's uncertainty by a scan."""
 
@@ -121,7 +121,7 @@ class Force:
 
     @property
     def row(self) -> dict[str, Any]:
-        """All that is known of the force, by the names of columns; its error is the solver's."""
+        """Return the force, its errors and its scene as a row, by the names of columns."""
         budget = budget_row(self.budget)
         return {
             **scene_row(self.scene),
@@ -131,7 +131,9 @@ class Force:
             **self.solution.asked_columns,
             "tolerance": self.tolerance,
             "device": self.device,
-            "notes": [each.removeprefix("note: ") for each in (*self.notes, *notes_of(self.scene))],
+            "notes": [
+                warning.removeprefix("note: ") for warning in (*self.notes, *notes_of(self.scene))
+            ],
         }
 
     def __str__(self) -> str:
@@ -189,7 +191,7 @@ def solved_with(
     known: Mapping[int, Solution] | None = None,
     report: Callable[[int], object] = lambda solved: None,
 ) -> Solutions:
-    """Forces of scenes whose terms are decided, with the derivatives and outputs asked for.
+    """Solve scenes whose terms are decided, with the requested derivatives and outputs.
 
     Args:
         known: solutions that there are already, by row.
@@ -206,17 +208,17 @@ def solved_with(
     from squeezefilm.quantities.derivatives import with_derivatives
     from squeezefilm.quantities.outputs import with_outputs
 
-    found = Solutions.of_method(settings.method, len(scenes))
+    results = Solutions.of_method(settings.method, len(scenes))
     how: dict[str, Any] = {"tolerance": settings.tolerance, "device": settings.device}
-    for first in range(0, len(scenes), WITH_STATES):
-        some = scenes[first : first + WITH_STATES]
-        solved = solve(some, **settings.how, keep_states=True, report=report)
+    for first in range(0, len(scenes), STATES_BATCH):
+        batch = scenes[first : first + STATES_BATCH]
+        solved = solve(batch, **settings.how, keep_states=True, report=report)
         if derivatives:
-            solved = with_derivatives(some, solved, **how)
-        solved = with_outputs(some, solved, outputs=settings.outputs, **how)
-        rows = first + np.arange(len(some))
-        found = found.with_rows(rows, solved.with_column("states", [()] * len(some)))
-    return found
+            solved = with_derivatives(batch, solved, **how)
+        solved = with_outputs(batch, solved, outputs=settings.outputs, **how)
+        rows = first + np.arange(len(batch))
+        results = results.with_rows(rows, solved.with_column("states", [()] * len(batch)))
+    return results
 
 
 def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[[Scene], float]:
@@ -286,12 +288,12 @@ def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator
     expected = dry_run(scenes, tolerance=settings.tolerance, method=settings.method)
     for scene, row in zip(scenes, expected, strict=True):
         factors = ("point_id", "h0_m", "hv_m", *CARTESIAN)
-        row = {name: getattr(scene, name) for name in (*factors, *NUMBERS)} | row
+        row = {name: getattr(scene, name) for name in (*factors, *DIMENSIONLESS_COLUMNS)} | row
         absent = row.pop("absent")
         row |= {
             "validity": validity(scene),
-            "absent_terms": "; ".join(each.name for each in absent),
-            "absent_term_reasons": "; ".join(f"{each.name}: {each.why}" for each in absent),
+            "absent_terms": "; ".join(term.name for term in absent),
+            "absent_term_reasons": "; ".join(f"{term.name}: {term.why}" for term in absent),
             "notes": "; ".join(notes_of(scene)),
         }
         if settings.outputs:
@@ -309,7 +311,7 @@ def _shown_rows(
     scenes: Sequence[Scene], table: pd.DataFrame, *, tolerance: float
 ) -> Iterator[dict[str, Any]]:
     """Rows to be shown of a table of previews: one for all scenes that are treated alike."""
-    for rows in table.groupby(ALIKE, sort=False).indices.values():
+    for rows in table.groupby(TREATMENT_COLUMNS, sort=False).indices.values():
         first, mflop = rows[0], table["expected_mflop"].iloc[rows].sum()
         count = (
             {"scenes": f"{len(rows)} of {len(table)}, the first of them:"} if len(table) > 1 else {}
@@ -319,7 +321,7 @@ def _shown_rows(
         yield row | {"absent_term_reasons": row["absent_term_reasons"].split("; ")}
 
 
-PIECE = 4096
+WRITTEN_ROWS = 4096
 """Scenes whose results are held before they are written."""
 
 
@@ -371,8 +373,11 @@ def simulate_table(
         table_writer(output) as write,
         times as write_times,
     ):
-        for first in range(0, len(table), PIECE):
-            rows, batch = table.iloc[first : first + PIECE], planned[first : first + PIECE]
+        for first in range(0, len(table), WRITTEN_ROWS):
+            rows, batch = (
+                table.iloc[first : first + WRITTEN_ROWS],
+                planned[first : first + WRITTEN_ROWS],
+            )
             start = time.perf_counter()
             how: dict[str, Any] = {"derivatives": derivatives, "report": bar.update}
             decided, known = settings.solved(batch)
@@ -382,8 +387,8 @@ def simulate_table(
             write(pd.concat([columns, solutions.to_frame(rows.index)], axis=1))
             # By floating-point operations, of which closed forms need none worth counting.
             work = solutions.work
-            shares = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
-            write_times(rows[["point_id"]].assign(solve_s=wall * shares))
+            time_fractions = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
+            write_times(rows[["point_id"]].assign(solve_s=wall * time_fractions))
             seconds += wall
             for point_id, solution in zip(rows["point_id"], solutions, strict=True):
                 if reason := missing_of(solution):
@@ -399,4 +404,4 @@ def simulate_table(
 def missing_of(solution: Solution) -> str:
     """Return the reason for a missing force or a missing quantity beside it, or an empty text."""
     asked = (solution, solution.derivatives, solution.outputs)
-    return next((each.status for each in asked if each and each.status != "ok"), "")
+    return next((result.status for result in asked if result and result.status != "ok"), "")

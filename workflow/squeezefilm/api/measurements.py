@@ -12,7 +12,7 @@ from squeezefilm.api.forces import Force, solved_with
 from squeezefilm.config.study import Study
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
-from squeezefilm.quantities.derivatives import moved
+from squeezefilm.quantities.derivatives import with_number_changed
 from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.studies.study import measured_points
 
@@ -20,7 +20,7 @@ from squeezefilm.studies.study import measured_points
 # standard uncertainties above which the difference of a single point is named.
 LEAST_PROBABILITY, MOST_UNCERTAINTIES = 0.05, 2.0
 # Columns of what makes the uncertainty of a measured force.
-PARTS = [f"force_uncertainty{part}_n" for part in ("", "_h0", "_hv")]
+UNCERTAINTY_COLUMNS = [f"force_uncertainty{part}_n" for part in ("", "_h0", "_hv")]
 
 
 def compare_measurements(config: Study) -> pd.DataFrame:
@@ -38,10 +38,10 @@ def compare_measurements(config: Study) -> pd.DataFrame:
     forces = film.solved(film.scenes(points), budget=True)
     computed = pd.DataFrame([_computed(force) for force in forces], index=points.index)
     table = points.rename(columns={"force_n": "measured_force_n"}).assign(**computed)
-    for factor, column in zip(("h0", "hv"), PARTS[1:], strict=True):
+    for factor, column in zip(("h0", "hv"), UNCERTAINTY_COLUMNS[1:], strict=True):
         off_m = points[f"{factor}_uncertainty_m"].to_numpy()
         table[column] = _propagated(f"{factor}_m", off_m, forces, film.solver())
-    lacking = (table["status"] == OK) & table[PARTS].isna().any(axis=1)
+    lacking = (table["status"] == OK) & table[UNCERTAINTY_COLUMNS].isna().any(axis=1)
     table.loc[lacking, "status"] = "no force at h0 or hv plus or minus its uncertainty"
     return with_residuals(table)
 
@@ -68,9 +68,13 @@ def _propagated(
     """Return the uncertainty (N) of each force due to that of a factor; NaN if not known."""
     parts_n = np.array([0.0 * force.force_n for force in forces])
     rows = np.flatnonzero((off_m > 0) & np.isfinite(parts_n)).tolist()
-    ends = [moved(forces[k].scene, name, sign * off_m[k]) for sign in (1, -1) for k in rows]
+    ends = [
+        with_number_changed(forces[k].scene, name, sign * off_m[k])
+        for sign in (1, -1)
+        for k in rows
+    ]
     solved = solved_with(ends, settings=settings)
-    more, less = np.reshape([each.force_n for each in solved], (2, -1))
+    more, less = np.reshape([computed.force_n for computed in solved], (2, -1))
     parts_n[rows] = np.abs(more - less) / 2
     return parts_n
 
@@ -78,11 +82,11 @@ def _propagated(
 def with_residuals(table: pd.DataFrame) -> pd.DataFrame:
     """Return a comparison with its residuals.
 
-    ``measurement_uncertainty_n`` is the root of the squares of PARTS; ``residual_n`` the measured
-    force less the computed one; ``unexplained_n`` its part beyond the sum of numerical error,
-    profile uncertainty and modelling error: NaN where the last is not known.
+    ``measurement_uncertainty_n`` is the root of the squares of UNCERTAINTY_COLUMNS; ``residual_n``
+    the measured force less the computed one; ``unexplained_n`` its part beyond the sum of numerical
+    error, profile uncertainty and modelling error: NaN where the last is not known.
     """
-    uncertainty_n = np.sqrt((table[PARTS] ** 2).sum(axis=1, skipna=False))
+    uncertainty_n = np.sqrt((table[UNCERTAINTY_COLUMNS] ** 2).sum(axis=1, skipna=False))
     residual_n = table["measured_force_n"] - table["force_n"]
     error_n = table["force_error_n"] + table["profile_uncertainty_n"]
     above = residual_n - table["modelling_error_upper_n"] - error_n
@@ -109,7 +113,9 @@ def summary_of(table: pd.DataFrame) -> dict[str, Any]:
     ratios = solved[["residual_n", "unexplained_n"]].div(uncertainty_n, axis=0)
     # What is not known of a residual adds nothing: a lower bound of χ².
     squares, beyond = (ratios**2).sum().tolist()
-    chance, chance_beyond = (float(chi2.sf(each, max(count, 1))) for each in (squares, beyond))
+    chance, chance_beyond = (
+        float(chi2.sf(chi_square, max(count, 1))) for chi_square in (squares, beyond)
+    )
     off, unknown = ratios["unexplained_n"].abs(), int(ratios["unexplained_n"].isna().sum())
     larger = "larger than measurement uncertainty"
     if not count:

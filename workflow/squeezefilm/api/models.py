@@ -21,7 +21,7 @@ from squeezefilm.tables import failures_in, write_json
 if TYPE_CHECKING:
     from squeezefilm.models.fit_file import FittedModel
 
-GAPS = 6
+DEFAULT_GAPS = 6
 """Evenly spaced over the range of the fit, where no gap is given."""
 
 
@@ -145,7 +145,7 @@ class Fit:
         if "h0_m" not in ranges:
             raise InputError(f"{self.model.place}: tells no range of gaps; give them")
         low, high = ranges["h0_m"]
-        gaps = np.linspace(low, high, GAPS if high > low else 1)
+        gaps = np.linspace(low, high, DEFAULT_GAPS if high > low else 1)
         return [float(f"{gap:.12g}") for gap in gaps]
 
     def code(self, language: str) -> str:
@@ -226,7 +226,7 @@ class Study(Film):
         if seeds < 1:
             raise InputError(f"seeds: {seeds} must be 1 or more")
         config = self.config
-        chosen = get_model(model, config.models, place=config.path)
+        chosen = get_model(model, config.models, source=config.path)
         forces, sample = self._simulated(centred=chosen.is_centred)
         for failure in failures_in(forces):
             raise RunError(failure)
@@ -266,8 +266,8 @@ class Study(Film):
         """The points with their forces."""
         settings = self.solver(outputs=())
         scenes = settings.resolved(self.scenes(points))
-        found = solve(scenes, **settings.how).to_frame(points.index)
-        return points.assign(**found[["force_n", "force_error_n", "status", "absent_terms"]])
+        forces = solve(scenes, **settings.how).to_frame(points.index)
+        return points.assign(**forces[["force_n", "force_error_n", "status", "absent_terms"]])
 
 
 def load(path: Path | str) -> Study:

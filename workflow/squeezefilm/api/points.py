@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 
 import pandas as pd
 
-WIDTH = 80
+SHOWN_CHARACTERS = 80
 
 
 class Points(pd.DataFrame):
@@ -31,5 +31,5 @@ class Points(pd.DataFrame):
 
 def _shown_whole() -> AbstractContextManager[None]:
     number = pd.get_option("display.float_format") or "{:.6g}".format
-    whole = ("display.width", WIDTH, "display.max_columns", None)
+    whole = ("display.width", SHOWN_CHARACTERS, "display.max_columns", None)
     return pd.option_context(*whole, "display.float_format", number)

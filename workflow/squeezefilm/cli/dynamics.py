@@ -20,7 +20,7 @@ from squeezefilm.cli.options import (
     study_column,
     write_rows,
 )
-from squeezefilm.dynamics.levitation import levitations, trustworthy
+from squeezefilm.dynamics.levitation import levitations, valid_range_text
 from squeezefilm.dynamics.response import all_gains, all_steps, responses
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import GAPS_M, OK
@@ -95,7 +95,7 @@ def levitate(options: argparse.Namespace) -> None:
     if options.json or status == OK or not alone:
         write_rows(table.assign(**study_column(options)), options)
     if alone and status != OK:
-        raise RunError(f"{status}; {trustworthy(scenes[0], **how)}")
+        raise RunError(f"{status}; {valid_range_text(scenes[0], **how)}")
 
 
 @command(
@@ -153,18 +153,23 @@ def response(options: argparse.Namespace) -> None:
         gained = all_gains(table, scenes, frequency_hz)
     if alone or options.output is not None:
         solver = film.solver()
-        found = responses(table, scenes, tolerance=solver.tolerance, device=solver.device)
-        if alone and found["status"].iloc[0] != OK:
-            raise RunError(found["status"].iloc[0])
+        table_of_responses = responses(
+            table, scenes, tolerance=solver.tolerance, device=solver.device
+        )
+        if alone and table_of_responses["status"].iloc[0] != OK:
+            raise RunError(table_of_responses["status"].iloc[0])
         for reason in gained.loc[gained["status"] != OK, "status"] if alone else ():
             raise InputError(f"--frequencies {options.frequencies}: {reason}")
         if alone and options.output is None:
             own = gained[["frequency_hz", "gain", "phase_deg", "error"]].to_dict("records")
-            row = found.to_dict("records")[0] | {"gains": own, **scene_row(scenes[0].viscous())}
+            row = table_of_responses.to_dict("records")[0] | {
+                "gains": own,
+                **scene_row(scenes[0].viscous()),
+            }
             row["equation"] = f"period-averaged {row['equation']}"
             print(shown(row, options))
         else:
-            write_rows(found, options)
+            write_rows(table_of_responses, options)
     if options.gains is not None:
         write_table(gained, options.gains)
     if options.steps is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from squeezefilm.api.film import INSTANTS, PLACES, Film
+from squeezefilm.api.film import INSTANTS_LIMITS, PLACES_LIMITS, Film
 from squeezefilm.api.forces import budget_table, forces_table, missing_of, preview, simulate_table
 from squeezefilm.cli.options import (
     CONFIG,
@@ -173,8 +173,12 @@ def error_budget(options: argparse.Namespace) -> None:
 @command(
     CONFIG,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
-    option("--places", None, "points a side, {} to {}".format(*PLACES), type=int, default=41),
-    option("--instants", help="times, even, {} to {}".format(*INSTANTS), type=int, default=32),
+    option(
+        "--places", None, "points a side, {} to {}".format(*PLACES_LIMITS), type=int, default=41
+    ),
+    option(
+        "--instants", help="times, even, {} to {}".format(*INSTANTS_LIMITS), type=int, default=32
+    ),
     points(many=False),
 )
 def pressure(options: argparse.Namespace) -> None:

@@ -40,8 +40,8 @@ GROUPS: Groups = {
 INTERRUPTED = "squeezefilm: interrupted\n"
 # Threads of NumPy's libraries wait for each other where the solver's keep all cores busy: the
 # modes of one ellipse (terms/outline.py) took 14 s on two threads and 0.2 s on one.
-THREADS = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
-NEGATIVE, OPTION = re.compile(r"-\.?\d"), re.compile(r"--[\w-]+")
+THREAD_VARIABLES = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
+NEGATIVE_NUMBER, OPTION = re.compile(r"-\.?\d"), re.compile(r"--[\w-]+")
 NAME_WIDTH, WIDTH = 18, 100
 
 
@@ -51,10 +51,10 @@ def commands_of(groups: Groups = GROUPS) -> dict[str, str]:
     What shows a finished study lies beside the library in a checkout, and not in its wheel.
     """
     return {
-        name: place
+        name: module
         for group in groups.values()
-        for place, names in group.items()
-        if importlib.util.find_spec(place.partition(".")[0])
+        for module, names in group.items()
+        if importlib.util.find_spec(module.partition(".")[0])
         for name in names.split()
     }
 
@@ -92,7 +92,7 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
     commands, chosen = commands_of(groups), words[0] if words else ""
     if chosen not in commands:
         _explain(words, commands, overview=overview(groups))
-    for name in THREADS:
+    for name in THREAD_VARIABLES:
         os.environ.setdefault(name, "1")
     # No module is garbage before the process ends, and a search for it takes a quarter of the time
     # of a small command.
@@ -123,7 +123,7 @@ def with_negative_values(words: Sequence[str]) -> list[str]:
     """Words of which ``--x -2mm`` is ``--x=-2mm``: argparse takes such values for options."""
     joined: list[str] = []
     for word in words:
-        if NEGATIVE.match(word) and joined and OPTION.fullmatch(joined[-1]):
+        if NEGATIVE_NUMBER.match(word) and joined and OPTION.fullmatch(joined[-1]):
             joined[-1] += f"={word}"
         else:
             joined.append(word)
@@ -176,8 +176,8 @@ def overview(groups: Groups) -> str:
     """Every command with a line about it, in groups."""
     known = commands_of(groups)
     lines = []
-    for title, places in groups.items():
-        there = [name for names in places.values() for name in names.split() if name in known]
+    for title, modules in groups.items():
+        there = [name for names in modules.values() for name in names.split() if name in known]
         lines += [title] if there else []
         for name in there:
             summary = summaries_in(known[name])[name.replace("-", "_")]

@@ -36,16 +36,16 @@ def predict(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     if options.points:
-        needed, place = ("h0_m", "hv_m"), options.points
-        table = read_columns(place, columns=needed, optional=FACTOR_COLUMNS)
+        needed, source = ("h0_m", "hv_m"), options.points
+        table = read_columns(source, columns=needed, optional=FACTOR_COLUMNS)
         # Results of the points, which the table may have, are not the model's.
         kept = {*SCENE_COLUMNS, *CARTESIAN, *unregistered(map(str, table))}
         table = table[[name for name in table if name in kept]]
     else:
-        table, place = pd.DataFrame(points_in(options)), "predict"
+        table, source = pd.DataFrame(points_in(options)), "predict"
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
-    predicted = fit.predict_at(table, place=place)
+    predicted = fit.predict_at(table, place=source)
     write_rows(predicted, options, given=table.columns, **fit.about)
     valid = predicted["validity"].iloc[0]
     alone = len(predicted) == 1 and not (options.points or options.output)

@@ -31,7 +31,9 @@ POINTS = {
     "phi": "and direction, e.g. 45deg",
 }
 ERROR_PERCENTAGES = ("error_95_percent", "profile_uncertainty_percent")
-MANY = "each a value, several (5um,6um) or first:last:count (5:10:6um), in every combination"
+SEVERAL_VALUES_HELP = (
+    "each a value, several (5um,6um) or first:last:count (5:10:6um), in every combination"
+)
 
 OptionAdder = Callable[[argparse.ArgumentParser], list[argparse.Action]]
 Run = Callable[[argparse.Namespace], int | None]
@@ -57,7 +59,7 @@ def points(*without: str, many: bool = True) -> OptionAdder:
 
     def add(parser: argparse.ArgumentParser) -> list[argparse.Action]:
         title = "points" if many else "the point"
-        group = parser.add_argument_group(title, MANY if many else None)
+        group = parser.add_argument_group(title, SEVERAL_VALUES_HELP if many else None)
         return [
             group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)
             for name, text in POINTS.items()
@@ -70,10 +72,12 @@ def points(*without: str, many: bool = True) -> OptionAdder:
 CONFIG = option("--config", "CONFIG.yaml", "the study; default: a checkout's paper.yaml")
 STUDY = option("--config", "CONFIG.yaml", "the study", required=True)
 DEVICE = option("--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device")
-TOLERANCE = option("--tolerance", help="instead of the config's solver.tolerance", type=float)
+TOLERANCE_OPTION = option(
+    "--tolerance", help="instead of the config's solver.tolerance", type=float
+)
 METHOD = option("--method", help="instead of the config's solver.method", choices=METHODS)
 JSON = flag("--json", "print one point as a JSON object, whose keys are names of columns")
-SOLVER, FILM = (CONFIG, TOLERANCE, METHOD, DEVICE, JSON), (CONFIG, DEVICE, JSON)
+SOLVER, FILM = (CONFIG, TOLERANCE_OPTION, METHOD, DEVICE, JSON), (CONFIG, DEVICE, JSON)
 FIT = option("fit", "FIT.json", "the fitted model")
 FORCES = option("forces", "FORCES.csv", "simulated forces")
 SCENES = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
@@ -101,9 +105,9 @@ def points_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[fl
 
     Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
-    found = columns_of(option="--{}", **{name: getattr(options, name, None) for name in POINTS})
-    check_json(options, times * len(next(iter(found.values()), ())))
-    return found
+    columns = columns_of(option="--{}", **{name: getattr(options, name, None) for name in POINTS})
+    check_json(options, times * len(next(iter(columns.values()), ())))
+    return columns
 
 
 def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
@@ -166,12 +170,16 @@ def print_table(table: pd.DataFrame) -> None:
     for name in map(str, table):
         errors = error_columns(name, table)
         for error in errors:
-            pairs = [to_its_error(*each) for each in zip(table[name], table[error], strict=True)]
+            pairs = [
+                to_its_error(*value_and_error)
+                for value_and_error in zip(table[name], table[error], strict=True)
+            ]
             texts[error] = [text for _, text in pairs]
         if errors:
             largest = table[errors].max(axis=1)
             texts[name] = [
-                to_its_error(*each)[0] for each in zip(table[name], largest, strict=True)
+                to_its_error(*value_and_error)[0]
+                for value_and_error in zip(table[name], largest, strict=True)
             ]
         if name in ERROR_PERCENTAGES:
             texts[name] = table[name].map(error_text, na_action="ignore")

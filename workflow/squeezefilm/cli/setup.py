@@ -95,7 +95,7 @@ def config(options: argparse.Namespace) -> None:
     for note in notes_on(study):
         print(f"note: {note}", file=sys.stderr)
     named = {name for section in (study.comparison, study.refine) for name in section.all}
-    for name in [each for each in study.models if each not in named]:
+    for name in [model for model in study.models if model not in named]:
         print(f"note: models.{name} is not fitted: add it to a comparison", file=sys.stderr)
 
 

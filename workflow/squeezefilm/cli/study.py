@@ -80,7 +80,7 @@ def fit(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     with naming(options.forces):
         fitted, runs = fit_to_forces(
-            get_model(options.model, config.models, place=options.config),
+            get_model(options.model, config.models, source=options.config),
             config,
             forces=read_ok_forces(options.forces),
             sample=read_forces(options.sample) if options.sample else None,
@@ -143,13 +143,13 @@ def optimal(options: argparse.Namespace) -> None:
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     config = load_config(options.config)
     with naming(options.fit):
-        found = designs_of_fit(
+        tables = designs_of_fit(
             fitted,
             config,
             forces=forces,
             existing=read_scenes(options.existing) if options.existing else None,
         )
-    write_table(found["designs"], options.output)
-    for note in found["summary"]["notes"]:
+    write_table(tables["designs"], options.output)
+    for note in tables["summary"]["notes"]:
         print(f"note: {note}", file=sys.stderr)
-    print_table(found["efficiencies"][["plan", "points", "d_efficiency", "d_efficiency_lower"]])
+    print_table(tables["efficiencies"][["plan", "points", "d_efficiency", "d_efficiency_lower"]])

@@ -14,7 +14,7 @@ from squeezefilm.film.pad import Pad, outlined
 from squeezefilm.film.profiles import Profile, ScanFile, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, with_one_surface
 from squeezefilm.film.symmetry import Symmetry, no_symmetry, symmetry
-from squeezefilm.sections import Different, Number, Place, Section
+from squeezefilm.sections import KeyPath, Number, Section, UniqueItems
 
 if TYPE_CHECKING:
     from squeezefilm.film.measured.smooth import SmoothedScan
@@ -52,13 +52,13 @@ class FilmSections(Section):
     """A film and how it is solved: what a command needs that simulates single scenes."""
 
     _path: Path = PrivateAttr(default=Path("study"))
-    _written: Mapping[Place, Any] = PrivateAttr(default_factory=dict)
+    _written: Mapping[KeyPath, Any] = PrivateAttr(default_factory=dict)
 
     gas: GasOfStudy = Field(default={}, validate_default=True)
     actuator: Annotated[Actuator, AfterValidator(with_one_surface)]
     pad: Annotated[Pad, AfterValidator(outlined)]
     solver: Solver = Field(default_factory=Solver)
-    outputs: Annotated[list[Output], Different] = Field(
+    outputs: Annotated[list[Output], UniqueItems] = Field(
         default=[],
         description="quantities beside the mean force in every `forces.csv`, each with its error "
         "(docs/outputs.md)",
@@ -70,7 +70,7 @@ class FilmSections(Section):
         return self._path
 
     @property
-    def written(self) -> Mapping[Place, Any]:
+    def written(self) -> Mapping[KeyPath, Any]:
         """Values that were written, by their places; all others follow or are defaults."""
         return self._written
 
@@ -186,8 +186,8 @@ class FilmSections(Section):
         return values
 
 
-def _written(values: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
+def _written(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
     if isinstance(values, Mapping):
         for name, value in values.items():
-            yield (*place, name), value
-            yield from _written(value, (*place, name))
+            yield (*key_path, name), value
+            yield from _written(value, (*key_path, name))

@@ -10,12 +10,12 @@ from typing import Any
 import yaml
 
 from squeezefilm.config.study import Study
-from squeezefilm.sections import Place
+from squeezefilm.sections import KeyPath
 
 Part = Mapping[str, Any]
 """Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""
 
-HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
+TABLE_HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
 
 
 @cache
@@ -25,28 +25,30 @@ def schema() -> Part:
 
     def inlined(part: Any) -> Any:
         if isinstance(part, list):
-            return [inlined(each) for each in part]
+            return [inlined(item) for item in part]
         if not isinstance(part, dict):
             return part
         if "$ref" in part:
             there = raw["$defs"][part["$ref"].rpartition("/")[2]]
             return inlined(there) | {name: part[name] for name in part if name != "$ref"}
         if "discriminator" in part:
-            kinds = {each["properties"]["kind"]["const"]: each for each in inlined(part["oneOf"])}
+            kinds = {
+                choice["properties"]["kind"]["const"]: choice for choice in inlined(part["oneOf"])
+            }
             keys = {"kind": {"enum": list(kinds), "description": "it decides the other keys"}}
             return {**part, "properties": keys, "required": ["kind"], "kinds": kinds}
-        return {name: inlined(each) for name, each in part.items()}
+        return {name: inlined(value) for name, value in part.items()}
 
     whole: Part = inlined({name: part for name, part in raw.items() if name != "$defs"})
     return whole
 
 
-def part_at(steps: Place, values: Any) -> tuple[Place, Part]:
-    """The place that some steps lead to in values, and its part of the schema; empty if none.
+def part_at(steps: KeyPath, values: Any) -> tuple[KeyPath, Part]:
+    """Return the key path that steps lead to, and its part of the schema, empty if none.
 
     What an error of pydantic says among its steps of the choices of a union is dropped.
     """
-    place: Place = ()
+    key_path: KeyPath = ()
     part = schema()
     for step in steps:
         if isinstance(step, str) and values is not None:
@@ -54,18 +56,18 @@ def part_at(steps: Place, values: Any) -> tuple[Place, Part]:
             if not written or (step not in values and step in ("[key]", values.get("kind"))):
                 continue
         own = _of_kind(part, values)
-        key = own.get("properties", {}).get(step) or _of_any_name(own)
+        key = own.get("properties", {}).get(step) or _pattern_schema(own)
         part = own.get("items", {}) if isinstance(step, int) else key
-        place += (step,)
+        key_path += (step,)
         try:
             values = values[step]
         except (KeyError, IndexError, TypeError):
             values = None
-    return place, _of_kind(part, values)
+    return key_path, _of_kind(part, values)
 
 
-def _of_any_name(part: Part) -> Part:
-    """The part for each key of a section whose keys are the user's names."""
+def _pattern_schema(part: Part) -> Part:
+    """Return the schema of the values in a section whose keys the user names."""
     return next(iter(part.get("patternProperties", {}).values()), {})
 
 
@@ -104,7 +106,7 @@ def key_table(whole: Part) -> str:
         meaning = part["description"].replace("|", "\\|")
         cells = (name, unit_of(part), allowed(part), _default(part, needed), meaning)
         rows.append(f"| {' | '.join(cells)} |\n")
-    return HEAD + "".join(rows)
+    return TABLE_HEAD + "".join(rows)
 
 
 def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Part, bool]]:
@@ -113,11 +115,11 @@ def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
         yield (*path, name), key, name in part.get("required", ())
         yield from _keys(key, (*path, name))
     if "patternProperties" in part:
-        yield from _keys(_of_any_name(part), (*path, "NAME"))
+        yield from _keys(_pattern_schema(part), (*path, "NAME"))
     for kind, choice in part.get("kinds", {}).items():
-        for place, key, needed in _keys(choice, path):
-            if place[-1] != "kind":
-                yield place, {**key, "description": f"of `{kind}`: {key['description']}"}, needed
+        for key_path, key, needed in _keys(choice, path):
+            if key_path[-1] != "kind":
+                yield key_path, {**key, "description": f"of `{kind}`: {key['description']}"}, needed
 
 
 def unit_of(part: Part) -> str:

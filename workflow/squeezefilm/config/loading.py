@@ -25,20 +25,20 @@ from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
 from squeezefilm.film.profiles import Sinc
 from squeezefilm.film.scene import Actuator
-from squeezefilm.sections import Place, key_of
+from squeezefilm.sections import KeyPath, key_of
 from squeezefilm.units import DECIMAL, examples
 
 Sections = TypeVar("Sections", bound=FilmSections)
 
 CONFIGURATION = "configuration file"
-CONSTANTS = {"true": True, "false": False, "null": None, "~": None, "": None}
+YAML_LITERALS = {"true": True, "false": False, "null": None, "~": None, "": None}
 INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*)", re.ASCII)
 FLOAT = re.compile(rf"(?!{INTEGER.pattern}$)(?!0\d){DECIMAL}|[-+]?\.(?:inf|nan)", re.I | re.ASCII)
 LONGEST_INTEGER = 18
 STUDY_FILE = "study.yaml"
 """The name of the file beside a study's results."""
-ABOUT_KEYS = ("missing", "extra_forbidden", "unexpected_keyword_argument")
-TEXT = ("string_pattern_mismatch", "string_too_short", "string_too_long")
+KEY_ERRORS = ("missing", "extra_forbidden", "unexpected_keyword_argument")
+TEXT_ERRORS = ("string_pattern_mismatch", "string_too_short", "string_too_long")
 
 
 def load_config(path: Path | str) -> Study:
@@ -77,7 +77,7 @@ def config_of(
     *,
     path: Path,
     model: type[Sections],
-    lines: Mapping[Place, int] | None = None,
+    lines: Mapping[KeyPath, int] | None = None,
 ) -> Sections:
     """Validate sections by the keys of a file.
 
@@ -91,8 +91,8 @@ def config_of(
     try:
         return model.model_validate(values).read_from(path, values)
     except ValidationError as error:
-        told = _mistakes(error, values, lines or {})
-        raise InputError("\n".join(f"{path}: {each}" for each in told)) from None
+        messages = _mistakes(error, values, lines or {})
+        raise InputError("\n".join(f"{path}: {message}" for message in messages)) from None
 
 
 def with_changes(config: Sections, changes: Mapping[str, Any]) -> Sections:
@@ -101,30 +101,30 @@ def with_changes(config: Sections, changes: Mapping[str, Any]) -> Sections:
     Raises InputError as ``load_config`` does.
     """
     values = config.model_dump(exclude_none=True, by_alias=True)
-    for place, value in changes.items():
-        *sections, key = place.split(".")
+    for key_path, value in changes.items():
+        *sections, key = key_path.split(".")
         reduce(getitem, sections, values)[key] = value
     return config_of(values, path=config.path, model=type(config))
 
 
-def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
+def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, int]]:
     """The values of a YAML text, and the line of each.
 
     Of YAML its plain part: true, false, null, decimal numbers, text, lists and mappings, for YAML's
     own rules read 12:30 as 750 and 010 as 8. A key may stand only once, and no alias: a file is
     no larger than it looks.
     """
-    lines: dict[Place, int] = {}
+    lines: dict[KeyPath, int] = {}
     seen: set[yaml.Node] = set()
 
-    def value_of(node: yaml.Node, place: Place) -> Any:
+    def value_of(node: yaml.Node, key_path: KeyPath) -> Any:
         if node in seen:
             line = node.start_mark.line + 1
             raise InputError(f"{path}: line {line}: an alias of this value is not allowed")
         seen.add(node)
-        lines.setdefault(place, node.start_mark.line + 1)
+        lines.setdefault(key_path, node.start_mark.line + 1)
         if isinstance(node, yaml.SequenceNode):
-            return [value_of(item, (*place, i)) for i, item in enumerate(node.value)]
+            return [value_of(item, (*key_path, i)) for i, item in enumerate(node.value)]
         if isinstance(node, yaml.ScalarNode):
             return node.value if node.style else _scalar(node.value)
         values: dict[str, Any] = {}
@@ -133,8 +133,8 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
             if not isinstance(name, str) or name in values:
                 what = "stands twice" if isinstance(name, str) else "is not text"
                 raise InputError(f"{path}: line {line}: the key {reprlib.repr(name)} {what}")
-            lines[*place, name] = line
-            values[name] = value_of(value, (*place, name))
+            lines[*key_path, name] = line
+            values[name] = value_of(value, (*key_path, name))
         return values
 
     try:
@@ -151,38 +151,42 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
 
 
 def _scalar(text: str) -> Any:
-    if text in CONSTANTS:
-        return CONSTANTS[text]
+    if text in YAML_LITERALS:
+        return YAML_LITERALS[text]
     if INTEGER.fullmatch(text):
         return int(text) if len(text) <= LONGEST_INTEGER else float(text)
     return float(text.replace(".i", "i").replace(".n", "n")) if FLOAT.fullmatch(text) else text
 
 
 def _mistakes(
-    error: ValidationError, values: Mapping[str, Any], lines: Mapping[Place, int]
+    error: ValidationError, values: Mapping[str, Any], lines: Mapping[KeyPath, int]
 ) -> list[str]:
-    """The mistakes, each once, in the order of the file."""
-    found: dict[Place, tuple[int, str]] = {}
-    for each in error.errors(include_url=False):
-        further = each.get("ctx", {}).get("place", ())
-        place, part = part_at(each["loc"] + further, values)
-        if place in found:  # by another choice of a union
+    """Return one message for each invalid key, in the order of the file."""
+    messages: dict[KeyPath, tuple[int, str]] = {}
+    for entry in error.errors(include_url=False):
+        further = entry.get("ctx", {}).get("place", ())
+        key_path, part = part_at(entry["loc"] + further, values)
+        if key_path in messages:  # by another choice of a union
             continue
-        if each["type"] in ABOUT_KEYS:
-            section = part_at(place[:-1], values)[1]
-            text = _about_key(each, place, section)
+        if entry["type"] in KEY_ERRORS:
+            section = part_at(key_path[:-1], values)[1]
+            text = _about_key(entry, key_path, section)
         else:
-            text = _about_value(each, place, part)
-        inner = next((place[:end] for end in range(len(place), 0, -1) if place[:end] in lines), ())
-        found[place] = lines[inner] if inner else 0, text
-    in_order = sorted(found, key=lambda place: (found[place][0], list(map(str, place))))
-    told = [found[place] for place in in_order if found[place][1]]
-    return [f"line {line}: {text}" if line else text for line, text in told]
+            text = _about_value(entry, key_path, part)
+        inner = next(
+            (key_path[:end] for end in range(len(key_path), 0, -1) if key_path[:end] in lines), ()
+        )
+        messages[key_path] = lines[inner] if inner else 0, text
+    in_order = sorted(
+        messages, key=lambda key_path: (messages[key_path][0], list(map(str, key_path)))
+    )
+    reported = [messages[key_path] for key_path in in_order if messages[key_path][1]]
+    return [f"line {line}: {text}" if line else text for line, text in reported]
 
 
-def _about_key(error: Any, place: Place, part: Part) -> str:
+def _about_key(error: Any, key_path: KeyPath, part: Part) -> str:
     """Message about an unknown or missing key; empty where another error contains it."""
-    *section, key = map(str, place)
+    *section, key = map(str, key_path)
     where, known = ".".join(section) or "top level", part.get("properties", {})
     if error["type"] != "missing":
         close = _close(key, known) or _close(key_of(key), known)
@@ -198,8 +202,8 @@ def _about_key(error: Any, place: Place, part: Part) -> str:
     return f"{where}: missing {key!r} ({words}{unit}){about}"
 
 
-def _about_value(error: Any, place: Place, part: Part) -> str:
-    where, wrong, kind = ".".join(map(str, place)) or "top level", error["input"], error["type"]
+def _about_value(error: Any, key_path: KeyPath, part: Part) -> str:
+    where, wrong, kind = ".".join(map(str, key_path)) or "top level", error["input"], error["type"]
     if kind == "relation":
         return f"{where}: {error['msg']}"
     if kind.startswith("union_tag"):
@@ -213,7 +217,7 @@ def _about_value(error: Any, place: Place, part: Part) -> str:
         return f"{where}: {wrong!r} is none of {allowed(part)}{hint}"
     value = reprlib.repr(wrong)
     text = f"{where}: {value} {error['msg'].partition(' ')[2]}"
-    if kind in TEXT and "description" in part:
+    if kind in TEXT_ERRORS and "description" in part:
         return f"{text}; it is the {part['description']}"
     if "properties" in part:
         return f"{where}: {value} is no section; its keys are {', '.join(part['properties'])}"
@@ -236,7 +240,7 @@ def effective_text(config: Study, *, folder: Path | None = None) -> str:
     sections = config.model_dump(exclude_none=True, by_alias=True)
     outline, measured = sections["pad"].get("outline", {}), sections.get("measurements", {})
     named = sections["actuator"]["profile"], outline, measured
-    for section, key in (*((each, "file") for each in named), (sections["figures"], "style")):
+    for section, key in (*((model, "file") for model in named), (sections["figures"], "style")):
         if folder is not None and key in section:
             # ".." leads elsewhere from a folder that is a link.
             file = config.path.parent.resolve() / section[key]
@@ -245,16 +249,16 @@ def effective_text(config: Study, *, folder: Path | None = None) -> str:
     return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
 
 
-USUAL = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
+USUAL_MAGNITUDES = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
 """Range of a study's frequencies and lengths, and the unit that people give them in."""
 OF_PAPER = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
 """The actuator whose claims, tables and figures a study with ``paper: true`` makes."""
 
 
 def notes_on(config: Study) -> Iterator[str]:
-    """Yield a note on each number that was written without a unit and lies outside USUAL.
+    """Yield notes on numbers without a unit that lie outside USUAL_MAGNITUDES, and on the paper.
 
-    And one on a study of the paper that has another actuator.
+    The latter where a study of the paper has another actuator.
     """
     if config.paper and config.actuator != OF_PAPER:
         yield (
@@ -262,35 +266,35 @@ def notes_on(config: Study) -> Iterator[str]:
             "its claims compare numbers of another; leave paper out"
         )
     for place, value in config.written.items():
-        unit = unit_of(_part(config, place))
-        if unit in USUAL and isinstance(value, int | float):
-            least, most, meant = USUAL[unit]
+        unit = unit_of(_schema_part(config, place))
+        if unit in USUAL_MAGNITUDES and isinstance(value, int | float):
+            least, most, meant = USUAL_MAGNITUDES[unit]
             if not least <= abs(value) <= most:
                 key = ".".join(map(str, place))
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 
-def origin(config: Study, place: Place) -> str:
+def origin(config: Study, key_path: KeyPath) -> str:
     """Origin of a key's value, as a text; empty where it was written."""
-    if place in config.written:
+    if key_path in config.written:
         return ""
-    words = _part(config, place).get("derived")
+    words = _schema_part(config, key_path).get("derived")
     return f"derived: {words}" if words else "default"
 
 
-def _part(config: Study, place: Place) -> Part:
-    return part_at(place, config.sections())[1]
+def _schema_part(config: Study, key_path: KeyPath) -> Part:
+    return part_at(key_path, config.sections())[1]
 
 
-def _lines(values: Mapping[str, Any], place: Place, config: Study) -> Iterator[str]:
+def _lines(values: Mapping[str, Any], key_path: KeyPath, config: Study) -> Iterator[str]:
     for name, value in values.items():
-        here = (*place, name)
-        start = "  " * len(place) + f"{_flow(name)}:"
+        here = (*key_path, name)
+        start = "  " * len(key_path) + f"{_flow(name)}:"
         if isinstance(value, Mapping) and value:
             yield start
             yield from _lines(value, here, config)
         else:
-            notes = unit_of(_part(config, here)), origin(config, here)
+            notes = unit_of(_schema_part(config, here)), origin(config, here)
             note = ", ".join(filter(None, notes))
             yield f"{start} {_flow(value)}" + (f" # {note}" if note else "")
 
@@ -321,12 +325,12 @@ def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
     the same defaults. A measured profile's file counts from the working directory.
     Raises InputError naming the key that is wrong, or a file that cannot be written.
     """
-    place = Path("the module's config")
+    source = Path("the module's config")
     if not values:
-        raise InputError(f"{place}: there is none; it must be a study (config/README.md)")
+        raise InputError(f"{source}: there is none; it must be a study (config/README.md)")
     try:
         plain = json.loads(json.dumps(values))
     except (TypeError, ValueError) as error:
-        raise InputError(f"{place}: {error}") from None
-    study = config_of(plain, path=place, model=Study)
+        raise InputError(f"{source}: {error}") from None
+    study = config_of(plain, path=source, model=Study)
     return write_effective(study, results / study.study)

@@ -14,15 +14,15 @@ from squeezefilm.config.film import FilmSections
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
 from squeezefilm.film.profiles import TravellingWave
-from squeezefilm.sections import DERIVED, Different, Number, Section, Text, key_of, mistake
+from squeezefilm.sections import DERIVED, Number, Section, Text, UniqueItems, key_of, mistake
 
-FINER, MOST_LEVELS = 2, 1000
+LEVELS_RATIO, MOST_LEVELS = 2, 1000
 """The error map's levels over the screen's: they share no points but the corners."""
-SAME = SLACK = 1e-9
+EQUAL_LEVELS = ROUNDING_SLACK = 1e-9
 DIRECTIONS_DEG = (0.0, 22.5, 45.0)
 POSITIONS = 25
 """Of the four-factor plan, where they are to fill the reachable space."""
-FARTHER, FARTHEST = 1.1, 1.5
+EXTRAPOLATION_RATIO, LARGEST_EXTRAPOLATION_RATIO = 1.1, 1.5
 """An amplitude beyond the screen at which its models are tried, over the screen's largest: the
 default, and the most."""
 
@@ -32,7 +32,7 @@ Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
 Seed = Annotated[int, Field(strict=True, ge=0, le=10**9)]
 Name = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
 UpTo100 = Field(min_length=1, max_length=100)
-Names = Annotated[list[Name], UpTo100, Different]
+Names = Annotated[list[Name], UpTo100, UniqueItems]
 
 
 class Simulation(Section):
@@ -116,7 +116,7 @@ class Fit(Section):
     bounds: Annotated[
         list[Annotated[float, Number("1", 0, 1e12, open=True)]],
         Field(min_length=1, max_length=10),
-        Different,
+        UniqueItems,
     ] = Field(default=[100.0])
     seeds: Seeds = Field(default_factory=Seeds)
     first_seed: Seed = 1
@@ -210,7 +210,7 @@ class OwnModel(Section):
     expression: Annotated[str, Field(min_length=1, max_length=4000)]
     about: Annotated[str, Field(max_length=200)] = DERIVED
     parameters: (
-        Annotated[list[Unit], Field(max_length=30), Different]
+        Annotated[list[Unit], Field(max_length=30), UniqueItems]
         | Annotated[dict[str, Unit | Literal[1]], Field(max_length=30)]
     ) = DERIVED
     constants: dict[str, str | float] = Field({}, max_length=30)
@@ -289,7 +289,7 @@ class Optimal(Section):
     points: Annotated[
         list[Annotated[int, Field(strict=True, ge=1, le=200)]],
         Field(min_length=1, max_length=20),
-        Different,
+        UniqueItems,
     ] = Field(default=[5, 8])
     separation: Separation = 0.1
     seed: Seed = 1
@@ -417,12 +417,12 @@ class Study(FilmSections, Header):
         """The ranges of the error map and the extrapolation, from the screen's."""
         for factor in ("h0_m", "hv_m"):
             fitted, control = getattr(self.screen, factor), getattr(self.error_map, factor)
-            levels = min(FINER * fitted.levels, MOST_LEVELS)
-            _fill(control, start=fitted.start, stop=fitted.stop, levels=levels)
+            levels = min(LEVELS_RATIO * fitted.levels, MOST_LEVELS)
+            _fill_defaults(control, start=fitted.start, stop=fitted.stop, levels=levels)
         wanted, largest_m = self.extrapolation, self.screen.hv_m.stop
-        _fill(wanted, h0_m=self.screen.h0_m.start)
-        farther_m = float(f"{FARTHER * largest_m:.12g}")
-        _fill(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
+        _fill_defaults(wanted, h0_m=self.screen.h0_m.start)
+        farther_m = float(f"{EXTRAPOLATION_RATIO * largest_m:.12g}")
+        _fill_defaults(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
 
     def _derive_models(self) -> None:
         """The models that are compared and refined: physics' where its limit was derived."""
@@ -438,13 +438,13 @@ class Study(FilmSections, Header):
             and gas.polytropic_exponent == 1
         )
         physics = ["limit", "limit_1", "limit_2"] if known else []
-        _fill(
+        _fill_defaults(
             self.comparison,
             two_factor=["two_factor", "polynomial_3", *physics[:2]],
             four_factor=["four_factor", "polynomial_5", *physics],
         )
         best = ("limit_1", "limit_2") if known else ("polynomial_3", "polynomial_5")
-        _fill(self.refine, two_factor=[best[0]], four_factor=[best[1]])
+        _fill_defaults(self.refine, two_factor=[best[0]], four_factor=[best[1]])
 
     def _derive_positions(self) -> None:
         """Positions in the form of the surface: half of the way that the pad may go, and all."""
@@ -452,26 +452,28 @@ class Study(FilmSections, Header):
         if not (self.paper or positions.model_fields_set):
             positions.points = POSITIONS
         if surface is None:
-            _fill(positions, phi_deg=list(DIRECTIONS_DEG))
+            _fill_defaults(positions, phi_deg=list(DIRECTIONS_DEG))
             if positions.phi_r_m is None:
                 half_m, reach_m = self.actuator.surface_radius_m, _reach_m(self.pad)
-                way_m = _way_m("actuator.surface_radius", half_m, reach_m, "phi_r")
-                positions.phi_r_m = [_cut(way_m / 2), _cut(way_m)]
+                way_m = _travel_m("actuator.surface_radius", half_m, reach_m, "phi_r")
+                positions.phi_r_m = [_rounded_down(way_m / 2), _rounded_down(way_m)]
             return
         for axis, reach_m in zip("xy", _reaches_m(self.pad), strict=True):
             if getattr(positions, f"{axis}_m") is None:
                 half_m = getattr(surface, f"length_{axis}_m") / 2
-                way_m = _way_m(f"actuator.surface.length_{axis}", half_m, reach_m, axis)
-                setattr(positions, f"{axis}_m", [0.0, _cut(way_m / 2), _cut(way_m)])
+                way_m = _travel_m(f"actuator.surface.length_{axis}", half_m, reach_m, axis)
+                setattr(
+                    positions, f"{axis}_m", [0.0, _rounded_down(way_m / 2), _rounded_down(way_m)]
+                )
 
     def _check_ranges(self) -> None:
         """Reject empty ranges, and values outside the screen's, where models are fitted.
 
-        An extrapolation may lie above them in amplitude, up to FARTHEST times the largest; an error
-        map must have points that the screen has not.
+        An extrapolation may lie above them in amplitude, up to LARGEST_EXTRAPOLATION_RATIO times
+        the largest; an error map must have points that the screen has not.
         """
         new = False
-        for factor, farthest in (("h0_m", 1.0), ("hv_m", FARTHEST)):
+        for factor, farthest in (("h0_m", 1.0), ("hv_m", LARGEST_EXTRAPOLATION_RATIO)):
             key = key_of(factor)
             fitted, control, wanted_m = (
                 getattr(section, factor)
@@ -480,22 +482,24 @@ class Study(FilmSections, Header):
             for section, levels in (("screen", fitted), ("error_map", control)):
                 if levels.start >= levels.stop:
                     raise mistake("start must be below stop", section, key)
-            for place, value, most in (
+            for key_path, value, most in (
                 (("error_map", key, "start"), control.start, fitted.stop),
                 (("error_map", key, "stop"), control.stop, fitted.stop),
                 (("extrapolation", key), wanted_m, farthest * fitted.stop),
             ):
-                if not fitted.start * (1 - SLACK) <= value <= most * (1 + SLACK):
+                if not fitted.start * (1 - ROUNDING_SLACK) <= value <= most * (1 + ROUNDING_SLACK):
                     raise mistake(
                         f"{value:g} does not suit screen.{key}, {fitted.start:g} … "
                         f"{fitted.stop:g}, where the models are fitted; it must lie from "
                         f"{fitted.start:g} to {most:g}",
-                        *place,
+                        *key_path,
                     )
             screen, finer = (
                 np.linspace(each.start, each.stop, each.levels) for each in (fitted, control)
             )
-            new |= not np.isclose(finer[:, None], screen, rtol=SAME, atol=0).any(axis=1).all()
+            new |= (
+                not np.isclose(finer[:, None], screen, rtol=EQUAL_LEVELS, atol=0).any(axis=1).all()
+            )
         if not new:
             raise mistake(
                 "all its points are the screen's, and no model can be judged by points that it was "
@@ -524,7 +528,7 @@ class Study(FilmSections, Header):
             raise mistake("the paper's actuator is a disc; it must be false", "paper")
 
 
-def _fill(section: Section, **values: Any) -> None:
+def _fill_defaults(section: Section, **values: Any) -> None:
     """Give a section's keys their values where nothing is written."""
     for name, value in values.items():
         if getattr(section, name) is None:
@@ -547,7 +551,7 @@ def _reaches_m(pad: Pad) -> tuple[float, float]:
     return c * half_x + s * half_y, s * half_x + c * half_y
 
 
-def _way_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
+def _travel_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
     """Largest distance that the pad may move one way."""
     if half_m - reach_m <= 1e-6 * reach_m:
         raise mistake(
@@ -559,7 +563,7 @@ def _way_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
     return half_m - reach_m
 
 
-def _cut(value: float) -> float:
+def _rounded_down(value: float) -> float:
     """A little less than the value, in three digits."""
     step = 10.0 ** (floor(log10(value)) - 2)
     return float(f"{floor(value * (1 - 1e-9) / step) * step:.3g}")

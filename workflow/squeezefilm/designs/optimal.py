@@ -21,8 +21,8 @@ Nothing here knows a model, a factor or a unit, and D-optimality does not depend
 
 An exact design has so many points, each of them once: a simulation has no scatter, so a second one
 at the same point teaches nothing, and one close by hardly anything. It is sought by exchange
-(Fedorov 1972), one point at a time, and is the best found from STARTS starts: the exchange ends in
-local maxima, and no certificate holds for it.
+(Fedorov 1972), one point at a time, and is the best found from EXCHANGE_STARTS starts: the exchange
+ends in local maxima, and no certificate holds for it.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ Indices = NDArray[np.int64]
 Gradients = Callable[[Array], Array]
 """From points, shape (n, k), to derivatives, shape (n, p) or (K, n, p)."""
 
-DROPPED = 1e-9
+LEAST_WEIGHT = 1e-9
 """Weight below which a point is not in the support."""
 SINGULAR = 1e-12
 """Diagonal of a triangular factor with columns of length one, below which it is singular."""
@@ -51,7 +51,7 @@ ROUNDS, STEPS = 100, 100
 SAME_POINT = 5e-3
 """Relative distance of derivatives within which points of a support are one."""
 PEAK_ROUNDS, PEAKS = 20, 8
-STARTS = 50
+EXCHANGE_STARTS = 50
 """Of an exchange, from different points."""
 START_INFORMATION = 1e-6
 """Information of an exchange at its start, as a share of the candidates' mean: M is never singular.
@@ -74,7 +74,7 @@ class ApproximateDesign:
 
     def on(self, candidates: Array) -> ContinuousDesign:
         """The candidates, shape (n, k), that have a weight."""
-        support = self.weights > DROPPED
+        support = self.weights > LEAST_WEIGHT
         weights = self.weights[support] / self.weights[support].sum()
         return ContinuousDesign(candidates[support], weights, self.efficiency_bound)
 
@@ -119,19 +119,19 @@ def sensitivity(
 
 
 def _roots(f: Array, weights: ArrayLike | None = None) -> Array:
-    """Triangular factors of M, shape (K, p, p); zero where M is singular."""
+    """Triangular factors R of M = RᵀR, shape (K, p, p); zero where M is singular."""
     layers, points, parameters = f.shape
     if points < parameters:
         return np.zeros((layers, parameters, parameters))
-    share = np.full(points, 1 / points) if weights is None else np.asarray(weights)
-    roots = np.linalg.qr(np.sqrt(share)[:, None] * f, mode="r")
+    design_weights = np.full(points, 1 / points) if weights is None else np.asarray(weights)
+    roots = np.linalg.qr(np.sqrt(design_weights)[:, None] * f, mode="r")
     pivots = np.abs(np.diagonal(roots, axis1=1, axis2=2))
     singular = np.any(pivots <= SINGULAR * np.linalg.norm(roots, axis=1), axis=1)
     return np.where(singular[:, None, None], 0.0, roots)
 
 
 def _variances(f: Array, roots: Array) -> Array:
-    """d_k(x) of every candidate, shape (K, n), by the triangular factors of M."""
+    """Variance functions f'M⁻¹f of every candidate, shape (K, n)."""
     return np.sum((f @ np.linalg.inv(roots)) ** 2, axis=-1)
 
 
@@ -149,7 +149,7 @@ def optimal_weights(
     """
     f = stacked_derivatives(derivatives)
     layers, points, parameters = f.shape
-    share = np.full(layers, 1 / layers) if prior is None else np.asarray(prior)
+    prior_weights = np.full(layers, 1 / layers) if prior is None else np.asarray(prior)
     roots, scale = _roots(f), log_determinant(f)
     if not np.isfinite(scale).all():
         raise InputError("design: the candidates cannot tell the parameters apart")
@@ -160,11 +160,13 @@ def optimal_weights(
     weights[np.unique(np.concatenate(picks))] = 1.0
     for _ in range(ROUNDS):
         active = np.flatnonzero(weights)
-        best = _best_weights(f[:, active], weights[active] / weights.sum(), share, gap=gap / 4)
-        weights[active] = np.where(best < DROPPED, 0, best)
+        best = _best_weights(
+            f[:, active], weights[active] / weights.sum(), prior_weights, gap=gap / 4
+        )
+        weights[active] = np.where(best < LEAST_WEIGHT, 0, best)
         weights /= weights.sum()
         roots = _roots(f[:, active], weights[active])
-        level = share @ _variances(f, roots) / parameters
+        level = prior_weights @ _variances(f, roots) / parameters
         if level.max() <= 1 + gap:
             break
         weights[np.argpartition(level, -parameters)[-parameters:]] += 1e-2
@@ -217,7 +219,7 @@ def _best_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Arra
         if level.max() <= 1 + gap:
             break
         weights = weights * level
-        used = np.flatnonzero(weights > DROPPED / 100)
+        used = np.flatnonzero(weights > LEAST_WEIGHT / 100)
         roots = _roots(f, weights)
         part = f[:, used] @ np.linalg.inv(roots)
         cross = part @ part.transpose(0, 2, 1)
@@ -248,28 +250,28 @@ def optimal_in_box(
     efficiency_bound holds against the grid and all peaks between its points. Raises InputError
     where the candidates cannot tell the parameters apart.
     """
-    places, known = candidates, stacked_derivatives(gradients(candidates))
+    points_tried, known = candidates, stacked_derivatives(gradients(candidates))
     best, highest = ContinuousDesign(candidates[:0], np.empty(0)), 0.0
     for _ in range(PEAK_ROUNDS):
-        kept = _merged(known, optimal_weights(known, gap=gap / 10).weights)
-        points, own = places[kept], known[:, kept]
+        kept = _merged_support(known, optimal_weights(known, gap=gap / 10).weights)
+        points, own = points_tried[kept], known[:, kept]
         design = optimal_weights(own, gap=gap / 10)
         weights = design.weights
         level = sensitivity(own, known, weights=weights)
-        starts = np.concatenate([points, places[np.argsort(level)[-PEAKS:]]])
-        peaks = _climbed(own, weights, gradients, space, starts)
+        starts = np.concatenate([points, points_tried[np.argsort(level)[-PEAKS:]]])
+        peaks = _sensitivity_maxima(own, weights, gradients, space, starts)
         added = stacked_derivatives(gradients(peaks))
         bound = float(1 / max(1.0, level.max(), sensitivity(own, added, weights=weights).max()))
         if bound > highest:
             best, highest = replace(design, efficiency_bound=bound).on(points), bound
         if bound >= 1 - gap:
             break
-        places = np.concatenate([places, peaks])
+        points_tried = np.concatenate([points_tried, peaks])
         known = np.concatenate([known, added], axis=1)
     return best
 
 
-def _climbed(
+def _sensitivity_maxima(
     own: Array, weights: Array, gradients: Gradients, space: Space, starts: Array
 ) -> Array:
     """The maxima of a design's sensitivity next to points, shape (n, k): all climb at once."""
@@ -284,7 +286,7 @@ def _climbed(
         height, higher, lower = np.split(level, [1, 1 + len(shift)], axis=1)
         return -float(height.sum()), -((higher - lower) / (above - below).sum(axis=-1)).ravel()
 
-    found = minimize(
+    optimum = minimize(
         loss,
         unit.ravel(),
         jac=True,
@@ -292,18 +294,18 @@ def _climbed(
         bounds=[(0.0, 1.0)] * unit.size,
         options={"ftol": 1e-15, "gtol": 1e-9},
     )
-    return space.from_unit(found.x.reshape(unit.shape))
+    return space.from_unit(optimum.x.reshape(unit.shape))
 
 
-def _merged(f: Array, weights: Array) -> Indices:
+def _merged_support(f: Array, weights: Array) -> Indices:
     """The points with a weight, of those of nearly equal derivatives the heaviest."""
-    used = np.argsort(-weights)[: np.count_nonzero(weights > DROPPED)]
+    used = np.argsort(-weights)[: np.count_nonzero(weights > LEAST_WEIGHT)]
     rows = np.concatenate(f[:, used] @ np.linalg.inv(_roots(f[:, used], weights[used])), axis=1)
     near = cdist(rows, rows) <= SAME_POINT * np.sqrt(rows.shape[1])
     kept: list[int] = []
-    for place in range(len(used)):
-        if not near[place, kept].any():
-            kept.append(place)
+    for candidate in range(len(used)):
+        if not near[candidate, kept].any():
+            kept.append(candidate)
     return used[kept]
 
 
@@ -315,7 +317,7 @@ def exchange(
     coordinates: ArrayLike | None = None,
     existing_coordinates: ArrayLike | None = None,
     separation: float = 0.0,
-    starts: int = STARTS,
+    starts: int = EXCHANGE_STARTS,
     seed: int = 1,
 ) -> Indices:
     """The best exact design found among candidates, by exchange from several starts.
@@ -339,22 +341,22 @@ def exchange(
     if not np.all(size > 0):
         raise InputError("design: a parameter has no influence on any candidate")
     old = f[:, :0] if existing is None else stacked_derivatives(existing)
-    known, f = _squares(old / size), f / size
-    places = np.zeros((f.shape[1], 0)) if coordinates is None else np.asarray(coordinates)
+    known, f = _information(old / size), f / size
+    positions = np.zeros((f.shape[1], 0)) if coordinates is None else np.asarray(coordinates)
     allowed = np.any(f != 0, axis=(0, 2))
     if existing_coordinates is not None:
-        near = cdist(places, np.asarray(existing_coordinates))
+        near = cdist(positions, np.asarray(existing_coordinates))
         allowed &= ~np.any(near < max(separation, 1e-9), axis=1)
 
     def free(chosen: Indices) -> Indices:
         """The candidates that may join the points chosen."""
-        far = np.all(cdist(places, places[chosen]) >= separation * (1 - 1e-9), axis=1)
+        far = np.all(cdist(positions, positions[chosen]) >= separation * (1 - 1e-9), axis=1)
         return np.setdiff1d(np.flatnonzero(allowed & far), chosen)
 
     def grown(chosen: Indices) -> Indices:
         """The points chosen and more that fit in, each time the one with the largest gain."""
         while len(chosen) < points and len(open_to := free(chosen)):
-            matrix = known + _squares(f[:, chosen]) + START_INFORMATION * np.eye(f.shape[2])
+            matrix = known + _information(f[:, chosen]) + START_INFORMATION * np.eye(f.shape[2])
             others = f[:, open_to]
             gain = np.log1p(np.einsum("kni,kni->kn", others @ np.linalg.inv(matrix), others))
             chosen = np.append(chosen, open_to[np.argmax(gain.mean(axis=0))])
@@ -362,7 +364,7 @@ def exchange(
 
     def log_det(chosen: Indices) -> float:
         """Mean log det of the information; minus infinity where it is singular."""
-        matrix = known + _squares(f[:, chosen])
+        matrix = known + _information(f[:, chosen])
         if np.linalg.cond(matrix).max() > 1e14:
             return -np.inf
         return float(np.linalg.slogdet(matrix)[1].mean())
@@ -396,6 +398,6 @@ def exchange(
     return best
 
 
-def _squares(f: Array) -> Array:
-    """F'F of each layer, shape (K, p, p)."""
+def _information(f: Array) -> Array:
+    """Information matrices FᵀF for each parameter vector, shape (K, p, p)."""
     return np.asarray(f.transpose(0, 2, 1) @ f)

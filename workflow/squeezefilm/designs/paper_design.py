@@ -25,13 +25,13 @@ SINGULAR = 1e100
 
 POPULATION, GENERATIONS = 100, 60
 KICKS = 2
-KICK = 0.05
+KICK_SIZE = 0.05
 """Descents from a design kicked by so much, in unit factors, before a search is believed."""
-EQUAL = 1e-9
+EQUAL_CRITERION = 1e-9
 """Share up to which two values of a criterion are one: what rounding makes of a determinant."""
-PLACES = 101
+LINE_SAMPLES = 101
 """Places tried on a line of equally good points."""
-SAME = 0.05
+SAME_POINT_DISTANCE = 0.05
 """Distance in unit factors up to which two points are one."""
 
 
@@ -124,7 +124,7 @@ def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
     """
     space = criterion.space
     shape = (points, len(space.names))
-    found = genetic_search(
+    rough = genetic_search(
         lambda flat: criterion.value(space.from_unit(flat.reshape(-1, *shape))),
         lower=np.zeros(np.prod(shape)),
         upper=np.ones(np.prod(shape)),
@@ -133,8 +133,8 @@ def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
         first=10 * POPULATION,
         generations=GENERATIONS,
     )
-    best = descend(criterion, space.from_unit(found.x.reshape(shape)))
-    for kick in np.random.default_rng(seed).normal(scale=KICK, size=(KICKS, *shape)):
+    best = descend(criterion, space.from_unit(rough.x.reshape(shape)))
+    for kick in np.random.default_rng(seed).normal(scale=KICK_SIZE, size=(KICKS, *shape)):
         start = space.from_unit(np.clip(space.to_unit(best.points) + kick, 0, 1))
         if float(criterion.value(start)) < SINGULAR:
             best = min(best, descend(criterion, start), key=lambda design: design.value)
@@ -185,8 +185,8 @@ def descend(criterion: Criterion, points: Array) -> Design:
             best, value = unit, value - fell
         if fell < 1e-11:
             break
-    found = designs(best)
-    return Design(_sorted(found, space), float(criterion.value(found)))
+    designs_found = designs(best)
+    return Design(_sorted(designs_found, space), float(criterion.value(designs_found)))
 
 
 def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:
@@ -194,8 +194,8 @@ def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, s
 
     A response that knows two factors by their ratio alone, here named, is the same all along a line
     of equal ratio: the determinant leaves a point free there, and rounding would choose its place.
-    Point by point, of PLACES on its line those are taken at which the criterion is the same, and of
-    them the one with the least sum of inverse distances in unit factors.
+    Point by point, of LINE_SAMPLES on its line those are taken at which the criterion is the same,
+    and of them the one with the least sum of inverse distances in unit factors.
     """
     space = criterion.space
     columns = [space.names.index(name) for name in ratio]
@@ -204,10 +204,10 @@ def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, s
     for number, point in enumerate(points):
         both = point[columns]
         ends = np.max(low / both), np.min(high / both)
-        scale = np.append(1.0, np.linspace(*ends, PLACES))
+        scale = np.append(1.0, np.linspace(*ends, LINE_SAMPLES))
         trials = np.repeat(points[None], len(scale), axis=0)
         trials[:, number, columns] = np.clip(scale[:, None] * both, low, high)
-        equal = criterion.value(trials) <= design.value * (1 + EQUAL)
+        equal = criterion.value(trials) <= design.value * (1 + EQUAL_CRITERION)
         distances = np.where(equal, inverse_distances(space.to_unit(trials)), np.inf)
         points = trials[int(np.argmin(distances))] if equal.any() else points
     return replace(design, points=_sorted(points, space))
@@ -256,13 +256,17 @@ def find_patterns(designs: Sequence[Design], space: Space) -> list[Pattern]:
     """Designs gathered into patterns, the best first, named A, B, C ...
 
     Two designs are the same pattern where their points can be paired so that no pair is further
-    apart than SAME. From the best design on, each joins the first pattern whose best design it
-    equals in this sense, or starts a new one.
+    apart than SAME_POINT_DISTANCE. From the best design on, each joins the first pattern whose best
+    design it equals in this sense, or starts a new one.
     """
     groups: dict[int, list[int]] = {}
     for index in np.argsort([design.value for design in designs], kind="stable").tolist():
         points = designs[index].points
-        same = (best for best in groups if _mismatch(points, designs[best].points, space) <= SAME)
+        same = (
+            best
+            for best in groups
+            if _mismatch(points, designs[best].points, space) <= SAME_POINT_DISTANCE
+        )
         groups.setdefault(next(same, index), []).append(index)
     return [
         Pattern(chr(ord("A") + number), designs[best], tuple(group))
@@ -279,7 +283,7 @@ def find_regions(patterns: Sequence[Pattern], space: Space) -> list[Region]:
     for pattern in patterns:
         for point in pattern.design.points:
             gaps = [np.linalg.norm(space.to_unit(point) - space.to_unit(r.point)) for r in regions]
-            if min(gaps, default=np.inf) > SAME:
+            if min(gaps, default=np.inf) > SAME_POINT_DISTANCE:
                 regions.append(Region(point, [pattern.name]))
             elif pattern.name not in (near := regions[int(np.argmin(gaps))]).origins:
                 near.origins.append(pattern.name)

@@ -49,8 +49,8 @@ from squeezefilm.models.force_model import ExpressionModel
 Simulate = Callable[[Indices], tuple[Array, Array]]
 """From points of the pool to their forces and the errors of these, in newtons."""
 
-LEVEL = 0.95
-NUMERICAL = 3.0
+CONFIDENCE_LEVEL = 0.95
+NUMERICAL_ERROR_RATIO = 3.0
 """A misfit below so many times the simulations' own error may come from them."""
 
 
@@ -149,8 +149,8 @@ class Sequential:
         for start in starts if self.parameters else ():
             if start is None or sum_of_squares(self.model, factors, force, start) == np.inf:
                 seed = self.settings.seed
-                found = fit_model(self.model, factors, force, bound=self.bound, seed=seed)
-                start = np.array(found.theta)
+                global_fit = fit_model(self.model, factors, force, bound=self.bound, seed=seed)
+                start = np.array(global_fit.theta)
             theta = local_fit(self.model, factors, force, start)
             squares = sum_of_squares(self.model, factors, force, theta)
             if not len(best) or squares < least:
@@ -190,22 +190,26 @@ class Sequential:
             )
         with naming(f"refine: {len(pool.candidates)} candidates"):
             check_identifiable(self.model, pool.factors.take(pool.candidates))
-        places, taken = (pool.coordinates[each] for each in (pool.candidates, pool.verification))
+        candidates, taken = (
+            pool.coordinates[indices] for indices in (pool.candidates, pool.verification)
+        )
         chosen = np.empty(0, dtype=int)
         for _ in range(first):
-            far = cdist(places, taken).min(axis=1)
+            far = cdist(candidates, taken).min(axis=1)
             if not len(chosen):  # the first at an edge
-                middle = places.mean(axis=0)
-                far = (far >= self.settings.separation) * np.linalg.norm(places - middle, axis=1)
+                middle = candidates.mean(axis=0)
+                far = (far >= self.settings.separation) * np.linalg.norm(
+                    candidates - middle, axis=1
+                )
             best = int(np.argmax(far))
             chosen = np.append(chosen, pool.candidates[best])
-            taken = np.concatenate([taken, places[best : best + 1]])
+            taken = np.concatenate([taken, candidates[best : best + 1]])
         return chosen
 
     def added_points(self, theta: Array, design: Indices) -> Indices:
         """The most informative points about the parameters, besides those of the design."""
         pool, model = self.pool, self.model
-        found = exchange(
+        chosen = exchange(
             model.gradient(theta, pool.factors.take(pool.candidates)),
             self.settings.batch,
             existing=model.gradient(theta, pool.factors.take(design)),
@@ -215,7 +219,7 @@ class Sequential:
             starts=3,
             seed=self.settings.seed,
         )
-        return np.asarray(pool.candidates[found])
+        return np.asarray(pool.candidates[chosen])
 
     def estimated(
         self, number: int, design: Indices, theta: Array, hindsight: Array, surprise: Array
@@ -225,16 +229,18 @@ class Sequential:
         misses, count = self.residuals(theta, checks), len(checks)
         misses[~np.isfinite(misses)] = np.inf
         relative = float(np.linalg.norm(misses) / np.linalg.norm(self.force_n[checks]))
-        lower, upper = np.sqrt(count / stats.chi2.ppf([LEVEL, 1 - LEVEL], count))
+        lower, upper = np.sqrt(
+            count / stats.chi2.ppf([CONFIDENCE_LEVEL, 1 - CONFIDENCE_LEVEL], count)
+        )
         spread = self.variances(theta, design, checks)
         # Of a design that does not settle the parameters nothing is known but the errors seen.
         settled = np.isfinite(spread).all()
         lack = float(np.sqrt(np.mean(misses**2 / (1 + spread)))) if settled else nan
-        places = np.concatenate([self.pool.candidates, self.pool.typical])
-        variance = self.variances(theta, design, places)
+        pool_points = np.concatenate([self.pool.candidates, self.pool.typical])
+        variance = self.variances(theta, design, pool_points)
         at = int(np.argmax(variance))
         known = isfinite(variance[at]) and isfinite(lack)
-        times = float(stats.t.ppf((1 + LEVEL) / 2, count))
+        times = float(stats.t.ppf((1 + CONFIDENCE_LEVEL) / 2, count))
         width = times * lack * np.sqrt(1 + variance[at]) if known else np.inf
         seen = np.abs(np.concatenate([misses, surprise])).max()
         simulated = np.concatenate([checks, design])
@@ -249,7 +255,7 @@ class Sequential:
             global_upper=relative * float(upper),
             lack_of_fit=lack / scale,
             worst_error=float(max(width, seen)) / scale,
-            worst_at=int(places[at]),
+            worst_at=int(pool_points[at]),
             parameter_fraction=float(variance[at] / (1 + variance[at])) if known else 1.0,
             floor=float(np.sqrt(np.mean(left**2))) / scale,
             simulation_error=float(np.sqrt(np.mean(own**2))) / scale,
@@ -266,7 +272,7 @@ class Sequential:
                 f"global error {last.global_error:.2g}, below {last.global_upper:.2g} with 95 %; "
                 f"worst error {last.worst_error:.2g}"
             )
-        numerical = last.floor <= NUMERICAL * last.simulation_error
+        numerical = last.floor <= NUMERICAL_ERROR_RATIO * last.simulation_error
         what = "simulation" if numerical else "model"
         if last.simulations > parameters and last.floor > settings.worst_error:
             return what, (
@@ -301,7 +307,7 @@ class Sequential:
         if spare < 1:
             return 0.0
         squares = float(np.sum(self.residuals(self.fitted(checks, start), checks) ** 2))
-        mean_square = squares / float(stats.chi2.ppf(LEVEL, spare))
+        mean_square = squares / float(stats.chi2.ppf(CONFIDENCE_LEVEL, spare))
         return float(np.sqrt(mean_square / np.mean(self.force_n[checks] ** 2)))
 
     def run(self, report: Callable[[Round], object] = lambda done: None) -> Outcome:

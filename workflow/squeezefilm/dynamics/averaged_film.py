@@ -1,16 +1,16 @@
 """The slow film: the mean force while the amplitude changes over many periods.
 
 At σ → ∞ the gas under the pad keeps its mass over a period, HP = ψ(X, Y, T), and gives it away
-through the rim over many. Averaged over a period the film equation is a diffusion equation,
+through the edge over many. Averaged over a period the film equation is a diffusion equation,
 
     σ ∂ψ/∂T = ∇²w,   w = ψ²/2 + 6 Kn ψ,
-    w on the rim = (1 + 3 a²/2 + u)/2 + 6 Kn (1 + a²/2),   a = ε(T) |s|,
+    w on the edge = (1 + 3 a²/2 + u)/2 + 6 Kn (1 + a²/2),   a = ε(T) |s|,
     u = ε² (Re(s* ∂s/∂n) g(a)/a + Im(s* ∂s/∂n) q(a)/a)/√σ,
-    mean overpressure = ∫ ψ/√(1 − ε² |s|²) − 1 + ∮ d(a)/√σ,
+    mean gauge pressure = ∫ ψ/√(1 − ε² |s|²) − 1 + ∮ d(a)/√σ,
 
 s the profile, s₁ + i s₂ of two quadrature components, n the inward normal, d, g and q the integrals
-of the rim's boundary layer (asymptotics/edge_layer.py), which follows the amplitude at once. The
-settled ψ is that of ``asymptotics.composite``. Slopes of ψ at the rim do not move its value there:
+of the edge's boundary layer (asymptotics/edge_layer.py), which follows the amplitude at once. The
+settled ψ is that of ``asymptotics.composite``. Slopes of ψ at the edge do not move its value there:
 ⟨H³P²⟩ is linear across the layer.
 """
 
@@ -33,24 +33,26 @@ from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
 
 # Step of a difference quotient of the layer's functions, relative to ε.
-STEP = 1e-5
+LAYER_DIFFERENCE_STEP = 1e-5
 # Unknowns along each side of the grids that are tried, and what the next must gain.
-POINTS = (11, 15, 21, 31)
-GAIN = 0.9
+GRID_POINTS = (11, 15, 21, 31)
+ERROR_RATIO = 0.9
 
 
 def _slope(value: Callable[[float], Any]) -> Any:
-    """Derivative at 1."""
-    return (value(1 + STEP) - value(1 - STEP)) / (2 * STEP)
+    """Central difference quotient of ``value`` at 1."""
+    return (value(1 + LAYER_DIFFERENCE_STEP) - value(1 - LAYER_DIFFERENCE_STEP)) / (
+        2 * LAYER_DIFFERENCE_STEP
+    )
 
 
 class AveragedFilm:
-    """One film on one grid (B = 1 of ``films``), with or without the rim's boundary layer."""
+    """One film on one grid (B = 1 of ``films``), with or without the edge's boundary layer."""
 
     def __init__(self, films: Films, layer: bool = True) -> None:
         self.films, self.layer = films, layer
         numbers = films.epsilon, films.sigma, films.slip
-        self.epsilon, self.sigma, self.slip = (float(each[0]) for each in numbers)
+        self.epsilon, self.sigma, self.slip = (float(number[0]) for number in numbers)
 
     @cached_property
     def laplacian(self) -> np.ndarray:
@@ -68,22 +70,22 @@ class AveragedFilm:
         inside[1:-1, 1:-1] = True
         return inside.ravel()
 
-    def rim(self, epsilon: float) -> np.ndarray:
-        """w on the rim's nodes, in the order of all nodes; corners are means of both sides."""
+    def edge_w(self, epsilon: float) -> np.ndarray:
+        """w on the edge's nodes, in the order of all nodes; corners are means of both sides."""
         films = self.films
-        a = epsilon * np.abs(films.rim)
+        a = epsilon * np.abs(films.edge_profile)
         values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
         if self.layer:
             _, in_phase, ahead = edge_layer.ratios(a)
-            turned = films.rim.conj() * films.slope
+            turned = films.edge_profile.conj() * films.slope
             u = epsilon**2 * (in_phase * turned.real + ahead * turned.imag)
             values = values + u / np.sqrt(films.layer_number) / 2
-        return self._together(values)[~self.inner]
+        return self._edge_values_on_nodes(values)[~self.inner]
 
-    def field(self, inside: np.ndarray, on_rim: np.ndarray) -> np.ndarray:
+    def field(self, inside: np.ndarray, on_edge: np.ndarray) -> np.ndarray:
         """A field on all nodes, (nx + 2, ny + 2), from its parts."""
         field = np.empty(self.inner.size, dtype=inside.dtype)
-        field[self.inner], field[~self.inner] = inside, on_rim
+        field[self.inner], field[~self.inner] = inside, on_edge
         return field.reshape(self.films.s.shape[1:])
 
     def density(self, w: np.ndarray) -> np.ndarray:
@@ -91,41 +93,45 @@ class AveragedFilm:
         return np.sqrt(self.slip**2 + 2 * w) - self.slip
 
     def mean(self, psi: np.ndarray, epsilon: float) -> float:
-        """Mean overpressure over pad and period at an amplitude, in units of p0."""
+        """Mean gauge pressure over pad and period at an amplitude, in units of p0."""
         films = self.films
-        within = films.mean((psi / self._root(epsilon) - 1)[None])
+        within = films.mean((psi / self._mean_gap_factor(epsilon) - 1)[None])
         return float(within[0]) + self._layer(epsilon)
 
     def settled(self, epsilon: float) -> np.ndarray:
-        """w after the amplitude has long been the same: harmonic, shape (nx + 2, ny + 2)."""
-        on_rim = self.rim(epsilon)
+        """Steady w at a constant amplitude: ∇²w = 0, shape (nx + 2, ny + 2)."""
+        on_edge = self.edge_w(epsilon)
         inside = np.linalg.solve(
-            self.laplacian[:, self.inner], -self.laplacian[:, ~self.inner] @ on_rim
+            self.laplacian[:, self.inner], -self.laplacian[:, ~self.inner] @ on_edge
         )
-        return self.field(inside, on_rim)
+        return self.field(inside, on_edge)
 
     def response(self, modulation: np.ndarray) -> np.ndarray:
         """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
-        psi, on_rim, at_once = self._louder
-        return self._change(modulation, psi, on_rim, at_once) / self.mean(psi, self.epsilon)
+        psi, on_edge, at_once = self._rise_of_amplitude
+        return self._mean_pressure_gain(modulation, psi, on_edge, at_once) / self.mean(
+            psi, self.epsilon
+        )
 
     @cached_property
-    def _louder(self) -> tuple[np.ndarray, np.ndarray, float]:
-        """ψ, and what a small rise of ln ε changes of w on the rim and of the mean pressure."""
+    def _rise_of_amplitude(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return ψ, ∂w/∂ln ε on the film edge, and the instantaneous ∂⟨p⟩/∂ln ε."""
         epsilon, psi = self.epsilon, self.density(self.settled(self.epsilon))
-        on_rim = _slope(lambda ratio: self.rim(epsilon * ratio))
-        return psi, on_rim, _slope(lambda ratio: self.mean(psi, epsilon * ratio))
+        on_edge = _slope(lambda ratio: self.edge_w(epsilon * ratio))
+        return psi, on_edge, _slope(lambda ratio: self.mean(psi, epsilon * ratio))
 
     def stiffness(self, modulation: np.ndarray) -> np.ndarray:
-        """Fall of the mean force per small rise of ln h0, hv kept, in units of p0 and the area.
+        """Stiffness −∂⟨p⟩/∂ln h0 at constant hv, in units of p0.
 
         At motions exp(iΩT) of the pad, Ω in units of ω, (n,): the imaginary part of the result
         damps. Ω may be complex, as of a motion that dies away. A film (1 + δ) h0 thick is one of
         ε/(1 + δ), σ/(1 + δ)² and Kn/(1 + δ), in whose units ψ is less by 1 + δ and w by its square.
         """
         psi = self.density(self.settled(self.epsilon))
-        at_once = _slope(lambda ratio: self.thicker(ratio).mean(psi / ratio, self.epsilon / ratio))
-        return -self._change(modulation, psi, self._rim_of_a_thicker(), at_once)
+        at_once = _slope(
+            lambda ratio: self.with_thicker_gap(ratio).mean(psi / ratio, self.epsilon / ratio)
+        )
+        return -self._mean_pressure_gain(modulation, psi, self._edge_of_thicker_film(), at_once)
 
     def free_motion(self, *, slow: float, scale: float) -> np.ndarray:
         """All exponents λ of free motion exp(λT) of a mass on the film, in units of ω, complex.
@@ -144,9 +150,11 @@ class AveragedFilm:
         films = self.films
         psi = self.density(self.settled(self.epsilon))
         mobility = (psi + self.slip).ravel()[self.inner]
-        inside, on_rim = self.laplacian[:, self.inner], self._rim_of_a_thicker()
-        at_rest = np.linalg.solve(inside, -self.laplacian[:, ~self.inner] @ on_rim)
-        of_mean = np.outer(all_weights(films.x), all_weights(films.y)) / self._root(self.epsilon)
+        inside, on_edge = self.laplacian[:, self.inner], self._edge_of_thicker_film()
+        at_rest = np.linalg.solve(inside, -self.laplacian[:, ~self.inner] @ on_edge)
+        of_mean = np.outer(all_weights(films.x), all_weights(films.y)) / self._mean_gap_factor(
+            self.epsilon
+        )
         count = len(mobility)
         matrix = np.zeros((count + 2, count + 2))
         matrix[:count, :count] = mobility[:, None] * inside / self.sigma
@@ -156,41 +164,43 @@ class AveragedFilm:
         matrix[-1, -2] = -slow
         return np.linalg.eigvals(matrix)
 
-    def _rim_of_a_thicker(self) -> np.ndarray:
-        """Change of w on the rim per small rise of ln h0."""
+    def _edge_of_thicker_film(self) -> np.ndarray:
+        """∂w/∂ln h0 on the film edge."""
         return np.asarray(
-            _slope(lambda ratio: ratio**2 * self.thicker(ratio).rim(self.epsilon / ratio))
+            _slope(
+                lambda ratio: ratio**2 * self.with_thicker_gap(ratio).edge_w(self.epsilon / ratio)
+            )
         )
 
-    def thicker(self, ratio: float) -> AveragedFilm:
-        """The same amplitude over a gap that many times as wide."""
+    def with_thicker_gap(self, ratio: float) -> AveragedFilm:
+        """Return the film with the same amplitude and h0 multiplied by ``ratio``."""
         films, slip = self.films, self.films.slip / ratio
         numbers = {"epsilon": films.epsilon / ratio, "sigma": films.sigma / ratio**2, "slip": slip}
         return AveragedFilm(replace(films, **numbers), self.layer)
 
-    def _change(
-        self, modulation: np.ndarray, psi: np.ndarray, on_rim: np.ndarray, at_once: float
+    def _mean_pressure_gain(
+        self, modulation: np.ndarray, psi: np.ndarray, on_edge: np.ndarray, at_once: float
     ) -> np.ndarray:
-        """Mean overpressure per small change of what drives the film, complex, (n,).
+        """Complex gain of the mean gauge pressure by a small modulation of the film, (n,).
 
-        δψ exp(iΩT): iΩσ δψ = ∇²((ψ + 6 Kn) δψ), with δw known on the rim.
+        δψ exp(iΩT): iΩσ δψ = ∇²((ψ + 6 Kn) δψ), with δw known on the edge.
         """
         inside = self.laplacian[:, self.inner]
-        driven = -self.laplacian[:, ~self.inner] @ on_rim
+        driven = -self.laplacian[:, ~self.inner] @ on_edge
         mobility = psi + self.slip
-        weight = 1 / (mobility * self._root(self.epsilon))
-        found = []
+        weight = 1 / (mobility * self._mean_gap_factor(self.epsilon))
+        changes = []
         for omega in np.atleast_1d(modulation):
             by_flow = np.zeros(1)
             if np.isfinite(omega):  # else the gas does not move
                 shift = np.diag(1j * omega * self.sigma / mobility.ravel()[self.inner])
-                change = self.field(np.linalg.solve(inside - shift, driven), on_rim)
+                change = self.field(np.linalg.solve(inside - shift, driven), on_edge)
                 by_flow = self.films.mean((change * weight)[None])
-            found.append(at_once + complex(by_flow[0]))
-        return np.array(found)
+            changes.append(at_once + complex(by_flow[0]))
+        return np.array(changes)
 
     def after_step(self, psi: np.ndarray, epsilon: float, times: np.ndarray) -> np.ndarray:
-        """Mean overpressure at times T after the amplitude has jumped to ε from a state ψ.
+        """Mean gauge pressure at times T after the amplitude has jumped to ε from a state ψ.
 
         Args:
             psi: the state, shape (nx + 2, ny + 2).
@@ -210,32 +220,35 @@ class AveragedFilm:
 
         start = psi.ravel()[self.inner] - final
         tolerances = {"rtol": 1e-6, "atol": 1e-8 * np.abs(start).max()}
-        found, about = odeint(
+        solution, about = odeint(
             rate, start, times, Dfun=jacobian, tfirst=True, full_output=True, **tolerances
         )
         if "successful" not in about["message"]:
             raise ArithmeticError(f"the averaged film: {about['message']}")
         fields = np.repeat(settled[None], len(times), axis=0).reshape(len(times), -1)
-        fields[:, self.inner] += found
-        densities = fields.reshape(-1, *settled.shape) / self._root(epsilon) - 1
+        fields[:, self.inner] += solution
+        densities = fields.reshape(-1, *settled.shape) / self._mean_gap_factor(epsilon) - 1
         return np.asarray(self.films.mean(densities) + self._layer(epsilon))
 
-    def _root(self, epsilon: float) -> np.ndarray:
-        return np.asarray(np.sqrt(1 - epsilon**2 * self.films.square[0]))
+    def _mean_gap_factor(self, epsilon: float) -> np.ndarray:
+        return np.asarray(np.sqrt(1 - epsilon**2 * self.films.profile_squared[0]))
 
     def _layer(self, epsilon: float) -> float:
         if not self.layer:
             return 0.0
         films = self.films
-        d = films.rim_integral(edge_layer.integrals(epsilon * np.abs(films.rim))[0])
+        d = films.edge_integral(edge_layer.integrals(epsilon * np.abs(films.edge_profile))[0])
         return float((d / np.sqrt(films.layer_number))[0])
 
-    def _together(self, values: np.ndarray) -> np.ndarray:
-        """Values on the sides, (1, 2 (nx + ny + 4)), on all nodes, flattened; zero inside."""
-        places = np.arange(self.inner.size).reshape(self.films.s.shape[1:])
-        order = np.concatenate([places[0], places[-1], places[:, 0], places[:, -1]])
+    def _edge_values_on_nodes(self, values: np.ndarray) -> np.ndarray:
+        """Put edge values, (1, 2 (nx + ny + 4)), on all nodes, flattened; inner nodes are 0."""
+        node_indices = np.arange(self.inner.size).reshape(self.films.s.shape[1:])
+        order = np.concatenate(
+            [node_indices[0], node_indices[-1], node_indices[:, 0], node_indices[:, -1]]
+        )
         total, count = (
-            np.bincount(order, weights=each, minlength=places.size) for each in (values[0], None)
+            np.bincount(order, weights=side_values, minlength=node_indices.size)
+            for side_values in (values[0], None)
         )
         return np.asarray(total / np.maximum(count, 1))
 
@@ -249,26 +262,26 @@ def refused(scene: Scene) -> str:
     if scene.epsilon == 0:
         return "the surface is at rest"
     terms = terms_of(scene)
-    unknown = [each.label for each in terms if not each.IN_EXPANSIONS or isinstance(each, Inertia)]
+    unknown = [term.label for term in terms if not term.IN_EXPANSIONS or isinstance(term, Inertia)]
     return f"the response is not derived with {', '.join(unknown)}" if unknown else ""
 
 
 def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
-    """The averaged film on a grid that shows all that it can, and its relative error at rest.
+    """Return the averaged film on the finest grid that pays, and its relative error.
 
     A finer grid is taken as long as it makes the error smaller by a tenth.
     """
     best = film_on(scene)
-    for points in POINTS[1:]:
+    for points in GRID_POINTS[1:]:
         finer = film_on(scene, points)
-        if not finer[1] < GAIN * best[1]:
+        if not finer[1] < ERROR_RATIO * best[1]:
             break
         best = finer
     return best
 
 
-@lru_cache(maxsize=len(POINTS))
-def film_on(scene: Scene, points: int = POINTS[0]) -> tuple[AveragedFilm, float]:
+@lru_cache(maxsize=len(GRID_POINTS))
+def film_on(scene: Scene, points: int = GRID_POINTS[0]) -> tuple[AveragedFilm, float]:
     """The averaged film on one grid, and its relative error at rest.
 
     The error is that of the settled force, by the edge layer's expansion: it may be infinite.

@@ -23,14 +23,14 @@ from squeezefilm.film.validity import GAPS_M, exceeded
 from squeezefilm.formatting import scene_row
 from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.model_error import (
-    OPEN,
+    AUTO_TERMS,
     ErrorBudget,
     budget_row,
     error_budgets,
     excluded_terms,
     resolve_auto_terms,
 )
-from squeezefilm.quantities.outputs import STEP, falls
+from squeezefilm.quantities.outputs import QUOTIENT_STEP, negative_slopes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import notes_of
@@ -38,7 +38,7 @@ from squeezefilm.tables import read_forces
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
 # ratios.
-CLOSEST, FARTHEST, LOOKED_AT = 0.97, 1e-3, 48
+LARGEST_EXCURSION, LEAST_EXCURSION, GAPS_TRIED = 0.97, 1e-3, 48
 LOOK_TOLERANCE = 1e-2
 # Relative error of the forces by which a gap is sought before it is refined.
 ROUGH_TOLERANCE = 1e-3
@@ -48,15 +48,15 @@ MOST_MODELLING_ERROR = 0.1
 # Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
 EFFECTS_GROW = 2.0
 # Gaps at which the modelling error is looked at for the range of those that are given.
-BUDGETS = 4
+RANGE_BUDGETS = 4
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2
 # Loads and amplitudes over the range of a table of forces.
-LOADS, AMPLITUDES = 8, 3
+TABLE_LOADS, TABLE_AMPLITUDES = 8, 3
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
 LEAST_OSCILLATION = 1e-3
-DAMPED = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
+OVERDAMPED = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
 
 
 @dataclass(frozen=True)
@@ -90,15 +90,15 @@ class Levitation:
 
     @property
     def modelling_error_m(self) -> tuple[float, float]:
-        """Lower and upper end of the gap's: the force's, by the budget, over the stiffness.
+        """Return the bounds of the gap's modelling error: the force's over the stiffness.
 
         Each end is wider by what that misses at second order. NaN where an effect is unknown.
         """
-        lower, upper = (self._moved_m(each) for each in self.budget.modelling_error_percent)
+        lower, upper = (self._moved_m(bound) for bound in self.budget.modelling_error_percent)
         return lower - self.second_order_m(lower), upper + self.second_order_m(upper)
 
     def _moved_m(self, percent: float) -> float:
-        """Change of the gap by that of the force."""
+        """Change of the gap, in metres, by a change of the force in per cent."""
         return percent / 100 * self.force_n / abs(self.stiffness_n_per_m)
 
     def second_order_m(self, moved_m: float) -> float:
@@ -111,7 +111,7 @@ class Levitation:
         return (EFFECTS_GROW + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
 
     @property
-    def untrustworthy(self) -> list[str]:
+    def invalidity_reasons(self) -> list[str]:
         """Return the reasons why the gap is not valid for a real film; empty where it is."""
         reasons = list(exceeded(self.scene))
         error_m = abs(self._moved_m(self.budget.known_error_percent))
@@ -133,7 +133,7 @@ def levitate(
     device: Device,
     method: str = "auto",
 ) -> Levitation:
-    """The gap under a load; that of ``scene`` does not matter.
+    """Return the gap at which the film carries a load; the gap of ``scene`` is ignored.
 
     Raises:
         InputError: for a load that is not positive, or one that no gap carries, with the range.
@@ -143,7 +143,7 @@ def levitate(
     if not (isfinite(load_n) and load_n > 0):
         raise InputError(f"load: {load_n:g} N must be a positive force")
     how = {"tolerance": tolerance, "method": method, "device": device}
-    gaps_m, forces_n = _looked_at(scene, device)
+    gaps_m, forces_n = _gaps_and_forces(scene, device)
     known = np.isfinite(forces_n)
     gaps, above = gaps_m[known], forces_n[known] >= load_n
     # Neighbouring gaps between which the force falls to the load, rising.
@@ -167,12 +167,12 @@ def levitate(
         [near], model_tolerance=model_tolerance, method=method, device=device
     )
     # An ``auto`` term that keeps the force from being found is given up: thermal, then inertia.
-    open_ = [name for name in reversed(OPEN) if getattr(near.gas, name) == "auto"]
+    open_ = [name for name in reversed(AUTO_TERMS) if getattr(near.gas, name) == "auto"]
     not_included: dict[str, str] = {}
-    found = None
-    while found is None:
+    levitation = None
+    while levitation is None:
         try:
-            found = _at_the_load(chosen, *brackets[-1], load_n=load_n, how=how)
+            levitation = _at_the_load(chosen, *brackets[-1], load_n=load_n, how=how)
         except RunError as error:
             name = next((n for n in open_ if getattr(chosen.gas, n) == "included"), None)
             if name is None:
@@ -182,40 +182,40 @@ def levitate(
             chosen = chosen.with_gas(**{name: "none"})
     # Outside the limits of validity no gap is given, whatever its modelling error.
     budget = ErrorBudget(status="outside the limits of validity")
-    if not exceeded(found.scene):
-        (budget,) = error_budgets([found.scene], device=device)
+    if not exceeded(levitation.scene):
+        (budget,) = error_budgets([levitation.scene], device=device)
     notes = excluded_terms(near, method=method)
     for name, reason in not_included.items():
         unknown = name in budget.unknown
         effect = "its effect is unknown" if unknown else "its effect is in the modelling error"
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
-    stretched = notes_of(found.scene)
-    found = replace(
-        found, other_gaps_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched)
+    stretched = notes_of(levitation.scene)
+    levitation = replace(
+        levitation, other_gaps_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched)
     )
-    if doubts := found.untrustworthy:
+    if doubts := levitation.invalidity_reasons:
         text = "; ".join([*doubts, *notes])
         raise RunError(f"load: no gap is given for {load_n:g} N: {text}")
-    return found
+    return levitation
 
 
-def trustworthy(
+def valid_range_text(
     scene: Scene, *, tolerance: float, model_tolerance: float, device: Device, method: str = "auto"
 ) -> str:
-    """The gaps, and loads, that are given at a scene's amplitude, roughly and in words."""
-    gaps_m, forces_n = _looked_at(scene, device)
+    """Describe the range of gaps and loads that are valid at a scene's amplitude, as text."""
+    gaps_m, forces_n = _gaps_and_forces(scene, device)
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = np.gradient(forces_n, gaps_m)
     # Outside the limits even of the equation that has the most of them there is no need to ask.
     open_to_all = scene.with_gas(inertia="included", thermal="none")
-    some = [
+    gap_rows = [
         k
-        for k, there in enumerate(_at(open_to_all, *gaps_m))
+        for k, there in enumerate(_scenes_at_gaps(open_to_all, *gaps_m))
         if slopes[k] < 0 < forces_n[k] and not exceeded(there)
     ]
-    some = some[:: -(-len(some) // BUDGETS) or 1]
+    gap_rows = gap_rows[:: -(-len(gap_rows) // RANGE_BUDGETS) or 1]
     scenes = resolve_auto_terms(
-        _at(scene, *gaps_m[some]),
+        _scenes_at_gaps(scene, *gaps_m[gap_rows]),
         model_tolerance=max(model_tolerance, LOOK_TOLERANCE),
         method=method,
         device=device,
@@ -223,8 +223,8 @@ def trustworthy(
     budgets = error_budgets(scenes, device=device, tolerances=(ROUGH_TOLERANCE,))
     given = [
         k
-        for k, there, budget in zip(some, scenes, budgets, strict=True)
-        if not Levitation(there, forces_n[k], nan, -slopes[k], nan, budget).untrustworthy
+        for k, there, budget in zip(gap_rows, scenes, budgets, strict=True)
+        if not Levitation(there, forces_n[k], nan, -slopes[k], nan, budget).invalidity_reasons
     ]
     if not given:
         return "at this amplitude no gap is given"
@@ -238,7 +238,7 @@ def trustworthy(
 def _at_the_load(
     scene: Scene, low: float, high: float, *, load_n: float, how: dict[str, Any]
 ) -> Levitation:
-    """The gap of one equation, without its budget: sought with rough forces, then refined.
+    """Solve force(h0) = load for one set of terms: rough forces first, then refined ones.
 
     A gap outside the limits of validity stays rough.
     """
@@ -246,12 +246,12 @@ def _at_the_load(
     rough = how | {"tolerance": max(tolerance, ROUGH_TOLERANCE)}
 
     def excess(gap_m: float, how: dict[str, Any] = rough) -> float:
-        (found,) = solve(_at(scene, gap_m), **how)
-        return float(_known(found.force_n - load_n, gap_m, found.status))
+        (solution,) = solve(_scenes_at_gaps(scene, gap_m), **how)
+        return float(_known_or_raise(solution.force_n - load_n, gap_m, solution.status))
 
     h0_m = _root(excess, low, high)
-    values, (status,) = falls(_at(scene, h0_m), "h0_m", **rough)
-    slope = float(_known(values[2, 0], h0_m, status))
+    values, (status,) = negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **rough)
+    slope = float(_known_or_raise(values[2, 0], h0_m, status))
     # The gap may lie anywhere here; where all of it is outside, none is given and these show why.
     ends = (replace(scene, h0_m=(1 + off) * h0_m) for off in (-ROUGH_TOLERANCE, ROUGH_TOLERANCE))
     if not all(map(exceeded, ends)):
@@ -260,10 +260,12 @@ def _at_the_load(
             h0_m += step_m
             if abs(step_m) <= tolerance * h0_m:
                 break
-            if not abs(step_m) <= STEP * h0_m:
+            if not abs(step_m) <= QUOTIENT_STEP * h0_m:
                 raise RunError(f"load: the gap near {h0_m:.4g} m was not found to the tolerance")
-        values, (status,) = falls(_at(scene, h0_m), "h0_m", **how)
-    force_n, error_n, stiffness, stiffness_error = _known(values[:, 0], h0_m, status).tolist()
+        values, (status,) = negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
+    force_n, error_n, stiffness, stiffness_error = _known_or_raise(
+        values[:, 0], h0_m, status
+    ).tolist()
     return Levitation(
         scene=replace(scene, h0_m=h0_m),
         force_n=force_n,
@@ -273,34 +275,41 @@ def _at_the_load(
     )
 
 
-def _known(values: Any, gap_m: float, status: str) -> Any:
+def _known_or_raise(values: Any, gap_m: float, status: str) -> Any:
     if not np.isfinite(values).all():
         raise RunError(f"load: no force near h0 = {gap_m:.4g} m: {status}")
     return values
 
 
-def _at(scene: Scene, *gaps_m: float) -> list[Scene]:
+def _scenes_at_gaps(scene: Scene, *gaps_m: float) -> list[Scene]:
     return [replace(scene, h0_m=float(gap)) for gap in gaps_m]
 
 
-def _looked_at(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarray]:
-    """Gaps, rising, from where the surface comes near to the pad somewhere, and their forces.
+def _gaps_and_forces(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarray]:
+    """Return rising trial gaps, from near contact on, and rough forces there.
 
     Rough forces, without the terms that such a look can do without; NaN where there is none.
     """
-    least, most = max(scene.hv_m / CLOSEST, GAPS_M[0]), min(scene.hv_m / FARTHEST, GAPS_M[1])
+    least, most = (
+        max(scene.hv_m / LARGEST_EXCURSION, GAPS_M[0]),
+        min(scene.hv_m / LEAST_EXCURSION, GAPS_M[1]),
+    )
     gap = scene.pad.gap
     if not gap.flat:
         x, y = scene.inside()
         excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
-        least = max(least, float((excursion_m / CLOSEST - gap.rise_m(x, y)).max()))
-    gaps_m = np.geomspace(least, max(least, most), LOOKED_AT)
-    found = solve(_at(scene.viscous(), *gaps_m), tolerance=LOOK_TOLERANCE, device=device)
-    return gaps_m, np.array([each.force_n for each in found])
+        least = max(least, float((excursion_m / LARGEST_EXCURSION - gap.rise_m(x, y)).max()))
+    gaps_m = np.geomspace(least, max(least, most), GAPS_TRIED)
+    solutions = solve(
+        _scenes_at_gaps(scene.viscous(), *gaps_m), tolerance=LOOK_TOLERANCE, device=device
+    )
+    return gaps_m, np.array([solution.force_n for solution in solutions])
 
 
 def _root(excess: Callable[[float], float], low: float, high: float) -> float:
-    """The gap without an excess, roughly, between two gaps; outside them where terms moved it."""
+    """Return roughly the root of ``excess`` between two gaps, or outside them after a change of
+    terms.
+    """
     from scipy.optimize import brentq
 
     excess = cache(excess)
@@ -329,11 +338,11 @@ class Resonance(NamedTuple):
     reason: str = ""
 
 
-def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
+def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     """The slowest free oscillation of a mass that floats, vertically, of a small motion.
 
     The film's stiffness rises with the frequency, from that of slow motion, with gas that comes and
-    goes through the rim, to that of gas that stays; in between the gas that is pressed out damps.
+    goes through the edge, to that of gas that stays; in between the gas that is pressed out damps.
     So free motion exp(st) of a mass m is a root of its equation of motion with the film's stiffness
     at that complex s,
 
@@ -343,8 +352,8 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
     (averaged_film.py); without inertia and thermal effects, which matter at the vibration's
     frequency.
     """
-    scene = found.scene
-    if not found.stable:
+    scene = levitation.scene
+    if not levitation.stable:
         return Resonance(nan, nan, "no resonance: not stable")
     settled = scene.viscous()
     if reason := refused(settled):
@@ -354,11 +363,11 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
         return _unknown(f"the averaged film's settled force is in error by {error:.0%}")
     unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
     roots = film.free_motion(
-        slow=found.stiffness_n_per_m / unit, scale=scene.force_scale_n / scene.h0_m / unit
+        slow=levitation.stiffness_n_per_m / unit, scale=scene.force_scale_n / scene.h0_m / unit
     )
     oscillations = roots[roots.imag > LEAST_OSCILLATION * abs(roots)]
     if not oscillations.size:
-        return Resonance(nan, nan, DAMPED)
+        return Resonance(nan, nan, OVERDAMPED)
     root = complex(min(oscillations, key=abs))
     if abs(root) > MOST_MODULATION:
         most_hz = MOST_MODULATION * scene.actuator.frequency_hz
@@ -371,7 +380,7 @@ def _unknown(reason: str) -> Resonance:
 
 
 # Of a table of levitations, between the load and its status.
-COLUMNS: dict[str, Callable[[Levitation], object]] = {
+LEVITATION_COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "h0_m": lambda found: found.scene.h0_m,
     "h0_error_m": lambda found: found.h0_error_m,
     "h0_modelling_error_lower_m": lambda found: found.modelling_error_m[0],
@@ -398,10 +407,10 @@ def loads_like(path: str) -> tuple[list[float], list[float]]:
     known = table.loc[table["force_n"] > 0, "force_n"]
     if known.empty:
         raise InputError(f"{path}: has no force above 0")
-    loads_n = np.geomspace(known.min(), known.max(), LOADS)
+    loads_n = np.geomspace(known.min(), known.max(), TABLE_LOADS)
     levels = np.sort(table["hv_m"].unique())
-    places = np.linspace(0, len(levels) - 1, AMPLITUDES).round().astype(int)
-    return loads_n.tolist(), list(dict.fromkeys(levels[places].tolist()))
+    level_rows = np.linspace(0, len(levels) - 1, TABLE_AMPLITUDES).round().astype(int)
+    return loads_n.tolist(), list(dict.fromkeys(levels[level_rows].tolist()))
 
 
 def levitations(
@@ -426,14 +435,17 @@ def levitations(
         for scene, load_n in product(scenes, loads_n):
             row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
             try:
-                found = levitate(scene, load_n=load_n, **how)
-                noise_m = scan_error_n(found.scene) / abs(found.stiffness_n_per_m)
-                notes = [*found.notes]
-                row |= scene_row(found.scene) | budget_row(found.budget)
-                row |= {name: of(found) for name, of in COLUMNS.items()}
-                row |= {"budget_status": found.budget.status, "h0_measurement_noise_m": noise_m}
+                levitation = levitate(scene, load_n=load_n, **how)
+                noise_m = scan_error_n(levitation.scene) / abs(levitation.stiffness_n_per_m)
+                notes = [*levitation.notes]
+                row |= scene_row(levitation.scene) | budget_row(levitation.budget)
+                row |= {name: of(levitation) for name, of in LEVITATION_COLUMNS.items()}
+                row |= {
+                    "budget_status": levitation.budget.status,
+                    "h0_measurement_noise_m": noise_m,
+                }
                 if mass_kg is not None:
-                    frequency_hz, damping_ratio, reason = resonance(found, mass_kg=mass_kg)
+                    frequency_hz, damping_ratio, reason = resonance(levitation, mass_kg=mass_kg)
                     row |= {"resonance_hz": frequency_hz, "damping_ratio": damping_ratio}
                     notes += [reason] * bool(reason)
                 row |= {"status": "ok", "note": "; ".join(notes)}
@@ -441,6 +453,6 @@ def levitations(
                 row["status"] = str(error).removeprefix("load: ")
             rows.append(row)
             bar.update(1)
-    columns = ["load_n", "hv_m", *COLUMNS, "h0_measurement_noise_m", "status", "note"]
+    columns = ["load_n", "hv_m", *LEVITATION_COLUMNS, "h0_measurement_noise_m", "status", "note"]
     columns += ["resonance_hz", "damping_ratio"] if mass_kg is not None else []
     return pd.DataFrame(rows) if whole else pd.DataFrame(rows).reindex(columns=columns)

@@ -1,7 +1,7 @@
 """Response of the mean force to the amplitude: gain and phase, rise and release.
 
 By the averaged film (averaged_film.py), where its settled force is good enough. Part of the force
-follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
+follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the edge.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,7 +14,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from squeezefilm.dynamics.averaged_film import (
-    POINTS,
+    GRID_POINTS,
     AveragedFilm,
     averaged_film_of,
     film_on,
@@ -24,25 +24,25 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import exceeded, validity
 from squeezefilm.parallel import progress_of
-from squeezefilm.quantities.outputs import falls
+from squeezefilm.quantities.outputs import negative_slopes
 from squeezefilm.reynolds.device import Device
 
 # Relative error of the settled force up to which the slow film's numbers are given.
-SLOW_ERROR = 0.03
+MOST_SLOW_ERROR = 0.03
 # Error of a gain by the period-averaged equation, per square of the frequencies' ratio: about
 # twice what the worst of 19 random films needed (ε 0.05–0.85, σ 130–8000, aspects 0.6–2.5).
 AVERAGING_ERROR = 2.0
 # Modulations are slow up to this share of the vibration's frequency.
 MOST_MODULATION = 0.1
 # What is left of the way when a film counts as settled.
-LEFT = 0.05
-INSTANTS = 240
+SETTLED_FRACTION = 0.05
+STEP_INSTANTS = 240
 # Tolerance of the forces whose quotients are gains: their errors count fifty times in one.
 GAIN_TOLERANCE = 1e-4
 # Terms of the gas that the averaged film neglects.
 NEGLECTED = ("inertia", "thermal")
 # Numbers of a response whose change by a neglected effect is said, by what their columns call them.
-CHANGED = {
+SLIP_CHANGE_COLUMNS = {
     "gain": "static_gain",
     "corner": "corner_hz",
     "settling_start": "settling_start_s",
@@ -93,8 +93,8 @@ def gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
     film, error = _slow(scene)
     modulations = np.asarray(frequency_hz, dtype=float) / scene.actuator.frequency_hz
     slow = (modulations > 0) & (modulations <= MOST_MODULATION)
-    found = np.full(len(modulations), complex(nan, nan))
-    found[slow] = film.response(modulations[slow])
+    gain = np.full(len(modulations), complex(nan, nan))
+    gain[slow] = film.response(modulations[slow])
     fast = (
         f"a modulation's frequency must lie above 0 and up to "
         f"{MOST_MODULATION * scene.actuator.frequency_hz:g} Hz, a tenth of the vibration's"
@@ -102,8 +102,8 @@ def gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "frequency_hz": frequency_hz,
-            "gain": np.abs(found),
-            "phase_deg": np.degrees(np.angle(found)),
+            "gain": np.abs(gain),
+            "phase_deg": np.degrees(np.angle(gain)),
             "error": np.where(slow, error + AVERAGING_ERROR * modulations**2, nan),
             "status": np.where(slow, "ok", fast),
         }
@@ -139,10 +139,10 @@ def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
     if reason := refused(scene):
         raise RunError(f"not supported: {reason}")
     film, error = averaged_film_of(scene)
-    if error > SLOW_ERROR:
+    if error > MOST_SLOW_ERROR:
         raise RunError(
             "not supported: the period-averaged equation is not accurate enough (error of its "
-            f"settled force: {100 * error:.2g} %, at most {100 * SLOW_ERROR:g} % is allowed)"
+            f"settled force: {100 * error:.2g} %, at most {100 * MOST_SLOW_ERROR:g} % is allowed)"
         )
     return film, error
 
@@ -159,7 +159,7 @@ def _response(scene: Scene, points: int) -> Response:
     return Response(
         static_gain=float(static),
         instantaneous_gain=float(prompt),
-        corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
+        corner_hz=_corner_modulation(film, static, prompt) * scene.actuator.frequency_hz,
         instantaneous_fraction=float(rising[0] / settled),
         settling_start_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
         settling_start_error_s=two_periods_s,
@@ -170,7 +170,7 @@ def _response(scene: Scene, points: int) -> Response:
     )
 
 
-def _corner(film: AveragedFilm, static: float, prompt: float) -> float:
+def _corner_modulation(film: AveragedFilm, static: float, prompt: float) -> float:
     """Modulation, in units of ω, at which |gain − prompt| has fallen by 3 dB."""
 
     def above(exponent: float) -> float:
@@ -182,29 +182,31 @@ def _corner(film: AveragedFilm, static: float, prompt: float) -> float:
 
 
 def _steps(film: AveragedFilm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times T and the mean overpressure in p0 after start and stop, each (n,).
+    """Times T and the mean gauge pressure in p0 after start and stop, each (n,).
 
     From a thousandth of the slowest mode's decay time to twenty times that.
     """
     narrow = 1 + film.films.aspect[0] ** -2
     slowest = film.sigma / (pi**2 * narrow)
-    time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, INSTANTS))
+    time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, STEP_INSTANTS))
     settled = film.density(film.settled(film.epsilon))
     rising = film.after_step(np.ones_like(settled), film.epsilon, time)
     return time, rising, film.after_step(settled, 0.0, time)
 
 
 def _crossing(time: np.ndarray, left: np.ndarray) -> float:
-    """The last time at which LEFT is crossed, interpolated on the logarithm of what is left."""
-    outside = np.flatnonzero(left > LEFT)
+    """Return the last time at which the fraction SETTLED_FRACTION is crossed, by interpolation of
+    its logarithm.
+    """
+    outside = np.flatnonzero(left > SETTLED_FRACTION)
     if not outside.size:
         return 0.0
     last = outside[-1]
     if last + 1 == len(time):
         return float("nan")
-    ends = np.log(np.maximum(left[last : last + 2], 1e-300) / LEFT)
-    share = ends[0] / (ends[0] - ends[1])
-    return float(time[last] + share * (time[last + 1] - time[last]))
+    ends = np.log(np.maximum(left[last : last + 2], 1e-300) / SETTLED_FRACTION)
+    fraction = ends[0] / (ends[0] - ends[1])
+    return float(time[last] + fraction * (time[last + 1] - time[last]))
 
 
 def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> np.ndarray:
@@ -214,7 +216,7 @@ def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> 
     within 2 % has no force.
     """
     within = min(tolerance, GAIN_TOLERANCE)
-    (force, error, fall, off), _ = falls(scenes, "hv_m", tolerance=within, device=device)
+    (force, error, fall, off), _ = negative_slopes(scenes, "hv_m", tolerance=within, device=device)
     hv_m = np.array([scene.hv_m for scene in scenes])
     gain = -fall * hv_m / force
     return np.stack([gain, np.abs(gain) * error / np.abs(force) + off * hv_m / force], axis=-1)
@@ -226,13 +228,14 @@ def neglected(
     """Changes in % of the scenes' responses by what the averaged film neglects, by columns.
 
     Of the gain of slow modulation with each of NEGLECTED, NaN where a force is not found with it.
-    Of CHANGED with first-order slip, from the slow equation with and without it on the coarsest
+    Of SLIP_CHANGE_COLUMNS with first-order slip, from the slow equation with and without it on the
+    coarsest
     grid: 0 where the scene has slip, NaN above the Knudsen numbers that it is meant for.
     """
     choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED)]
-    with_each = [scene.viscous().with_gas(**choice) for scene in scenes for choice in choices]
-    found = slow_gains(with_each, tolerance=tolerance, device=device)
-    gain, error = found.reshape(len(scenes), len(choices), 2).T
+    with_choices = [scene.viscous().with_gas(**choice) for scene in scenes for choice in choices]
+    gains_and_errors = slow_gains(with_choices, tolerance=tolerance, device=device)
+    gain, error = gains_and_errors.reshape(len(scenes), len(choices), 2).T
     rows = []
     for k, scene in enumerate(scenes):
         row = _slip_changes(scene)
@@ -246,11 +249,11 @@ def neglected(
 def _slip_changes(scene: Scene) -> dict[str, float]:
     slipping = scene.with_gas(rarefaction="slip")
     if exceeded(slipping, symbols=("Kn",)):
-        return {f"slip_{what}_percent": nan for what in CHANGED}
-    before, after = (_response(each, POINTS[0]) for each in (scene, slipping))
+        return {f"slip_{what}_percent": nan for what in SLIP_CHANGE_COLUMNS}
+    before, after = (_response(film_scene, GRID_POINTS[0]) for film_scene in (scene, slipping))
     return {
         f"slip_{what}_percent": 100 * (getattr(after, name) / getattr(before, name) - 1)
-        for what, name in CHANGED.items()
+        for what, name in SLIP_CHANGE_COLUMNS.items()
     }
 
 
@@ -259,7 +262,7 @@ def responses(
 ) -> pd.DataFrame:
     """The table with the response of each scene."""
     unknown = {name: [nan] for name in Response._fields}
-    found = _beside(table, scenes, lambda scene: pd.DataFrame([response(scene)]), unknown)
+    found = _joined_rows(table, scenes, lambda scene: pd.DataFrame([response(scene)]), unknown)
     known = np.flatnonzero(found["status"] == "ok").tolist()
     changes = neglected([scenes[k] for k in known], tolerance=tolerance, device=device)
     return pd.concat([found, pd.DataFrame(changes, index=known)], axis=1)
@@ -270,22 +273,22 @@ def all_gains(
 ) -> pd.DataFrame:
     """The table with a row for each scene and frequency: gain and phase."""
     unknown = {"frequency_hz": frequency_hz, "gain": nan, "phase_deg": nan, "error": nan}
-    return _beside(table, scenes, partial(gains, frequency_hz=frequency_hz), unknown)
+    return _joined_rows(table, scenes, partial(gains, frequency_hz=frequency_hz), unknown)
 
 
 def all_steps(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """The table with a row for each scene and time: the mean force after start and stop."""
     unknown = {name: [nan] for name in ("time_s", "rising_n", "falling_n")}
-    return _beside(table, scenes, steps_of, unknown)
+    return _joined_rows(table, scenes, steps_of, unknown)
 
 
-def _beside(
+def _joined_rows(
     table: pd.DataFrame,
     scenes: Sequence[Scene],
     find: Callable[[Scene], pd.DataFrame],
     unknown: dict[str, Any],
 ) -> pd.DataFrame:
-    """Each row of a table, with its validity, beside each row that is found for its scene.
+    """Join each row of a table, and its validity, with the rows that ``find`` gives for its scene.
 
     What is unknown stands there with the reason as its ``status`` where nothing is found.
     """
@@ -294,10 +297,10 @@ def _beside(
         for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
             row["validity"] = validity(scene.viscous())
             try:
-                found = find(scene)
-                found["status"] = found.get("status", "ok")
+                result = find(scene)
+                result["status"] = result.get("status", "ok")
             except (InputError, RunError) as error:
-                found = pd.DataFrame(unknown).assign(status=str(error))
-            rows += [row | each for each in found.to_dict(orient="records")]
+                result = pd.DataFrame(unknown).assign(status=str(error))
+            rows += [row | record for record in result.to_dict(orient="records")]
             bar.update(1)
     return pd.DataFrame(rows)

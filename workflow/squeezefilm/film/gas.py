@@ -11,7 +11,7 @@ from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 
 from squeezefilm.sections import KEYS, Number, Term, key_of, mistake
 
-LIKE_AIR = 0.05
+AIR_LIKE_DEVIATION = 0.05
 """By how much a written viscosity may differ, relative, from that of the gas that is named."""
 
 
@@ -74,14 +74,14 @@ class Gas:
     ambient_temperature_k: Annotated[float, Number("K", 223.15, 473.15)] = 293.15
 
 
-GASES = Path(__file__).with_name("gases.csv")
+GASES_TABLE = Path(__file__).with_name("gases.csv")
 """Numbers of gases at some temperatures under the default pressure, with their sources."""
 
 
 @cache
 def _gases() -> np.ndarray:
-    """Return the cells of GASES, its header first."""
-    lines = GASES.read_text(encoding="utf-8").splitlines()
+    """Return the cells of GASES_TABLE, its header first."""
+    lines = GASES_TABLE.read_text(encoding="utf-8").splitlines()
     return np.array([line.split(",") for line in lines if not line.startswith("#")])
 
 
@@ -106,7 +106,11 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
     own, written = _numbers_of(gas), values if isinstance(values, dict) else {}
     lacking = [each for each in own if key_of(each) not in written]
     viscosity = own["viscosity_pa_s"]
-    if "viscosity" in written and abs(gas.viscosity_pa_s / viscosity - 1) > LIKE_AIR and lacking:
+    if (
+        "viscosity" in written
+        and abs(gas.viscosity_pa_s / viscosity - 1) > AIR_LIKE_DEVIATION
+        and lacking
+    ):
         raise mistake(
             f"{gas.viscosity_pa_s:g} is not that of {gas.name} at {gas.ambient_temperature_k:g} K, "
             f"{viscosity:.4g}; of another gas give {', '.join(map(key_of, lacking))} too, which "

@@ -1,6 +1,6 @@
 """Smooth outlines of pads in conformal coordinates, in which the film equation keeps its form.
 
-The inside of an outline is the image of the strip |μ| ≤ rim, ν around, under
+The inside of an outline is the image of the strip |μ| ≤ edge, ν around, under
 
     x + iy = Σ_n a_n cosh n(μ + iν),
 
@@ -38,7 +38,7 @@ TOO_SHARP = (
     "ellipse that it is most like"
 )
 # Points by which an outline is drawn.
-DENSE = 1024
+OUTLINE_SAMPLES = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Outline:
 
     Attributes:
         coefficients: a_n, n = 0, 1, …, complex.
-        rim: μ on the outline.
+        edge_mu: μ on the outline.
         aspect: length along y.
         turned: the longer side lies along y: ν = 0 is at the end of the y axis.
         even_x, even_y: whether the outline is even about its middle along x, y.
@@ -56,7 +56,7 @@ class Outline:
     """
 
     coefficients: np.ndarray
-    rim: float
+    edge_mu: float
     aspect: float
     turned: bool = False
     even_x: bool = False
@@ -66,14 +66,16 @@ class Outline:
 
     @cached_property
     def points(self) -> np.ndarray:
-        """Points x + iy all along it, shape (DENSE,)."""
-        return self.place(np.array(self.rim), 2 * pi * np.arange(DENSE) / DENSE)
+        """Points x + iy all along it, shape (OUTLINE_SAMPLES,)."""
+        return self.place(
+            np.array(self.edge_mu), 2 * pi * np.arange(OUTLINE_SAMPLES) / OUTLINE_SAMPLES
+        )
 
     def within(self, z: np.ndarray) -> np.ndarray:
         """Return whether positions x + iy, shape (N,), lie within the outline."""
         inside = []
-        for some in np.array_split(z, max(1, len(z) // 500)):
-            ways = self.points[None] - some[:, None]
+        for batch in np.array_split(z, max(1, len(z) // 500)):
+            ways = self.points[None] - batch[:, None]
             turn = np.angle(np.roll(ways, -1, axis=1) * ways.conj())
             inside.append(np.abs(turn.sum(axis=1)) > np.pi)
         return np.concatenate(inside)
@@ -81,15 +83,15 @@ class Outline:
     @cached_property
     def area(self) -> float:
         n = np.arange(len(self.coefficients))
-        return float(pi / 2 * (n * np.abs(self.coefficients) ** 2) @ np.sinh(2 * n * self.rim))
+        return float(pi / 2 * (n * np.abs(self.coefficients) ** 2) @ np.sinh(2 * n * self.edge_mu))
 
     def folds(self, fold_x: bool, fold_y: bool) -> tuple[bool, bool]:
         """Return whether a film that is even along x, y is so at ν, −ν, and at ν, π − ν."""
         return (fold_x, fold_y) if self.turned else (fold_y, fold_x)
 
     def positions(self, across: np.ndarray, nu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places in [0, 1] across the pad's sides, for μ from −rim to rim in [0, 1] and ν."""
-        z = self.place(self.rim * (2 * across - 1), nu)
+        """Places in [0, 1] across the pad's sides, for μ from −edge to edge in [0, 1] and ν."""
+        z = self.place(self.edge_mu * (2 * across - 1), nu)
         return 0.5 + z.real, 0.5 + z.imag / self.aspect
 
     def place(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
@@ -102,58 +104,60 @@ class Outline:
         return np.asarray(np.sinh(zeta) * chebval(np.cosh(zeta), chebder(self.coefficients)))
 
     def bend(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
-        """Derivative of the map's derivative over that derivative."""
+        """z″/z′, with z = x + iy as a function of μ + iν."""
         zeta = mu + 1j * np.asarray(nu)
         c, first = np.cosh(zeta), chebder(self.coefficients)
         more = np.sinh(zeta) * chebval(c, chebder(first)) / chebval(c, first)
         return np.asarray(1 / np.tanh(zeta) + more)
 
     def stretch(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
-        """J, the area of the pad per area of μ and ν."""
+        """Jacobian J = |d(x + iy)/d(μ + iν)|², the pad's area per area of (μ, ν)."""
         return np.asarray(np.abs(self.slope(mu, nu)) ** 2)
 
     @cached_property
     def mean_stretch(self) -> float:
-        """J's mean over the strip."""
-        return self.area / (2 * pi * self.rim)
+        """Mean of the Jacobian J over the strip that maps to the pad."""
+        return self.area / (2 * pi * self.edge_mu)
 
     @cached_property
     def varies_around(self) -> bool:
-        """J varies more with ν than with μ."""
-        mu, nu = np.meshgrid(np.linspace(0, self.rim, 33), np.linspace(0, 2 * pi, 128)[:-1])
+        """Return whether the Jacobian J varies more with ν than with μ."""
+        mu, nu = np.meshgrid(np.linspace(0, self.edge_mu, 33), np.linspace(0, 2 * pi, 128)[:-1])
         area = self.stretch(mu, nu)
         return bool(np.var(area.mean(axis=1)) > np.var(area.mean(axis=0)))
 
     @cached_property
-    def strip(self) -> float:
-        """Half the width in ν, as a complex number, in which J has no zero, about."""
+    def analyticity_width(self) -> float:
+        """Approximate half-width |Im ν| of the strip around real ν in which J has no zero."""
         waves = len(self.coefficients) - 1
-        return min(self.rim, -log(self.exact) / waves) if waves > 1 else self.rim
+        return min(self.edge_mu, -log(self.exact) / waves) if waves > 1 else self.edge_mu
 
     @cached_property
     def typical_stretch(self) -> float:
-        """J's mean on the rim, where the film has its layers."""
-        return float(np.mean(self.rim_stretch))
+        """Mean of the Jacobian J on the outline, where the film has its boundary layers."""
+        return float(np.mean(self.edge_stretch))
 
     @cached_property
-    def rim_stretch(self) -> tuple[float, float]:
-        """J's least and largest value on the rim."""
-        around = self.stretch(np.array(self.rim), np.linspace(0, 2 * pi, 4 * MAP_POINTS))
+    def edge_stretch(self) -> tuple[float, float]:
+        """Smallest and largest Jacobian J on the outline."""
+        around = self.stretch(np.array(self.edge_mu), np.linspace(0, 2 * pi, 4 * MAP_POINTS))
         return float(around.min()), float(around.max())
 
     def coordinates(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the coordinates of places inside, shape (N,), by Newton's method."""
         x, y = x - 0.5, (y - 0.5) * self.aspect
-        mu, nu = np.meshgrid(np.linspace(0, self.rim, 33), np.linspace(0, 2 * pi, 128))
+        mu, nu = np.meshgrid(np.linspace(0, self.edge_mu, 33), np.linspace(0, 2 * pi, 128))
         zeta = (mu + 1j * nu).ravel()
         z = x + 1j * y
         nearest = np.abs(self.place(zeta.real, zeta.imag)[None] - z[:, None]).argmin(axis=1)
-        found = zeta[nearest]
+        zeta_found = zeta[nearest]
         for _ in range(8):
-            slope = self.slope(found.real, found.imag)
-            step = (self.place(found.real, found.imag) - z) / np.where(slope == 0, 1, slope)
-            found = found - step * np.minimum(1, 0.1 / np.maximum(np.abs(step), 1e-300))
-        return (1 + np.clip(found.real / self.rim, -1, 1)) / 2, found.imag
+            slope = self.slope(zeta_found.real, zeta_found.imag)
+            step = (self.place(zeta_found.real, zeta_found.imag) - z) / np.where(
+                slope == 0, 1, slope
+            )
+            zeta_found = zeta_found - step * np.minimum(1, 0.1 / np.maximum(np.abs(step), 1e-300))
+        return (1 + np.clip(zeta_found.real / self.edge_mu, -1, 1)) / 2, zeta_found.imag
 
 
 class Polar:
@@ -181,27 +185,27 @@ def ellipse(aspect: float) -> Outline:
     turn = 1j if aspect > 1 else 1.0
     if longer >= LEAST_ASPECT * shorter:
         coefficients = np.array([0, turn * sqrt(longer**2 - shorter**2)])
-        rim = atanh(shorter / longer)
+        edge_mu = atanh(shorter / longer)
     else:
-        rim = atanh(1 / LEAST_ASPECT)
+        edge_mu = atanh(1 / LEAST_ASPECT)
         waves = np.array([longer - shorter, 0, longer + shorter]) / 2
-        coefficients = turn * conformal_map(waves, rim).real
+        coefficients = turn * conformal_map(waves, edge_mu).real
         coefficients[::2] = 0  # of both symmetries
-    return Outline(coefficients, rim, aspect, aspect > 1, even_x=True, even_y=True)
+    return Outline(coefficients, edge_mu, aspect, aspect > 1, even_x=True, even_y=True)
 
 
 def conformal_map(
     curve: np.ndarray,
-    rim: float,
+    edge_mu: float,
     *,
     points: int = MAP_POINTS,
     exact: float = MAP_EXACT,
     first_guess: Callable[[np.ndarray], np.ndarray] = np.copy,
 ) -> np.ndarray:
-    """The coefficients a_n by which the strip up to ``rim`` is mapped inside a closed curve.
+    """The coefficients a_n by which the strip up to ``edge_mu`` is mapped inside a closed curve.
 
-    Newton's method for the curve's parameter over ν: on the rim the Fourier coefficients of
-    x + iy obey Z_(−n) = exp(−2 n rim) Z_n.
+    Newton's method for the curve's parameter over ν: on the edge the Fourier coefficients of
+    x + iy obey Z_(−n) = exp(−2 n edge) Z_n.
 
     Args:
         curve: waves of x + iy, against the clock (``_on_curve``).
@@ -215,7 +219,7 @@ def conformal_map(
     half = points // 2
     nu = 2 * pi * np.arange(points) / points
     n = np.arange(1, half)
-    decay = np.exp(-2 * n * rim)
+    decay = np.exp(-2 * n * edge_mu)
     waves = np.exp(-1j * np.outer(n, nu)) / points
     angle = first_guess(nu)
     for _ in range(MOST_STEPS):
@@ -231,27 +235,27 @@ def conformal_map(
         angle = angle + step * min(1.0, 0.3 / float(np.abs(step).max()))
     else:
         raise InputError(f"no conformal map of the outline was found: {TOO_SHARP}")
-    coefficients = spectrum[:half] * np.append(1, 2 * np.exp(-n * rim))
-    kept = np.abs(coefficients[1:]) * np.cosh(np.minimum(n * rim, 700)) > exact * size
+    coefficients = spectrum[:half] * np.append(1, 2 * np.exp(-n * edge_mu))
+    kept = np.abs(coefficients[1:]) * np.cosh(np.minimum(n * edge_mu, 700)) > exact * size
     last = int(np.flatnonzero(kept).max(initial=0)) + 2
     if last >= half - 2:
         raise InputError(f"the conformal map of the outline has too many waves: {TOO_SHARP}")
     return coefficients[:last]
 
 
-FORM = (
+CONTOUR_FORMAT = (
     "a header x_mm,y_mm (or another unit) and a point of the rim in each row, one after the other"
 )
 FEWEST, MOST = 16, 4000
-# Waves around the rim, the shortest that a smooth curve through the points may have.
+# Waves around the edge, the shortest that a smooth curve through the points may have.
 MOST_WAVES = 40
 # How far points may lie off that curve where nothing else is said, over the longer side; and how
 # near it comes, if it can.
-SCATTER, NEAR = 1e-4, 1e-5
+POINT_SCATTER, CURVE_DISTANCE = 1e-4, 1e-5
 # The way from the last point to the first, over the longest between others, that is no gap.
-GAP = 4.0
+CLOSING_GAP = 4.0
 # How well the sides that a study says must be the curve's, relative.
-ENOUGH = 1e-4
+SIDES_TOLERANCE = 1e-4
 
 
 def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float = 0.0) -> Outline:
@@ -260,7 +264,7 @@ def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float =
     Args:
         path: of a table of points.
         sides_m: its extents along x and y, which must be those that are meant.
-        scatter_m: how far points may lie off it; 0 stands for SCATTER times the longer side.
+        scatter_m: how far points may lie off it; 0 stands for POINT_SCATTER times the longer side.
 
     Raises:
         InputError: naming file and line where the points make no outline, or sides are others.
@@ -279,47 +283,51 @@ def _read(path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: fl
 
 def _complete(known: Collection[str]) -> dict[str, bool]:
     """Problems of an outline with some quantities."""
-    return {f"there is no column x or y; an outline is {FORM}": {*known} != {"x", "y"}}
+    return {f"there is no column x or y; an outline is {CONTOUR_FORMAT}": {*known} != {"x", "y"}}
 
 
 def _points(path: Path) -> np.ndarray:
     """Points x + iy in metres, against the clock, checked."""
-    table, _, _ = read_points(path, ("x", "y"), what="outline", form=FORM, complete=_complete)
+    table, _, _ = read_points(
+        path, ("x", "y"), what="outline", form=CONTOUR_FORMAT, complete=_complete
+    )
     z = (table["x"] + 1j * table["y"]).to_numpy()
     if len(z) > 1 and z[0] == z[-1]:  # the first again closes it
         z = z[:-1]
     if not FEWEST <= len(z) <= MOST:
         raise InputError(f"{len(z)} points; an outline has {FEWEST} to {MOST}")
     steps = np.abs(np.roll(z, -1) - z)
-    if steps[-1] > GAP * steps[:-1].max():
+    if steps[-1] > CLOSING_GAP * steps[:-1].max():
         raise InputError(
             f"the outline is not closed: its last point is {steps[-1] * 1e3:.3g} mm from the "
             "first, and no others that follow each other are more than "
             f"{steps[:-1].max() * 1e3:.3g} mm apart"
         )
-    return z if _area_shares(z).sum() > 0 else z[::-1]
+    return z if _triangle_areas(z).sum() > 0 else z[::-1]
 
 
-def _area_shares(rim: np.ndarray) -> np.ndarray:
-    """Twice the areas of the triangles from the origin to each two neighbours."""
-    return np.asarray((rim.conj() * np.roll(rim, -1)).imag)
+def _triangle_areas(contour: np.ndarray) -> np.ndarray:
+    """Twice the areas of the triangles (origin, point k, point k + 1) of a closed contour."""
+    return np.asarray((contour.conj() * np.roll(contour, -1)).imag)
 
 
 def _fitted(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]:
-    """The fewest waves by which a curve comes near to all points, and how far they lie off it.
+    """Fit a closed Fourier curve with as few waves as the points' scatter allows.
+
+    Returns the coefficients and the largest distance of a point from the curve.
 
     Its parameter goes with the way along the points.
     """
     steps = np.abs(np.roll(points, -1) - points)
     parameter = 2 * np.pi * np.append(0, np.cumsum(steps[:-1])) / steps.sum()
     longer = max(float(np.ptp(points.real)), float(np.ptp(points.imag)))
-    allowed = scatter_m or SCATTER * longer
+    allowed = scatter_m or POINT_SCATTER * longer
     most = min(MOST_WAVES, len(points) // 3)
     for waves in range(1, most + 1):
         terms = np.exp(1j * np.multiply.outer(parameter, np.arange(-waves, waves + 1)))
         fit = np.linalg.lstsq(terms, points, rcond=None)[0]
         off = float(np.abs(terms @ fit - points).max())
-        if off <= (scatter_m or NEAR * longer):
+        if off <= (scatter_m or CURVE_DISTANCE * longer):
             break
     if off <= allowed:
         return fit, off
@@ -338,17 +346,21 @@ def _on_curve(waves: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np.ndarray:
-    """The curve over its extent along x, from the middle of extents that are those of the study."""
-    rim, _ = _on_curve(waves, 2 * np.pi * np.arange(4 * DENSE) / (4 * DENSE))
-    extents = np.array([np.ptp(rim.real), np.ptp(rim.imag)])
-    if np.any(np.abs(extents - sides_m) > ENOUGH * extents + 2 * off_m):
+    """Return the curve over the pad's length along x, centred, with the sides of the study."""
+    contour, _ = _on_curve(
+        waves, 2 * np.pi * np.arange(4 * OUTLINE_SAMPLES) / (4 * OUTLINE_SAMPLES)
+    )
+    extents = np.array([np.ptp(contour.real), np.ptp(contour.imag)])
+    if np.any(np.abs(extents - sides_m) > SIDES_TOLERANCE * extents + 2 * off_m):
         x, y, study_x, study_y = (f"{1e3 * side:.6g} mm" for side in (*extents, *sides_m))
         raise InputError(
             f"the outline is {x} × {y}, and the study says {study_x} × {study_y}: write "
             f"pad.length_x: {x}, pad.length_y: {y}"
         )
     waves = waves.copy()
-    waves[len(waves) // 2] -= complex(*(f.max() + f.min() for f in (rim.real, rim.imag))) / 2
+    waves[len(waves) // 2] -= (
+        complex(*(f.max() + f.min() for f in (contour.real, contour.imag))) / 2
+    )
     # The sides are rounded to the digits of the study; both are the same pad after this.
     mirrored, aspect = waves[::-1].conj(), sides_m[1] / sides_m[0]
     along_x, along_y = (waves + mirrored) / 2 / extents[0], (waves - mirrored) / 2 / extents[1]
@@ -357,17 +369,17 @@ def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np
 
 def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float) -> Outline:
     """A curve in conformal coordinates; raises InputError where there are none."""
-    parameters = 2 * np.pi * np.arange(DENSE + 1) / DENSE
-    rim, _ = _on_curve(curve, parameters[:-1])
-    weights = _area_shares(rim)
-    from_centre = rim - (weights * (rim + np.roll(rim, -1))).sum() / 3 / weights.sum()
+    parameters = 2 * np.pi * np.arange(OUTLINE_SAMPLES + 1) / OUTLINE_SAMPLES
+    contour, _ = _on_curve(curve, parameters[:-1])
+    weights = _triangle_areas(contour)
+    from_centre = contour - (weights * (contour + np.roll(contour, -1))).sum() / 3 / weights.sum()
     # Second moments of the inside tell the ellipse that it is most like.
     one, other = from_centre, np.roll(from_centre, -1)
     turning = weights @ (one**2 + one * other + other**2)
     size = weights @ (abs(one) ** 2 + (one * other.conj()).real + abs(other) ** 2)
-    share = min(abs(turning) / size, 0.9999)
-    shape = max(np.sqrt((1 + share) / (1 - share)), LEAST_ASPECT)
-    direction = np.exp(0.5j * np.angle(turning)) if share > 1e-9 else 1.0
+    elongation = min(abs(turning) / size, 0.9999)
+    shape = max(np.sqrt((1 + elongation) / (1 - elongation)), LEAST_ASPECT)
+    direction = np.exp(0.5j * np.angle(turning)) if elongation > 1e-9 else 1.0
     angles = np.unwrap(np.angle(from_centre / direction))
     if not (np.all(np.diff(angles) > 0) and angles[-1] - angles[0] <= 2 * np.pi):
         raise InputError(

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from pydantic import ConfigDict
 
-from squeezefilm.film.outline import DENSE, Outline, ellipse
+from squeezefilm.film.outline import OUTLINE_SAMPLES, Outline, ellipse
 from squeezefilm.sections import (
     KEYS,
     NOT_GIVEN,
@@ -33,7 +33,7 @@ class OutlineFile:
     """File of a pad's outline.
 
     Attributes:
-        file: a table of points around the rim (see below), from the folder of this file
+        file: a table of points around the edge (see below), from the folder of this file
         scatter_m: how far the points may lie off the smooth curve through them; 0 stands for 1e-4
             of the longer side
     """
@@ -135,13 +135,13 @@ class Pad:
         return self.contour
 
     def edge_m(self) -> np.ndarray:
-        """Points on the rim from the pad's centre, along the actuator's axes: (points, 2) in m.
+        """Points on the edge from the pad's centre, along the actuator's axes: (points, 2) in m.
 
         A rectangle's four corners, or points all around another pad.
         """
         if outline := self.smooth_outline:
-            rim = outline.points[:: DENSE // OUTLINE_POINTS]
-            x_m, y_m = rim.real * self.length_x_m, rim.imag * self.length_x_m
+            contour = outline.points[:: OUTLINE_SAMPLES // OUTLINE_POINTS]
+            x_m, y_m = contour.real * self.length_x_m, contour.imag * self.length_x_m
         else:
             x_m, y_m = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2
             x_m, y_m = x_m * self.length_x_m, y_m * self.length_y_m
@@ -164,7 +164,7 @@ class Pad:
         return c * x - s * y, s * x + c * y
 
 
-EVEN = GapShape()
+UNIFORM_GAP = GapShape()
 
 
 def outlined(pad: Pad) -> Pad:
@@ -188,7 +188,7 @@ def outlined(pad: Pad) -> Pad:
 
 @lru_cache(maxsize=256)
 def net(pad: Pad) -> tuple[np.ndarray, np.ndarray]:
-    """A net of points x, y over the pad, rim included, in [0, 1]."""
+    """A net of points x, y over the pad, edge included, in [0, 1]."""
     if outline := pad.smooth_outline:
         across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
         return outline.positions(across, nu)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from squeezefilm.lazy import pd
-from squeezefilm.sections import DERIVED, Different, Number, Section
+from squeezefilm.sections import DERIVED, Number, Section, UniqueItems
 
 POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 """The two forms in which a pad's position stands in tables."""
@@ -46,7 +46,7 @@ def polar(x_m: ArrayLike, y_m: ArrayLike) -> dict[str, Any]:
 
 
 UpTo100 = Field(min_length=1, max_length=100)
-Distances = Annotated[list[Annotated[float, Number("m", 0, 10)]], UpTo100, Different]
+Distances = Annotated[list[Annotated[float, Number("m", 0, 10)]], UpTo100, UniqueItems]
 
 
 class Positions(Section):
@@ -72,8 +72,8 @@ class Positions(Section):
 
     points: Annotated[int, Field(strict=True, ge=4, le=1000)] = DERIVED
     phi_r_m: Annotated[
-        list[Annotated[float, Number("m", 0, 10, open=True)]], UpTo100, Different
+        list[Annotated[float, Number("m", 0, 10, open=True)]], UpTo100, UniqueItems
     ] = DERIVED
-    phi_deg: Annotated[list[Annotated[float, Number("°", 0, 360)]], UpTo100, Different] = DERIVED
+    phi_deg: Annotated[list[Annotated[float, Number("°", 0, 360)]], UpTo100, UniqueItems] = DERIVED
     x_m: Distances = DERIVED
     y_m: Distances = DERIVED

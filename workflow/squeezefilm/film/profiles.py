@@ -21,7 +21,7 @@ from squeezefilm.sections import KEYS, Direction, Internal, Length, Number, Text
 
 UNBOUNDED = Disc(inf)
 # Values of modes, points times modes, that are kept to be used again: 8 MB.
-MOST_KEPT = 1_000_000
+MOST_CACHED_VALUES = 1_000_000
 
 
 class Profile:
@@ -210,10 +210,10 @@ class Formula(Profile):
     def unscaled(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """The expressions' value."""
         x, y = np.broadcast_arrays(x_m, y_m)
-        places = {"x": x, "y": y, "r": np.hypot(x, y), "phi": np.arctan2(y, x)}
-        value = _parsed(self.expression, self.constants).evaluate(**places)
+        coordinates = {"x": x, "y": y, "r": np.hypot(x, y), "phi": np.arctan2(y, x)}
+        value = _parsed(self.expression, self.constants).evaluate(**coordinates)
         if self.quadrature != "0":
-            value = value + 1j * _parsed(self.quadrature, self.constants).evaluate(**places)
+            value = value + 1j * _parsed(self.quadrature, self.constants).evaluate(**coordinates)
         return np.broadcast_to(value, x.shape)
 
 
@@ -232,7 +232,7 @@ class Modes(Profile):
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
-        if x.size * len(self.orders) > MOST_KEPT:
+        if x.size * len(self.orders) > MOST_CACHED_VALUES:
             modes = self.surface.modes_at(self.orders, x, y)
         else:
             modes = _modes_again(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
@@ -251,16 +251,18 @@ def _modes_again(
 class Quadrature(Profile):
     """s = a s₁ + i b s₂: two components a quarter of a period apart, the second one ahead.
 
-    ``shares`` are a and b, such that the largest |s| on the surface is 1.
+    ``component_factors`` are a and b, such that the largest |s| on the surface is 1.
     """
 
     first: Profile
     second: Profile
-    shares: tuple[float, float] = (1.0, 1.0)
+    component_factors: tuple[float, float] = (1.0, 1.0)
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        first, second = (each.amplitude(x_m=x_m, y_m=y_m) for each in (self.first, self.second))
-        return self.shares[0] * first + 1j * (self.shares[1] * second)
+        first, second = (
+            component.amplitude(x_m=x_m, y_m=y_m) for component in (self.first, self.second)
+        )
+        return self.component_factors[0] * first + 1j * (self.component_factors[1] * second)
 
 
 Coordinate = Annotated[float, Number("m", -10, 10)]
@@ -295,7 +297,7 @@ class ScanFile:
     scale: Literal["surface", "measured"] = "surface"
 
 
-KINDS = Sinc | Piston | StandingWave | TravellingWave | BesselMode | Formula | ScanFile
+PROFILE_KINDS = Sinc | Piston | StandingWave | TravellingWave | BesselMode | Formula | ScanFile
 """The profiles that a study can have."""
 
 
@@ -323,8 +325,8 @@ def largest_magnitude(
         return np.nan
     simplex = net[:, np.argmax(sizes)] + np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
     better = {"method": "Nelder-Mead", "options": {"initial_simplex": simplex}}
-    found = minimize(lambda at: -float(size(at)), simplex[0], **better)
-    return max(float(sizes.max()), -float(found.fun))
+    improved = minimize(lambda at: -float(size(at)), simplex[0], **better)
+    return max(float(sizes.max()), -float(improved.fun))
 
 
 @lru_cache(maxsize=16)
@@ -333,7 +335,7 @@ def _parsed(expression: str, constants: tuple[tuple[str, str | float], ...]) -> 
     return parse(
         expression,
         names=names,
-        place=f"{place}.expression",
+        source=f"{place}.expression",
         constants=constants_of(dict(constants), names=names, place=place, angles_rad=True),
     )
 
@@ -357,10 +359,11 @@ def largest_unscaled(profile: BesselMode | Formula) -> float:
 # A formula may hide a spot too narrow for evenly spread samples to be sure to meet it; the other
 # profiles are as fine at one place as at any other. It is scanned once, on lines of a net of the
 # whole surface: a spot wider than about a thousandth of the surface is met.
-LINES = 1000
-# The net is searched in TILES × TILES parts, and the most remarkable of them are followed up.
-TILES = 20
-FOLLOWED = 16
+NET_LINES = 1000
+# The net is searched in NET_TILES × NET_TILES parts, and the most remarkable of them are followed
+# up.
+NET_TILES = 20
+TILES_REFINED = 16
 
 
 @lru_cache(maxsize=16)
@@ -373,22 +376,26 @@ def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     if not isinstance(profile, Formula):
         return np.zeros(0), np.zeros(0)
     # Uneven lines, so that nothing with a period hides between them.
-    uneven = np.arange(LINES) * 0.6180339887498949 % 1
-    lines = 2 * (np.arange(LINES) + uneven) / LINES - 1
+    uneven = np.arange(NET_LINES) * 0.6180339887498949 % 1
+    lines = 2 * (np.arange(NET_LINES) + uneven) / NET_LINES - 1
     x_lines_m, y_lines_m = (half * lines for half in profile.surface.half_m)
     with np.errstate(all="ignore"):
         s = profile.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
         bends = np.maximum(_bends(s, x_lines_m), _bends(s.T, y_lines_m).T)
     bends[profile.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
-    side = LINES // TILES
-    tiles = bends.reshape(TILES, side, TILES, side).transpose(0, 2, 1, 3).reshape(TILES**2, -1)
-    first = np.argsort(-tiles.max(axis=1), kind="stable")[:FOLLOWED]
+    side = NET_LINES // NET_TILES
+    tiles = (
+        bends.reshape(NET_TILES, side, NET_TILES, side)
+        .transpose(0, 2, 1, 3)
+        .reshape(NET_TILES**2, -1)
+    )
+    first = np.argsort(-tiles.max(axis=1), kind="stable")[:TILES_REFINED]
     row, column = np.divmod(tiles[first].argmax(axis=1), side)
     # Within two lines of each, where the profile stands out most from what is around.
-    near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / LINES])
+    near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / NET_LINES])
     half_x_m, half_y_m = profile.surface.half_m
-    x_m = x_lines_m[first // TILES * side + row, None] + half_x_m * near[0].ravel()
-    y_m = y_lines_m[first % TILES * side + column, None] + half_y_m * near[1].ravel()
+    x_m = x_lines_m[first // NET_TILES * side + row, None] + half_x_m * near[0].ravel()
+    y_m = y_lines_m[first % NET_TILES * side + column, None] + half_y_m * near[1].ravel()
     with np.errstate(all="ignore"):
         s = profile.amplitude(x_m=x_m, y_m=y_m)
         contrast = np.nan_to_num(np.abs(s - s.mean(axis=1, keepdims=True)), posinf=0.0)
@@ -398,7 +405,7 @@ def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
 
 def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
     """Return each value's distance from the line through its neighbours along axis 0."""
-    share = ((lines_m[1:-1] - lines_m[:-2]) / (lines_m[2:] - lines_m[:-2]))[:, None]
+    fraction = ((lines_m[1:-1] - lines_m[:-2]) / (lines_m[2:] - lines_m[:-2]))[:, None]
     bends = np.zeros(s.shape)
-    bends[1:-1] = np.abs(s[1:-1] - (1 - share) * s[:-2] - share * s[2:])
+    bends[1:-1] = np.abs(s[1:-1] - (1 - fraction) * s[:-2] - fraction * s[2:])
     return np.nan_to_num(bends, nan=0.0, posinf=0.0)

@@ -14,11 +14,13 @@ from pydantic import Field, GetPydanticSchema
 
 from squeezefilm.film.gas import Gas as Gas
 from squeezefilm.film.pad import Pad, net
-from squeezefilm.film.profiles import KINDS, Profile, ScanFile
+from squeezefilm.film.profiles import PROFILE_KINDS, Profile, ScanFile
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.sections import KEYS, NOT_GIVEN, Length, Number, mistake
 
-KEYED = GetPydanticSchema(lambda _, schema: schema(Annotated[KINDS, Field(discriminator="kind")]))
+KEYED = GetPydanticSchema(
+    lambda _, schema: schema(Annotated[PROFILE_KINDS, Field(discriminator="kind")])
+)
 """Profiles that a study can have are told apart by their ``kind``."""
 
 
@@ -147,7 +149,7 @@ class Scene(OperatingPoints):
 
     @property
     def force_scale_n(self) -> float:
-        """p0 times the pad's area: the force of a mean overpressure of one atmosphere."""
+        """p0 times the pad's area: the force of a mean gauge pressure of one atmosphere."""
         return self.gas.ambient_pressure_pa * self.pad.area_m2
 
     @property
@@ -191,9 +193,9 @@ class Scene(OperatingPoints):
         return net(self.pad)
 
     @property
-    def places(self) -> Places:
+    def pad_positions(self) -> PadPositions:
         """The pad's position."""
-        return self._alone.places[0]
+        return self._alone.pad_positions[0]
 
     @cached_property
     def _alone(self) -> Scenes:
@@ -201,19 +203,19 @@ class Scene(OperatingPoints):
 
 
 class HashedOnce:
-    """A frozen dataclass by which much is kept: hashing it takes as long as preparing a scene."""
+    """A frozen dataclass that caches its hash, since it serves as key of many caches."""
 
     def __hash__(self) -> int:
         return self._hash
 
     @cached_property
     def _hash(self) -> int:
-        return hash(tuple([getattr(self, each.name) for each in fields(self)]))  # type: ignore[arg-type]
+        return hash(tuple([getattr(self, attribute.name) for attribute in fields(self)]))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
 class PadProfile(HashedOnce):
-    """A vibration profile and the pad over it: with the pad's position, the profile under it."""
+    """A vibration profile and a pad; with a pad position it gives the profile under the pad."""
 
     profile: Profile
     pad: Pad
@@ -231,7 +233,7 @@ class PadProfile(HashedOnce):
 
 @dataclass(frozen=True)
 class Film(HashedOnce):
-    """A gas between a vibrating surface and a pad: what stays between operating points."""
+    """Gas, actuator and pad: the part of a scene that all operating points share."""
 
     gas: Gas
     actuator: Actuator
@@ -284,7 +286,7 @@ def distinct(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return order[is_new], which
 
 
-def rows_alike(*columns: np.ndarray) -> list[np.ndarray]:
+def rows_by_value(*columns: np.ndarray) -> list[np.ndarray]:
     """The numbers of equal rows, each group of them in an array."""
     first, which = distinct(*columns)
     if len(first) < 2:
@@ -294,7 +296,7 @@ def rows_alike(*columns: np.ndarray) -> list[np.ndarray]:
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class PadPositions:
     """The pad's positions among scenes of one film, each once: x_m, y_m, shape (positions,).
 
     Those of the same positions are equal, so that what is known of them can be kept.
@@ -312,7 +314,7 @@ class Places:
         return hash(self._key)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Places) and self._key == other._key
+        return isinstance(other, PadPositions) and self._key == other._key
 
     def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's real and, of a complex one, imaginary part at points across the pad.
@@ -326,8 +328,8 @@ class Places:
         """The profile's s at points across the pad, shape (positions, points)."""
         return self.under.amplitude(x, y, x_m=self.x_m[:, None], y_m=self.y_m[:, None])
 
-    def some(self, rows: Rows) -> Places:
-        return Places(self.under, self.x_m[rows], self.y_m[rows])
+    def subset(self, rows: Rows) -> PadPositions:
+        return PadPositions(self.under, self.x_m[rows], self.y_m[rows])
 
     def once(self, find: Callable[..., Found], *arguments: Any) -> Found:
         """Return what a function finds of the positions, kept for when it is asked for again.
@@ -373,8 +375,18 @@ class Scenes(OperatingPoints, Sequence[Scene]):
             if parts not in known:
                 known[parts] = films.setdefault(scene.film, len(films))
             index.append(known[parts])
-        columns = np.array([(each.h0_m, each.hv_m, each.x_m, each.y_m) for each in scenes])
-        point_id = np.array([each.point_id for each in scenes], dtype=object)
+        columns = np.array(
+            [
+                (
+                    operating_point.h0_m,
+                    operating_point.hv_m,
+                    operating_point.x_m,
+                    operating_point.y_m,
+                )
+                for operating_point in scenes
+            ]
+        )
+        point_id = np.array([operating_point.point_id for operating_point in scenes], dtype=object)
         h0_m, hv_m, x_m, y_m = columns.reshape(-1, 4).T.copy()
         return cls(tuple(films), np.array(index), h0_m, hv_m, x_m, y_m, point_id)
 
@@ -398,21 +410,21 @@ class Scenes(OperatingPoints, Sequence[Scene]):
             return of_film(self.films[0])
         return np.array([of_film(film) for film in self.films])[self.film_index]
 
-    def of_each_film(self) -> Iterator[tuple[Film, Rows, Scenes]]:
-        """Each film that scenes have, which rows these are, and the scenes."""
+    def split_by_film(self) -> Iterator[tuple[Film, Rows, Scenes]]:
+        """Split the scenes by film: the film, the rows of its scenes, and these scenes."""
         if len(self.films) == 1:
             yield self.films[0], slice(None), self
             return
-        for rows in rows_alike(self.film_index):
-            film, some = self.films[self.film_index[rows[0]]], self[rows]
-            yield film, rows, replace(some, films=(film,), film_index=np.zeros_like(rows))
+        for rows in rows_by_value(self.film_index):
+            film, scenes_of_film = self.films[self.film_index[rows[0]]], self[rows]
+            yield film, rows, replace(scenes_of_film, films=(film,), film_index=np.zeros_like(rows))
 
-    def at_places(self, find: Callable[[Places], Found]) -> tuple[list[Found], np.ndarray]:
+    def at_places(self, find: Callable[[PadPositions], Found]) -> tuple[list[Found], np.ndarray]:
         """Something at the pad's positions, film by film, and which of all these each scene has."""
         found, count = [], 0
         which = np.empty(len(self), dtype=np.int64)
-        for _, rows, some in self.of_each_film():
-            places, at = some.places
+        for _, rows, some in self.split_by_film():
+            places, at = some.pad_positions
             which[rows] = count + at
             count += len(places.x_m)
             found.append(find(places))
@@ -446,15 +458,15 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def force_scale_n(self) -> Any:
-        """p0 times the pad's area: the force of a mean overpressure of one atmosphere."""
+        """p0 times the pad's area: the force of a mean gauge pressure of one atmosphere."""
         return self.gas.ambient_pressure_pa * self.column(lambda film: film.pad.area_m2)
 
     @cached_property
-    def places(self) -> tuple[Places, np.ndarray]:
+    def pad_positions(self) -> tuple[PadPositions, np.ndarray]:
         """The pad's positions of scenes of one film, and which of them each scene has, (n,)."""
         (film,) = self.films
         first, which = distinct(self.x_m, self.y_m)
-        return Places(film.pad_profile, self.x_m[first], self.y_m[first]), which
+        return PadPositions(film.pad_profile, self.x_m[first], self.y_m[first]), which
 
     @cached_property
     def narrowest(self) -> np.ndarray:
@@ -471,16 +483,17 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         return self._on_net[1]
 
     @cached_property
-    def rest_range(self) -> tuple[np.ndarray, np.ndarray]:
+    def static_gap_range(self) -> tuple[np.ndarray, np.ndarray]:
         """Least and largest gap over h0 without vibration."""
         least_m, most_m, _, _ = self._rises
         return 1 + least_m / self.h0_m, 1 + most_m / self.h0_m
 
     @property
-    def typical_rest(self) -> np.ndarray:
-        """A mean of the gap G over h0 without vibration that goes by where it is narrow.
+    def static_gap_mean(self) -> np.ndarray:
+        """Mean static gap over h0, (mean of 1/G⁴)^(−1/4) with the static gap G over h0.
 
-        (mean of 1/G⁴)^(-1/4), to second order in what G is more than its mean.
+        It weights the narrow places and is exact to second order in the deviation from the mean of
+        G.
         """
         _, _, mean_m, variance_m2 = self._rises
         mean, variance = 1 + mean_m / self.h0_m, variance_m2 / self.h0_m**2
@@ -494,19 +507,19 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def _on_net(self) -> tuple[np.ndarray, np.ndarray]:
         largest = self.column(lambda film: getattr(film.actuator.profile, "largest", 1.0))
         narrowest, closure = 1 - self.epsilon, largest * self.epsilon
-        for film, rows, some in () if self.flat else self.of_each_film():
+        for film, rows, scenes_of_film in () if self.flat else self.split_by_film():
             if not film.pad.gap.flat:
-                narrowest[rows], closure[rows] = some._shaped()
+                narrowest[rows], closure[rows] = scenes_of_film._shaped()
         return narrowest, closure
 
     def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
-        places, which = self.places
-        moves, rises_m = places.once(_moves), _rises_m(places.under.pad)
+        pad_positions, which = self.pad_positions
+        moves, rises_m = pad_positions.once(_moves), _rises_m(pad_positions.under.pad)
         parts = []
-        for some in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
-            rest = 1 + rises_m / self.h0_m[some, None]
-            excursion = self.epsilon[some, None] * moves[which[some]]
+        for batch in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
+            rest = 1 + rises_m / self.h0_m[batch, None]
+            excursion = self.epsilon[batch, None] * moves[which[batch]]
             with np.errstate(all="ignore"):
                 closed = np.where((rest <= 0).any(axis=1), 1.0, (excursion / rest).max(axis=1))
             parts.append(((rest - excursion).min(axis=1), closed))
@@ -526,12 +539,12 @@ def _rises_m(pad: Pad) -> np.ndarray:
 
 @lru_cache(maxsize=256)
 def _rises(pad: Pad) -> tuple[float, float, float, float]:
-    """Least, largest, mean and variance of what the gap at rest is more than h0, on a net."""
+    """Minimum, maximum, mean and variance of static gap minus h0 on a net over the pad."""
     rises_m = _rises_m(pad)
     return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]
 
 
-def _moves(places: Places) -> np.ndarray:
+def _moves(pad_positions: PadPositions) -> np.ndarray:
     """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
-    x, y = (each.ravel() for each in net(places.under.pad))
-    return np.abs(places.amplitude(x, y))
+    x, y = (coordinate.ravel() for coordinate in net(pad_positions.under.pad))
+    return np.abs(pad_positions.amplitude(x, y))

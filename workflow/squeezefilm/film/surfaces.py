@@ -15,7 +15,7 @@ from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.sections import KEYS, Length
 
 # Points of the nets on which a profile is looked at all over: along a radius, around; a side.
-RADII, ANGLES, LINES = 41, 72, 53
+NET_RADII, NET_ANGLES, NET_LINES = 41, 72, 53
 
 # Two numbers of each smooth mode, by rising degree.
 Orders = tuple[tuple[int, int], ...]
@@ -53,7 +53,7 @@ class Disc:
 
     def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """x_m, y_m of points all over, edge included, and weights in proportion to areas."""
-        radii, angles = (101, 192) if finer else (RADII, ANGLES)
+        radii, angles = (101, 192) if finer else (NET_RADII, NET_ANGLES)
         r_m = np.linspace(0, self.radius_m, radii)
         r_m, phi = np.meshgrid(r_m, 2 * pi * np.arange(angles) / angles, indexing="ij")
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
@@ -132,10 +132,10 @@ class Rectangle:
         return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
 
     def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        side = np.linspace(-1, 1, 141 if finer else LINES)
-        share = np.where(np.abs(side) < 1, 1.0, 0.5)
+        side = np.linspace(-1, 1, 141 if finer else NET_LINES)
+        cell_fraction = np.where(np.abs(side) < 1, 1.0, 0.5)
         x, y = np.meshgrid(side, side, indexing="ij")
-        return x * self.half_m[0], y * self.half_m[1], np.outer(share, share)
+        return x * self.half_m[0], y * self.half_m[1], np.outer(cell_fraction, cell_fraction)
 
     def orders_up_to(self, degree: int, *, axisymmetric: bool = False) -> Orders:
         """Legendre's modes (i, j) of degree i + j ≤ ``degree``; they span all such polynomials."""

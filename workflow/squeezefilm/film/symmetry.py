@@ -21,7 +21,7 @@ from squeezefilm.film.outline import POLAR_COORDINATES
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
 from squeezefilm.film.profiles import Profile, landmarks_of
-from squeezefilm.film.scene import Places
+from squeezefilm.film.scene import PadPositions
 from squeezefilm.film.surfaces import Rectangle, Surface
 
 Array = NDArray[np.float64]
@@ -79,7 +79,7 @@ class Directions:
         farthest = float(max(positions.phi_r_m))
         return {"phi_r_m": (0.0, farthest), "phi_deg": (self.start_deg, self.stop_deg)}
 
-    def places(self, positions: Positions) -> list[tuple[float, float]]:
+    def pad_positions(self, positions: Positions) -> list[tuple[float, float]]:
         """The centre, then every radius with every angle and its images (Fig. 15)."""
         angles = self.images(positions.phi_deg)
         return [(0.0, 0.0), *((r, angle) for r in positions.phi_r_m for angle in angles)]
@@ -122,10 +122,12 @@ class Mirrors:
         least = (0.0 if self.x else -x_m, 0.0 if self.y else -y_m)
         return {"x_m": (least[0], x_m), "y_m": (least[1], y_m)}
 
-    def places(self, positions: Positions) -> list[tuple[float, float]]:
+    def pad_positions(self, positions: Positions) -> list[tuple[float, float]]:
         """The centre, then every x with every y; those at −x too, or else those on the mirror."""
         x_m, y_m = (
-            sorted({0.0, *given} if mirror else {*given, *(0.0 - each for each in given)})
+            sorted(
+                {0.0, *given} if mirror else {*given, *(0.0 - coordinate for coordinate in given)}
+            )
             for given, mirror in ((positions.x_m, self.x), (positions.y_m, self.y))
         )
         return [(0.0, 0.0), *((x, y) for x in x_m for y in y_m if (x, y) != (0.0, 0.0))]
@@ -138,7 +140,7 @@ class Mirrors:
 Symmetry = Directions | Mirrors
 
 
-def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
+def symmetry_from_dict(plain: Any, *, source: str) -> Symmetry:
     """Return the symmetry that to_dict wrote; raises InputError for anything else."""
     match plain:
         case {"mirror_x": bool(x), "mirror_y": bool(y)}:
@@ -146,16 +148,16 @@ def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
         case {"start_deg": float(start) | int(start), "width_deg": width, "mirror": bool(mirror)}:
             if isfinite(start) and width in WIDTHS_DEG:
                 return Directions(float(start), float(width), mirror)
-    raise InputError(f"{place}: must have start_deg, width_deg and mirror, as `fit` writes")
+    raise InputError(f"{source}: must have start_deg, width_deg and mirror, as `fit` writes")
 
 
-EQUAL = 1e-9
+SYMMETRY_TOLERANCE = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
-SYMMETRIC = 1e-13
+ROUNDING_TOLERANCE = 1e-13
 """Values of a profile that should agree by symmetry agree to rounding, relative to its largest."""
-FEW, MANY = 16, 1000
+FEW_POINTS, MANY_POINTS = 16, 1000
 """Points at which a profile is compared: those that most others fail, then all."""
-TOGETHER = 64
+POSITIONS_PER_BATCH = 64
 """Positions that are compared together at many points."""
 
 
@@ -188,12 +190,12 @@ def _directions(pad: Pad, profile: Profile, surface: Surface) -> Directions:
     sectors, film = [], (pad, profile, surface)
     for base_deg in _axes(pad, profile):
         axes = [base_deg + step for step in (0, 45, 90, 135)]
-        mirrors = [each for each in axes if _keeps(2 * each, *film, mirror=True)]
+        mirrors = [axis for axis in axes if _keeps(2 * axis, *film, mirror=True)]
         if mirrors:
             width = 180.0 / len(mirrors)
             sectors.append(Directions(min(mirrors) % width, width, mirror=True))
             continue
-        turns = [each for each in (90.0, 180.0) if _keeps(each, *film)]
+        turns = [turn for turn in (90.0, 180.0) if _keeps(turn, *film)]
         sectors.append(Directions(0.0, min(turns, default=360.0), mirror=False))
     return min(sectors, key=lambda sector: sector.width_deg)
 
@@ -225,11 +227,11 @@ def _keeps(
     own_deg = turn_deg - 2 * pad.rotation_deg * mirror  # in the pad's own axes
     length_x_m, length_y_m = pad.length_x_m, pad.length_y_m
     longer = 1 - (length_x_m / length_y_m) ** 2
-    if abs(np.exp(2j * radians(own_deg)) - 1) * abs(longer) > EQUAL:
+    if abs(np.exp(2j * radians(own_deg)) - 1) * abs(longer) > SYMMETRY_TOLERANCE:
         return False
     tilt = complex(pad.gap.tilt_x_m / length_x_m, pad.gap.tilt_y_m / length_y_m)
     for vector in (tilt, complex(pad.speed_x_m_per_s)):
-        if abs(image(vector, own_deg) - vector) > EQUAL * abs(vector):
+        if abs(image(vector, own_deg) - vector) > SYMMETRY_TOLERANCE * abs(vector):
             return False
     half_x_m, half_y_m = surface.half_m
     # Over half the surface: no two places are related by symmetry.
@@ -242,43 +244,48 @@ def _keeps(
     s_there = profile.amplitude(x_m=there.real, y_m=there.imag)
     together = np.vdot(s, s_there)
     sign = together / abs(together) if together else 1.0
-    return bool(np.abs(s_there - sign * s).max() <= EQUAL)
+    return bool(np.abs(s_there - sign * s).max() <= SYMMETRY_TOLERANCE)
 
 
-def axisymmetric(places: Places) -> np.ndarray:
+def axisymmetric(pad_positions: PadPositions) -> np.ndarray:
     """Return at which positions a film has no angle, so that it is solved along a radius, (n,).
 
     It is that of a disc at rest, the gap flat or crowned, where the profile is the same all around
     each circle about the disc's centre.
     """
-    return places.once(_axisymmetric)
+    return pad_positions.once(_axisymmetric)
 
 
-def _axisymmetric(places: Places) -> np.ndarray:
+def _axisymmetric(places: PadPositions) -> np.ndarray:
     pad, same = places.under.pad, np.zeros(len(places.x_m), dtype=bool)
     disc = pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m
     if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:
         return same
     draw = np.random.default_rng(1)
-    radius, (angle, other) = draw.uniform(0, 0.5, MANY), draw.uniform(0, 2 * np.pi, (2, MANY))
-    rows = np.flatnonzero(_same_around(places, radius[:FEW], angle[:FEW], other[:FEW]))
-    for some in np.array_split(rows, 1 + len(rows) // TOGETHER):
-        same[some] = _same_around(places.some(some), radius, angle, other)
+    radius, (angle, other) = (
+        draw.uniform(0, 0.5, MANY_POINTS),
+        draw.uniform(0, 2 * np.pi, (2, MANY_POINTS)),
+    )
+    rows = np.flatnonzero(
+        _same_around(places, radius[:FEW_POINTS], angle[:FEW_POINTS], other[:FEW_POINTS])
+    )
+    for some in np.array_split(rows, 1 + len(rows) // POSITIONS_PER_BATCH):
+        same[some] = _same_around(places.subset(some), radius, angle, other)
     x_m, y_m = landmarks_of(places.under.profile)
     for row in np.flatnonzero(same).tolist() if len(x_m) else ():
         from_centre = x_m - places.x_m[row] + 1j * (y_m - places.y_m[row])
         radius, angle = abs(from_centre) / pad.length_x_m, np.angle(from_centre)
         inside = radius < 0.5
         at = radius[inside], angle[inside] - radians(pad.rotation_deg), other[: inside.sum()]
-        same[row] = not inside.any() or _same_around(places.some(slice(row, row + 1)), *at)[0]
+        same[row] = not inside.any() or _same_around(places.subset(slice(row, row + 1)), *at)[0]
     return same
 
 
 def _same_around(
-    places: Places, radius: np.ndarray, angle: np.ndarray, other: np.ndarray
+    pad_positions: PadPositions, radius: np.ndarray, angle: np.ndarray, other: np.ndarray
 ) -> np.ndarray:
     """Return where a profile has the same values on circles at one angle and another, (n,)."""
     at = POLAR_COORDINATES.positions
     with np.errstate(all="ignore"):  # of a profile that has no finite value somewhere
-        one, two = (places.amplitude(*at(0.5 + radius, each)) for each in (angle, other))
-        return np.asarray(abs(two - one).max(axis=1) <= SYMMETRIC * abs(one).max(axis=1))
+        one, two = (pad_positions.amplitude(*at(0.5 + radius, each)) for each in (angle, other))
+        return np.asarray(abs(two - one).max(axis=1) <= ROUNDING_TOLERANCE * abs(one).max(axis=1))

@@ -21,7 +21,7 @@ from squeezefilm.errors import refuse
 from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
-UNKNOWN, NOT_APPLICABLE = "modelling error unverified", "the equation does not apply"
+ERROR_UNVERIFIED, NOT_APPLICABLE = "modelling error unverified", "the equation does not apply"
 # Squeeze number below which gas is pumped in and out and hardly compressed.
 THICK_SIGMA = 20.0
 # Roughness Ra of a finely ground or lapped surface, in m.
@@ -40,18 +40,18 @@ def _over(value: Any, gap: np.ndarray) -> np.ndarray:
 def _couette_reynolds(scenes: Scenes) -> Any:
     """ρ |U| h / μ of the widest gap at rest."""
     per_length = scenes.shear_reynolds * scenes.pad.length_x_m / scenes.h0_m
-    return per_length * scenes.rest_range[1]
+    return per_length * scenes.static_gap_range[1]
 
 
 # The list's quantities by their symbols: Kn where the gap at rest is narrowest, Re, Re_s and ρUh/μ
 # where widest.
 QUANTITIES: dict[str, Callable[[Scenes], Any]] = {
     "h0/l": lambda s: s.h0_m / np.minimum(s.pad.length_x_m, s.pad.length_y_m),
-    "Kn": lambda s: _over(s.knudsen, s.rest_range[0]),
-    "Re": lambda s: s.modified_reynolds * s.rest_range[1] ** 2,
+    "Kn": lambda s: _over(s.knudsen, s.static_gap_range[0]),
+    "Re": lambda s: s.modified_reynolds * s.static_gap_range[1] ** 2,
     "h0/λ": lambda s: s.h0_m * s.actuator.frequency_hz / _sound_speed(s),
     "Ma": lambda s: np.full(len(s), np.abs(s.pad.speed_x_m_per_s) / _sound_speed(s)),
-    "Re_s": lambda s: s.shear_reynolds * s.rest_range[1] ** 2,
+    "Re_s": lambda s: s.shear_reynolds * s.static_gap_range[1] ** 2,
     "ρUh/μ": _couette_reynolds,
     "hv/h0": lambda s: s.closure,
     "Ra/h": lambda s: _over(ROUGHNESS_M, s.narrowest * s.h0_m),
@@ -102,7 +102,7 @@ class Limit:
         kind = "" if self.films == "all" else f" ({self.films})"
         named = f"{self.quantity} {self.symbol} = {value:.3g}"
         above = f"{float(f'{bound:.2g}'):g}{kind}"
-        return f"{named} is above {above}: {NOT_APPLICABLE if never else UNKNOWN}"
+        return f"{named} is above {above}: {NOT_APPLICABLE if never else ERROR_UNVERIFIED}"
 
 
 def _read(path: Path) -> tuple[Limit, ...]:
@@ -131,7 +131,9 @@ def validity(scene: Scene) -> str:
 
 def validities(scenes: Scenes) -> np.ndarray:
     """Return the same for each of some scenes."""
-    return np.array(["; ".join(each) or OK for each in _exceeded(scenes)], dtype=object)
+    return np.array(
+        ["; ".join(exceeded_limits) or OK for exceeded_limits in _exceeded(scenes)], dtype=object
+    )
 
 
 def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[str]]:
@@ -140,7 +142,10 @@ def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[
     limits = [limit for limit in LIMITS if limit.symbol in symbols]
     values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
-    beyond = ~(np.array([values[each.symbol] for each in limits]) <= [[e.bound] for e in limits])
+    beyond = ~(
+        np.array([values[validity_limit.symbol] for validity_limit in limits])
+        <= [[e.bound] for e in limits]
+    )
     for at in np.flatnonzero(beyond.any(axis=1)).tolist():
         limit = limits[at]
         for row in np.flatnonzero(beyond[at] & FILMS[limit.films](scenes)).tolist():
@@ -149,7 +154,7 @@ def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[
 
 
 GAPS_M = (1e-9, 1e-3)
-SLACK = 1e-9
+EDGE_TOLERANCE = 1e-9
 
 
 def check_scenes(scenes: Scenes) -> None:
@@ -162,10 +167,13 @@ def exist(scenes: Scenes) -> np.ndarray:
     """Return which scenes have a solution and lie on the actuator, shape (n,)."""
     h0_m, hv_m = scenes.h0_m, scenes.hv_m
     sound = (GAPS_M[0] <= h0_m) & (h0_m <= GAPS_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
-    for film, rows, some in scenes.of_each_film():
+    for film, rows, scenes_of_film in scenes.split_by_film():
         outline = film.pad.edge_m()
-        x_m, y_m = (np.add.outer(at, outline[:, k]) for k, at in enumerate((some.x_m, some.y_m)))
-        sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + SLACK).all(axis=1)
+        x_m, y_m = (
+            np.add.outer(at, outline[:, k])
+            for k, at in enumerate((scenes_of_film.x_m, scenes_of_film.y_m))
+        )
+        sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + EDGE_TOLERANCE).all(axis=1)
     sound[sound] = (scenes if sound.all() else scenes[sound]).closure < 1
     return sound
 
@@ -175,9 +183,9 @@ def check_scene(scene: Scene) -> None:
 
     Raises InputError naming the point, the factor and what is allowed.
     """
-    place, h0_m, hv_m = f"point {scene.point_id}", scene.h0_m, scene.hv_m
+    source, h0_m, hv_m = f"point {scene.point_id}", scene.h0_m, scene.hv_m
     refuse(
-        place,
+        source,
         {
             f"h0_m = {h0_m:g} must lie between {GAPS_M[0]:g} and {GAPS_M[1]:g} m: the model of a "
             "gas film is not valid outside this range": not GAPS_M[0] <= h0_m <= GAPS_M[1],
@@ -186,13 +194,15 @@ def check_scene(scene: Scene) -> None:
             "must stay below the mean gap": hv_m >= h0_m,
         },
     )
-    surface, rim_m = scene.actuator.surface, np.add(scene.pad.edge_m(), (scene.x_m, scene.y_m))
-    reach = surface.reach(*rim_m.T)
+    surface, outline_m = scene.actuator.surface, np.add(scene.pad.edge_m(), (scene.x_m, scene.y_m))
+    reach = surface.reach(*outline_m.T)
     part = "a corner" if scene.pad.shape == "rectangle" else "the rim"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
-    off = f"{surface.where(*rim_m[np.argmax(reach)])}, off the actuator's {surface.text}"
-    refuse(place, {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + SLACK})
+    off = f"{surface.where(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
+    refuse(
+        source, {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + EDGE_TOLERANCE}
+    )
     contact = "they touch within the noise of the measured profile"
     if not scene.pad.gap.flat:
         contact = "the tilted or crowned pad touches the surface; pad.gap leaves too little"
-    refuse(place, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})
+    refuse(source, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})

@@ -16,7 +16,7 @@ from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
 Array = NDArray[np.float64]
 
-FACTORS = {
+FACTOR_OF_NAME = {
     "h0": "h0_m",
     "hv": "hv_m",
     "r": "phi_r_m",
@@ -26,10 +26,10 @@ FACTORS = {
     "y": "y_m",
 }
 """What an expression calls the factors, and their columns."""
-COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
+PHYSICS_COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
 """What an expression calls the results of physics that stand in a table, and their columns."""
-POSITION = (*POLAR, *CARTESIAN)
-SLACK = 1e-9
+POSITION_COLUMNS = (*POLAR, *CARTESIAN)
+RANGE_SLACK = 1e-9
 """Relative slack at the limits of a range, for round-off."""
 
 
@@ -58,7 +58,10 @@ class Factors:
         if form == CARTESIAN and others.keys() & POLAR:
             raise InputError("x_m: give the position as phi_r_m, phi_deg or as x_m, y_m, not both")
         given = {"h0_m": h0_m, "hv_m": hv_m, **dict.fromkeys(form, 0.0), **others}
-        named = {name: np.atleast_1d(np.asarray(each, float)) for name, each in given.items()}
+        named = {
+            name: np.atleast_1d(np.asarray(values_given, float))
+            for name, values_given in given.items()
+        }
         for name in ("h0_m", "hv_m", *form):
             if not np.all(np.isfinite(named[name])):
                 raise InputError(f"{name}: a factor is not a finite number; all must be")
@@ -103,10 +106,10 @@ class Factors:
         """
         masks = {}
         for name, (low, high) in ranges.items():
-            values, slack = self.column(name), SLACK * max(abs(low), abs(high))
+            values, slack = self.column(name), RANGE_SLACK * max(abs(low), abs(high))
             masks[name] = (values < low - slack) | (values > high + slack)
             if name == "phi_deg":
-                masks[name] &= self.phi_r_m > SLACK * ranges["phi_r_m"][1]
+                masks[name] &= self.phi_r_m > RANGE_SLACK * ranges["phi_r_m"][1]
         return masks
 
     def __len__(self) -> int:
@@ -129,7 +132,7 @@ def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Fac
                     "same table of scenes"
                 )
         points = known
-    names = [*as_in(FACTOR_COLUMNS, points), *COLUMNS.values()]
+    names = [*as_in(FACTOR_COLUMNS, points), *PHYSICS_COLUMNS.values()]
     given = {name: pd.to_numeric(points[name], "coerce") for name in names if name in points}
     for name, numbers in given.items():
         if (numbers.isna() & points[name].notna()).any():

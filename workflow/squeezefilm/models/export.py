@@ -14,14 +14,14 @@ from string import Template
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN, POLAR, form_of
 from squeezefilm.formulas import Expression, Operation, fold
-from squeezefilm.models.data import COLUMNS, FACTORS, POSITION, SLACK
+from squeezefilm.models.data import FACTOR_OF_NAME, PHYSICS_COLUMNS, POSITION_COLUMNS, RANGE_SLACK
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import LimitTable
-from squeezefilm.models.prediction_interval import QUANTITIES
+from squeezefilm.models.prediction_interval import MEANINGS
 
 FOLDER = Path(__file__).with_name("templates")
-WIDTH, LARGEST = 92, 1e300
+LINE_WIDTH, LARGEST_FINITE = 92, 1e300
 RADIANS_PER_DEGREE = "0.017453292519943295"
 OTHER_FORM = {
     POLAR: {
@@ -64,7 +64,7 @@ def source(fit: FittedModel, language: str) -> str:
         for index, parameter in enumerate(model.parameter_names, start=1):
             names[parameter] = f"theta({index})"
     error = interval.error_95 if interval else None
-    constant, share = map(_number, error) if error else (nan, nan)
+    constant, relative = map(_number, error) if error else (nan, nan)
     space = interval.ranges if interval else fit.ranges
     point = _point(model, space)
     values: dict[str, object] = {
@@ -72,7 +72,7 @@ def source(fit: FittedModel, language: str) -> str:
         "NAME": fit.model.upper(),
         "own": own,
         "about": "\n".join(_about(fit, table)),
-        "meaning": "\n".join(f"    {name}: {QUANTITIES[name]}" for name in arguments),
+        "meaning": "\n".join(f"    {name}: {MEANINGS[name]}" for name in arguments),
         "arguments": ", ".join(arguments),
         "parameters": ", ".join(f"double {name}" for name in arguments),
         "unused": " ".join(f"(void){name};" for name in arguments),
@@ -81,9 +81,9 @@ def source(fit: FittedModel, language: str) -> str:
         "point": ", ".join(point.values()),
         "low": ", ".join(_number(space[name][0]) for name in point),
         "high": ", ".join(_number(space[name][1]) for name in point),
-        "slack": _number(SLACK),
+        "slack": _number(RANGE_SLACK),
         "error_constant": constant,
-        "error_share": share,
+        "error_share": relative,
         "formula": _printed(model.parsed, names, own, REAL.get(language, ())),
     }
     text = (FOLDER / f"{language}.in").read_text(encoding="utf-8")
@@ -101,7 +101,7 @@ def source(fit: FittedModel, language: str) -> str:
         "coefficients": columns,
         "axes_low": ", ".join(_number(low) for low, _ in axes),
         "axes_high": ", ".join(_number(high) for _, high in axes),
-        "centre": _number(SLACK * max(position[1], 1e-300) if position else -LARGEST),
+        "centre": _number(RANGE_SLACK * max(position[1], 1e-300) if position else -LARGEST_FINITE),
         **dict(zip("abcd", table.shape, strict=True)),
     }
     return code.substitute(values, table=tabulated.substitute(values, **in_table))
@@ -110,7 +110,7 @@ def source(fit: FittedModel, language: str) -> str:
 def _factors(model: ExpressionModel) -> dict[str, str]:
     """Expressions of all factors in a function's arguments, by their columns."""
     form = POLAR if set(POLAR) <= set(model.factor_names) else CARTESIAN
-    return {column: OTHER_FORM[form].get(column, column) for column in FACTORS.values()}
+    return {column: OTHER_FORM[form].get(column, column) for column in FACTOR_OF_NAME.values()}
 
 
 def _point(model: ExpressionModel, space: Mapping[str, tuple[float, float]]) -> dict[str, str]:
@@ -119,10 +119,10 @@ def _point(model: ExpressionModel, space: Mapping[str, tuple[float, float]]) -> 
     Without the position of a model of the centred pad. At the centre all directions are the same.
     """
     factors, centred = _factors(model), model.factor_names[2:] == ()
-    point = {name: factors[name] for name in space if not (centred and name in POSITION)}
+    point = {name: factors[name] for name in space if not (centred and name in POSITION_COLUMNS)}
     low, high = space.get("phi_deg", (1.0, -1.0))
     if "phi_deg" in point and low <= 0 <= high:
-        off_centre = f"({point['phi_r_m']} > {_number(SLACK * space['phi_r_m'][1])})"
+        off_centre = f"({point['phi_r_m']} > {_number(RANGE_SLACK * space['phi_r_m'][1])})"
         point["phi_deg"] = f"({point['phi_deg']} * {off_centre})"
     return point
 
@@ -130,11 +130,11 @@ def _point(model: ExpressionModel, space: Mapping[str, tuple[float, float]]) -> 
 def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[str, str]:
     """Names in the code for the names of the formula."""
     factors = _factors(model)
-    names = {name: factors[column] for name, column in FACTORS.items()}
+    names = {name: factors[column] for name, column in FACTOR_OF_NAME.items()}
     names |= {name: f"theta[{index}]" for index, name in enumerate(model.parameter_names)}
     if table is not None:
         position = ", ".join(factors[axis] for axis in form_of(table.ranges))
-        for name, column in COLUMNS.items():
+        for name, column in PHYSICS_COLUMNS.items():
             names[name] = f"{own}tabulated({own}{column}, h0_m, hv_m, {position})"
         names["sigma"] = f"({_number(table.sigma_h0_square_m2)} / (h0_m * h0_m))"
     return names
@@ -171,7 +171,7 @@ def _about(fit: FittedModel, table: LimitTable | None) -> list[str]:
     ]
     if re.fullmatch(r"[0-9a-f]{64}", digest):
         lines.append(f"Forces (SHA-256): {digest}")
-    if fit.symmetry is not None and set(model.factor_names) & set(POSITION):
+    if fit.symmetry is not None and set(model.factor_names) & set(POSITION_COLUMNS):
         text = f"{fit.symmetry.text} Bring a position there before you call."
         lines += textwrap.wrap(text, 90)
     if table is not None:
@@ -189,7 +189,7 @@ def _number(value: float) -> str:
 def _wrapped(values: Iterable[float], language: str) -> str:
     """Numbers with commas, in lines of a page's width, which MATLAB wants to be told to go on."""
     text = " ".join(f"{_number(value)}," for value in values)
-    lines = textwrap.wrap(text, WIDTH, break_on_hyphens=False, break_long_words=False)
+    lines = textwrap.wrap(text, LINE_WIDTH, break_on_hyphens=False, break_long_words=False)
     if language != "matlab":
         return textwrap.indent("\n".join(lines), "    ")
     return textwrap.indent(" ...\n".join(lines), "    ").rstrip(",")

@@ -32,7 +32,7 @@ from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validities
-from squeezefilm.models.data import COLUMNS, Array, Factors
+from squeezefilm.models.data import PHYSICS_COLUMNS, Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
@@ -44,9 +44,9 @@ FORMAT = 1
 """Of the file: counted up where a reader of the one before could not use it."""
 PARTS = ("parameter_units", "ranges", "error_scale", "profile_uncertainty", "directions", "film")
 """What a file has besides: without them an error or a limit would be missing unseen."""
-LOOKED_AT = 400
+AMPLITUDES_TRIED = 400
 """Places at which a model is looked at before the one for a target force is refined."""
-STEP = 1e-4
+AMPLITUDE_DIFFERENCE_STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
 
 
@@ -68,7 +68,7 @@ class FilmOfFit(BaseModel):
     @field_validator("gas", mode="before")
     @classmethod
     def _whole_gas(cls, values: Any) -> Any:
-        names = [each.name for each in fields(Gas)] if isinstance(values, Mapping) else []
+        names = [attribute.name for attribute in fields(Gas)] if isinstance(values, Mapping) else []
         if missing := [name for name in names if name not in values]:
             raise ValueError(f"{', '.join(missing)}: not there")
         return values
@@ -129,7 +129,7 @@ class FittedModel(BaseModel):
             "constants": self.constants,
             "parameters": parameters,
         }
-        model = make_model(self.model, entry, place=self.place)
+        model = make_model(self.model, entry, source=self.place)
         if len(model.parameter_names) != len(self.theta):
             raise InputError(
                 f"{self.place}: 'theta' has {len(self.theta)} numbers for the parameters "
@@ -142,7 +142,7 @@ class FittedModel(BaseModel):
         """The pad's positions that represent all in the model's study, if the file has them."""
         if self.directions is None:
             return None
-        return symmetry_from_dict(self.directions, place=f"{self.place}: directions")
+        return symmetry_from_dict(self.directions, source=f"{self.place}: directions")
 
     @property
     def position(self) -> tuple[str, str]:
@@ -157,7 +157,7 @@ class FittedModel(BaseModel):
         if self.symmetry is None:
             return factors
         given = {name: factors.column(name) for name in self.symmetry.position}
-        kept = ("h0_m", "hv_m", *COLUMNS.values())
+        kept = ("h0_m", "hv_m", *PHYSICS_COLUMNS.values())
         kept_columns = {name: each for name, each in factors.columns.items() if name in kept}
         return Factors.of(**kept_columns, **self.symmetry.represent(**given))
 
@@ -234,8 +234,8 @@ class FittedModel(BaseModel):
     @property
     def profile_uncertainty_percent(self) -> dict[str, float]:
         """A column of the profile's uncertainty in per cent of the force; none without a scan."""
-        share = self.profile_uncertainty
-        return {"profile_uncertainty_percent": 100 * share} if share else {}
+        fraction = self.profile_uncertainty
+        return {"profile_uncertainty_percent": 100 * fraction} if fraction else {}
 
 
 def read_fit(path: Path | str) -> FittedModel:
@@ -252,23 +252,23 @@ def read_fit(path: Path | str) -> FittedModel:
             f"{path}: this version reads fits of format {FORMAT}, and {what}; fit again with this "
             "version (`squeezefilm fit`, or snakemake for a study)"
         )
-    return fit_of(values, place=path)
+    return fit_of(values, source=path)
 
 
-def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
-    """A fit from what its file holds; ``place`` is the file, for messages.
+def fit_of(values: Mapping[str, Any], *, source: Path | str) -> FittedModel:
+    """A fit from what its file holds; ``source`` is the file, for messages.
 
     Raises InputError naming the place and the entry that is missing or wrong.
     """
     if "not_supported" in values:
-        raise InputError(f"{place}: there is no fit: {values['not_supported']}")
+        raise InputError(f"{source}: there is no fit: {values['not_supported']}")
     try:
         # Of the film a file has names with units, which are keys of a study without.
-        given = {**values, "place": str(place)}
+        given = {**values, "place": str(source)}
         return FittedModel.model_validate(given, by_alias=True, by_name=True)
     except ValidationError as error:
         wrong = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
-        raise InputError(f"{place}: {'; '.join(wrong)}") from None
+        raise InputError(f"{source}: {'; '.join(wrong)}") from None
 
 
 def amplitude_for(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
@@ -286,9 +286,15 @@ def amplitude_for(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
         hv_m = amplitude_for_force(fit.evaluate, force_n=force_n, **where)
     except InputError as error:
         return row | {"note": str(error).removeprefix("force_n: ")}
-    near = Factors.of(**where | {"hv_m": hv_m * np.array([1 - STEP, 1.0, 1 + STEP])})
+    near = Factors.of(
+        **where
+        | {
+            "hv_m": hv_m
+            * np.array([1 - AMPLITUDE_DIFFERENCE_STEP, 1.0, 1 + AMPLITUDE_DIFFERENCE_STEP])
+        }
+    )
     below, _, above = fit.evaluate(near)
-    slope = (above - below) / (2 * STEP * hv_m) if hv_m else np.nan
+    slope = (above - below) / (2 * AMPLITUDE_DIFFERENCE_STEP * hv_m) if hv_m else np.nan
     (error_n,), _, (note,) = fit.validation(near.take([1]), [force_n])
     return row | {
         "hv_m": hv_m,
@@ -313,28 +319,30 @@ def amplitude_for_force(
     if not np.isfinite(force_n) or force_n == 0:
         raise InputError(f"force_n: {force_n} N is no force that an amplitude gives")
 
-    def excess(share: ArrayLike) -> Array:
-        at = Factors.of(h0_m=h0_m, hv_m=np.asarray(share) * h0_m, **position)
+    def excess(amplitude_ratio: ArrayLike) -> Array:
+        at = Factors.of(h0_m=h0_m, hv_m=np.asarray(amplitude_ratio) * h0_m, **position)
         return evaluate(at) - force_n
 
-    def signed(share: float, beyond: float) -> float:
-        return float(np.nan_to_num(excess(share)[0], nan=beyond))
+    def signed(amplitude_ratio: float, beyond: float) -> float:
+        return float(np.nan_to_num(excess(amplitude_ratio)[0], nan=beyond))
 
-    grid = np.append(np.linspace(0.0, 1.0, LOOKED_AT, endpoint=False), np.nextafter(1.0, 0.0))
+    grid = np.append(
+        np.linspace(0.0, 1.0, AMPLITUDES_TRIED, endpoint=False), np.nextafter(1.0, 0.0)
+    )
     values = excess(grid)
     known = ~np.isnan(values)
     changes = (values[:-1] * values[1:] <= 0) | (known[:-1] != known[1:])
-    for place in np.flatnonzero(changes):
-        defined = place if known[place] else place + 1
-        share = grid[defined]
+    for interval in np.flatnonzero(changes):
+        defined = interval if known[interval] else interval + 1
+        amplitude_ratio = grid[defined]
         if values[defined]:
-            ends = grid[place : place + 2]
-            share = scipy.optimize.brentq(
+            ends = grid[interval : interval + 2]
+            amplitude_ratio = scipy.optimize.brentq(
                 signed, *ends, args=(-values[defined],), xtol=1e-16, rtol=1e-15
             )
         # The sign may change at a pole or at the edge, too.
-        if abs(excess(share)[0]) <= 1e-9 * (1 + abs(force_n)):
-            return float(share) * h0_m
+        if abs(excess(amplitude_ratio)[0]) <= 1e-9 * (1 + abs(force_n)):
+            return float(amplitude_ratio) * h0_m
     rest = f"; at rest it gives {values[0] + force_n:.3g} N" if known[0] else ""
     raise InputError(
         f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "

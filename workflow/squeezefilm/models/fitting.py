@@ -40,7 +40,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.formulas import Value
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel
-from squeezefilm.models.search import Array, Found, Objective, genetic_search, nelder_mead
+from squeezefilm.models.search import Array, Objective, SearchResult, genetic_search, nelder_mead
 from squeezefilm.parallel import parallel_map
 from squeezefilm.units import compound
 
@@ -51,27 +51,28 @@ DEPENDENT = 1e-10
 """Share of a column's length that others do not replace, below which it counts as none."""
 LARGEST_PART = 12_000
 """Forces evaluated at once: in 100 kB, which memory is kept for; five times as fast as 260 kB."""
-DRAWS, SEED = 400, 1
+DRAWS, DRAW_SEED = 400, 1
 SPREADS = (2.0, 16.0)
 """Parameters are drawn as sinh of a uniform number within these: up to 4 and up to 4 million."""
-LEVEL = 0.95
+CONFIDENCE_LEVEL = 0.95
 RANGES_NOTE = (
-    f"{LEVEL:.0%} profile-likelihood intervals, conditional on this plan and on the formula. They "
+    f"{CONFIDENCE_LEVEL:.0%} profile-likelihood intervals, conditional on this plan and on the "
+    "formula. They "
     "measure the lack of fit of a deterministic simulation, not noise: another plan may give "
     "intervals that do not overlap these. null is open."
 )
 """Said wherever intervals are written."""
-MOST_STEPS, OPEN = 60, 2.0**30
+MOST_STEPS, OPEN_RANGE_STEP = 60, 2.0**30
 """Doublings and halvings of the step away from the estimate, and its multiple, before a range
 counts as open."""
 LEAST_SINGULAR_VALUE = 1e-9
-SHARE_OF_DIRECTION = 0.1
+DIRECTION_FRACTION = 0.1
 COMBINATIONS = {"/": np.divide, "*": np.multiply, " + ": np.add, " - ": np.subtract}
-HARDLY_CHANGES = 0.5
+COMBINATION_WIDTH_RATIO = 0.5
 """Relative change of a combination that the points determine while its parameters are unbounded."""
-WIDER, MUCH_WORSE = 1e4, 1.01
+WIDER_BOUND_FACTOR, MUCH_WORSE = 1e4, 1.01
 """Factor of the widest bound in a check of it; ratio of sums of squares that a check finds."""
-DRAWN, DRAWN_WITHIN, STARTS = 64, 4.0, 8
+RANDOM_STARTS, RANDOM_START_RANGE, BEST_STARTS = 64, 4.0, 8
 """Random parameters of a check, within this or the bound; best of them that least squares start at.
 The search alone ends in a false minimum of NIST's Thurber; with four starts one of six seeds does.
 """
@@ -112,11 +113,11 @@ class Fit:
         return cls(model.name, tuple(theta.tolist()), squares, error, len(force_n), **about)
 
 
-Search = Callable[[Objective, Array, int], list[Found]]
+Search = Callable[[Objective, Array, int], list[SearchResult]]
 """From an objective, bounds of ±u and a seed to rough minima."""
 
 
-def genetic(objective: Objective, limit: Array, seed: int) -> list[Found]:
+def genetic(objective: Objective, limit: Array, seed: int) -> list[SearchResult]:
     """Several genetic searches, stopped early."""
     # The good region's share of the box falls with every parameter: twice the searches for each.
     count = min(2 ** (len(limit) - 1), MOST_SEARCHES)
@@ -124,7 +125,7 @@ def genetic(objective: Objective, limit: Array, seed: int) -> list[Found]:
     return [genetic_search(objective, lower=-limit, upper=limit, seed=int(each)) for each in seeds]
 
 
-def evolution(objective: Objective, limit: Array, seed: int) -> list[Found]:
+def evolution(objective: Objective, limit: Array, seed: int) -> list[SearchResult]:
     """One search by SciPy's differential evolution, as a check of the genetic ones.
 
     With five parameters and bounds of a million, about every second one ends in a false minimum.
@@ -141,7 +142,7 @@ def evolution(objective: Objective, limit: Array, seed: int) -> list[Found]:
         maxiter=400,
     )
     evaluations = 60 * len(limit) * (int(rough.nit) + 1)
-    return [Found(x=rough.x, value=float(rough.fun), evaluations=evaluations)]
+    return [SearchResult(x=rough.x, value=float(rough.fun), evaluations=evaluations)]
 
 
 METHODS: dict[Search, str] = {genetic: "genetic algorithm", evolution: "differential evolution"}
@@ -191,17 +192,17 @@ def fit_by(
     projection = _Projection(model, factors, force)
     objective, size = projection.objective, int(projection.searched.sum())
 
-    def searched(way: tuple[float, Search, int]) -> list[Found]:
+    def searched(way: tuple[float, Search, int]) -> list[SearchResult]:
         bound, search, seed = way
         return search(objective, np.full(size, np.arcsinh(bound)), seed)
 
     searches = parallel_map(searched, ways, processes=processes)
     # A false minimum can look better while the search is rough: the best four go on for a while.
-    rough = [sorted(found, key=lambda each: each.value)[:4] for found in searches]
-    starts = np.array([each.x for found in rough for each in found])
+    rough = [sorted(found, key=lambda search_result: search_result.value)[:4] for found in searches]
+    starts = np.array([search_result.x for found in rough for search_result in found])
     nearer = iter(nelder_mead(objective, starts, restarts=2))
     tried = [[next(nearer) for _ in found] for found in rough]
-    leading = [min(found, key=lambda each: each.value) for found in tried]
+    leading = [min(found, key=lambda search_result: search_result.value) for found in tried]
     ends = nelder_mead(objective, np.array([near.x for near in leading]))
     runs = [
         Fit.of(
@@ -213,7 +214,7 @@ def fit_by(
             bound=bound,
             seed=seed,
             searches=len(found),
-            evaluations=sum(each.evaluations for each in [*found, *near, end]),
+            evaluations=sum(search_result.evaluations for search_result in [*found, *near, end]),
         )
         for (bound, search, seed), found, near, end in zip(ways, searches, tried, ends, strict=True)
     ]
@@ -222,14 +223,14 @@ def fit_by(
 
 def _checked_by_starts(run: Fit, projection: _Projection) -> Fit:
     """The run, or the least squares next to random parameters if they are much better."""
-    within = np.arcsinh(min(DRAWN_WITHIN, run.bound))
-    size = DRAWN, int(projection.searched.sum())
+    within = np.arcsinh(min(RANDOM_START_RANGE, run.bound))
+    size = RANDOM_STARTS, int(projection.searched.sum())
     drawn = np.random.default_rng(run.seed).uniform(-within, within, size)
     model, factors, force_n = projection.model, projection.factors, projection.force_n
     best, theta = run.sum_of_squares / MUCH_WORSE, None
-    for place in np.argsort(projection.objective(drawn))[:STARTS]:
+    for start_row in np.argsort(projection.objective(drawn))[:BEST_STARTS]:
         try:
-            end = local_fit(model, factors, force_n, projection.theta(drawn[place]))
+            end = local_fit(model, factors, force_n, projection.theta(drawn[start_row]))
         except (InputError, ValueError):  # the model is undefined there, or has no derivative
             continue
         squares = sum_of_squares(model, factors, force_n, end)
@@ -298,14 +299,16 @@ class _Projection:
     def _squares(self, u: Array) -> Array:
         residual, columns = self._parts(u)
         length = np.linalg.norm(columns, axis=-1)
-        for place in range(columns.shape[1]):  # Gram and Schmidt's, modified: no unit of force
-            left = np.linalg.norm(columns[:, place], axis=-1)
-            left[left < DEPENDENT * length[:, place]] = np.inf  # for one that others replace
-            unit = columns[:, place] / left[:, None]
+        for column_index in range(
+            columns.shape[1]
+        ):  # Gram and Schmidt's, modified: no unit of force
+            left = np.linalg.norm(columns[:, column_index], axis=-1)
+            left[left < DEPENDENT * length[:, column_index]] = np.inf  # for one that others replace
+            unit = columns[:, column_index] / left[:, None]
             residual = residual - np.sum(unit * residual, axis=-1)[:, None] * unit
-            rest = columns[:, place + 1 :]
-            shares = np.sum(unit[:, None] * rest, axis=-1)
-            columns[:, place + 1 :] = rest - shares[..., None] * unit[:, None]
+            rest = columns[:, column_index + 1 :]
+            projections = np.sum(unit[:, None] * rest, axis=-1)
+            columns[:, column_index + 1 :] = rest - projections[..., None] * unit[:, None]
         squares = np.sum(residual**2, axis=-1) / np.sum(self.force_n**2)
         return np.fmin(squares, UNDEFINED)  # which takes the number where squares are none
 
@@ -329,7 +332,7 @@ def checked_bounds(
     )
     if model.is_linear:
         return best, []
-    wider = fit_model(model, factors, force_n, bound=WIDER * widest, seed=best.seed)
+    wider = fit_model(model, factors, force_n, bound=WIDER_BOUND_FACTOR * widest, seed=best.seed)
     rounding = 1e-20 * float(np.sum(force_n**2))
     if best.sum_of_squares > MUCH_WORSE * wider.sum_of_squares + rounding:
         return wider, [
@@ -392,10 +395,10 @@ def local_fit(
         return whole(theta[free] + _linear_solution(slopes(theta[free]), -begun))
     tolerances = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
     with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
-        found = scipy.optimize.least_squares(
+        optimum = scipy.optimize.least_squares(
             residuals, theta[free], jac=slopes, x_scale="jac", **tolerances
         )
-    return whole(found.x)
+    return whole(optimum.x)
 
 
 def sum_of_squares(
@@ -415,7 +418,7 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
     Raises InputError naming the parameters that the points cannot tell apart, or a model that is
     undefined wherever it was tried.
     """
-    count, random = len(model.parameter_names), np.random.default_rng(SEED)
+    count, random = len(model.parameter_names), np.random.default_rng(DRAW_SEED)
     best, direction = -1.0, np.zeros(count)
     for draw in range(DRAWS if count else 0):
         spread = SPREADS[draw % len(SPREADS)]
@@ -436,7 +439,7 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
         if values[-1] > best:
             best, direction = float(values[-1]), directions[-1]
     if best >= 0:
-        large = np.abs(direction) > SHARE_OF_DIRECTION * np.abs(direction).max()
+        large = np.abs(direction) > DIRECTION_FRACTION * np.abs(direction).max()
         names = np.array(model.parameter_names)[large]
         what = "has no effect on the force" if len(names) == 1 else "cannot be told apart"
         raise InputError(
@@ -473,17 +476,17 @@ class ParameterRange:
         return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
-def _along(theta: Array, place: int, value: float) -> list[Array]:
+def _along(theta: Array, index: int, value: float) -> list[Array]:
     """Starts (p,) with a new value of a parameter: the others kept, or one in proportion to it.
 
     Points may determine the quotient or the product of two parameters and neither of them.
     """
     kept = theta.copy()
-    kept[place] = value
-    starts, share = [kept], value / theta[place] if theta[place] else 0.0
-    for other in range(len(theta) if share > 0 else 0):
-        for factor in (share, 1 / share):
-            if other != place:
+    kept[index] = value
+    starts, ratio = [kept], value / theta[index] if theta[index] else 0.0
+    for other in range(len(theta) if ratio > 0 else 0):
+        for factor in (ratio, 1 / ratio):
+            if other != index:
                 starts.append(kept * np.where(np.arange(len(theta)) == other, factor, 1.0))
     return starts
 
@@ -494,22 +497,28 @@ def undetermined(ranges: Sequence[ParameterRange]) -> list[str]:
     A quotient, product, sum or difference of two of them that hardly changes along their ranges
     is determined by the points all the same.
     """
-    names = [each.name for each in ranges]
-    unbounded = [each for each in ranges if not np.isfinite([each.lower, each.upper]).all()]
+    names = [parameter.name for parameter in ranges]
+    unbounded = [
+        parameter
+        for parameter in ranges
+        if not np.isfinite([parameter.lower, parameter.upper]).all()
+    ]
     statements, paired = [], set[str]()
     for one, other in combinations(unbounded, 2):
-        ends = (each for pair in (one, other) for each in (pair.theta_lower, pair.theta_upper))
-        estimate = [each.estimate for each in ranges]
+        ends = (
+            parameter for pair in (one, other) for parameter in (pair.theta_lower, pair.theta_upper)
+        )
+        estimate = [parameter.estimate for parameter in ranges]
         a, b = np.array([estimate, *ends])[:, [names.index(one.name), names.index(other.name)]].T
         for operator, combine in COMBINATIONS.items():
             with np.errstate(all="ignore"):
                 values = combine(a, b)
-            if np.ptp(values) < HARDLY_CHANGES * abs(values[0]):
+            if np.ptp(values) < COMBINATION_WIDTH_RATIO * abs(values[0]):
                 what = f"{one.name}{operator}{other.name}"
                 statements.append(f"only {what} is determined by these points")
                 paired |= {one.name, other.name}
                 break
-    alone = [each.name for each in unbounded if each.name not in paired]
+    alone = [parameter.name for parameter in unbounded if parameter.name not in paired]
     return statements + [f"{name} is not determined by these points" for name in alone]
 
 
@@ -531,7 +540,7 @@ def parameter_ranges(
             f"profile: {len(factors)} points fix the {len(theta)} parameters of {model.name} "
             "exactly; a range needs more points than parameters"
         )
-    allowed = least * (1 + float(scipy.special.fdtri(1, spare, LEVEL)) / spare)
+    allowed = least * (1 + float(scipy.special.fdtri(1, spare, CONFIDENCE_LEVEL)) / spare)
     slopes = model.gradient(theta, factors)
     size = np.linalg.norm(slopes, axis=0)
     size = np.where(size > 0, size, 1.0)
@@ -540,7 +549,7 @@ def parameter_ranges(
     usable = (spread > 1e-12 * np.abs(theta)) & (spread < 1e3 * np.abs(theta))
     spread = np.where(usable | (theta == 0) & (spread > 0), spread, 0.1 * np.abs(theta) + 1e-6)
 
-    def end(place: int, step: float) -> tuple[float, Array]:
+    def end(index: int, step: float) -> tuple[float, Array]:
         """End of the range on one side, at the allowed sum of squares, and theta there."""
         tried = {0.0: (theta, least - allowed)}
 
@@ -548,17 +557,17 @@ def parameter_ranges(
             if way not in tried:
                 defined = [each for each in tried if tried[each][1] < np.inf]
                 near = tried[min(defined, key=lambda each: abs(each - way))][0]
-                starts = _along(near, place, float(theta[place] + way * step))
+                starts = _along(near, index, float(theta[index] + way * step))
                 at = min(starts, key=lambda at: sum_of_squares(model, factors, force_n, at))
                 if np.isfinite(sum_of_squares(model, factors, force_n, at)):
-                    at = local_fit(model, factors, force_n, at, fixed=place)
+                    at = local_fit(model, factors, force_n, at, fixed=index)
                 tried[way] = at, sum_of_squares(model, factors, force_n, at) - allowed
             return tried[way][1]
 
         inside, way = 0.0, 1.0
         for _ in range(MOST_STEPS):
             above = excess(way)
-            if above <= 0 and way > OPEN:
+            if above <= 0 and way > OPEN_RANGE_STEP:
                 break
             if above <= 0:
                 inside, way = way, 2 * way
@@ -569,13 +578,13 @@ def parameter_ranges(
                     continue
             elif excess(inside) < 0:  # not so of a fit whose residual is rounding
                 inside = float(scipy.optimize.brentq(excess, inside, way, xtol=1e-6))
-            return float(theta[place] + inside * step), tried[inside][0]
+            return float(theta[index] + inside * step), tried[inside][0]
         return float(np.copysign(np.inf, step)), tried[inside][0]
 
     ranges = []
-    for place, step in enumerate(spread.tolist()):
-        (lower, theta_lower), (upper, theta_upper) = end(place, -step), end(place, step)
-        name, unit = model.parameter_names[place], model.parameter_units[place]
+    for index, step in enumerate(spread.tolist()):
+        (lower, theta_lower), (upper, theta_upper) = end(index, -step), end(index, step)
+        name, unit = model.parameter_names[index], model.parameter_units[index]
         ends = (lower, upper, tuple(theta_lower.tolist()), tuple(theta_upper.tolist()))
-        ranges.append(ParameterRange(name, unit, float(theta[place]), *ends))
+        ranges.append(ParameterRange(name, unit, float(theta[index]), *ends))
     return ranges

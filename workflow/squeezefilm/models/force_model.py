@@ -24,16 +24,16 @@ from squeezefilm.config.study import OwnModel, Study
 from squeezefilm.errors import InputError, naming
 from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.formulas import Expression, Operation, constants_of, fold, parameter_units, parse
-from squeezefilm.models.data import COLUMNS, FACTORS, Array, Factors
+from squeezefilm.models.data import FACTOR_OF_NAME, PHYSICS_COLUMNS, Array, Factors
 
-LIBRARY = Path(__file__).with_name("models.yaml")
+LIBRARY_FILE = Path(__file__).with_name("models.yaml")
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
-SPACES = ("two_factor", "four_factor")
+FACTOR_SPACES = ("two_factor", "four_factor")
 """Where models are compared: the pad centred, or anywhere."""
 MOST_PARAMETERS = 30
-STEP = 1e-30
+COMPLEX_STEP = 1e-30
 """Of the complex step of derivatives, over the parameter's magnitude."""
-DIFFERENCE = 1e-6
+REAL_DIFFERENCE_STEP = 1e-6
 """Relative change of a parameter over which a force that overflows inside does not change."""
 
 
@@ -62,7 +62,7 @@ class ExpressionModel:
     @property
     def column_names(self) -> tuple[str, ...]:
         """The columns with results of physics that the model needs, besides the factors."""
-        return tuple(COLUMNS[name] for name in COLUMNS if name in self.parsed.names)
+        return tuple(PHYSICS_COLUMNS[name] for name in PHYSICS_COLUMNS if name in self.parsed.names)
 
     @property
     def factor_names(self) -> tuple[str, ...]:
@@ -71,7 +71,7 @@ class ExpressionModel:
         A position is always two of them; Cartesian unless the expression is in polar form. Results
         of physics depend on all factors.
         """
-        used = {FACTORS[name] for name in FACTORS if name in self.parsed.names}
+        used = {FACTOR_OF_NAME[name] for name in FACTOR_OF_NAME if name in self.parsed.names}
         polar, cartesian = used & {*POLAR, "phi_rad"}, used & set(CARTESIAN) or self.column_names
         return ("h0_m", "hv_m", *(POLAR if polar else CARTESIAN if cartesian else ()))
 
@@ -114,12 +114,12 @@ class ExpressionModel:
         """
         theta = np.asarray(theta, dtype=float)
         value = self.evaluate(theta, factors)
-        step = STEP * np.where(theta == 0, 1.0, np.abs(theta))
+        step = COMPLEX_STEP * np.where(theta == 0, 1.0, np.abs(theta))
         turned = self.parsed.evaluate(**self._inputs(theta + 1j * np.diag(step), factors))
         slopes = np.broadcast_to(turned.imag / step[:, None], (len(theta), len(factors))).T
         if not np.all(np.isfinite(slopes)):
             # A part that overflows has no derivative, where the force has one: 1/(1 + exp(1000)).
-            change = np.diag(DIFFERENCE / STEP * step)
+            change = np.diag(REAL_DIFFERENCE_STEP / COMPLEX_STEP * step)
             ahead, behind = (self.evaluate(theta + way * change, factors).T for way in (1, -1))
             flat = (ahead == value[:, None]) & (behind == value[:, None])
             slopes = np.where(flat & ~np.isfinite(slopes), 0.0, slopes)
@@ -149,7 +149,7 @@ class ExpressionModel:
         """Values of the points by their names in the expression."""
         return {
             name: factors.column(column)
-            for name, column in (FACTORS | COLUMNS).items()
+            for name, column in (FACTOR_OF_NAME | PHYSICS_COLUMNS).items()
             if name in self.parsed.names
         }
 
@@ -168,46 +168,46 @@ def _degree(expression: Expression, parameters: tuple[str, ...]) -> float:
     return fold(expression.root, lambda leaf: float(leaf in parameters), degree)
 
 
-def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> ExpressionModel:
+def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> ExpressionModel:
     """A model from its entry in a library.
 
     ``expression`` is its formula and ``parameters`` lists parameters that are not called t0, t1,
     …, or maps parameters to their units; units that are not given are inferred. ``constants`` are
-    numbers with units by their names. ``place`` is where the entry stands, for messages.
+    numbers with units by their names. ``source`` is where the entry stands, for messages.
     Raises InputError naming the place, for an invalid expression or one whose units do not fit.
     """
     declared = settings.get("parameters", {})
-    known = (*FACTORS, *COLUMNS)
+    known = (*FACTOR_OF_NAME, *PHYSICS_COLUMNS)
     for parameter in declared:
         if parameter in known or not re.fullmatch(r"[a-z][a-z0-9_]*", parameter):
             raise InputError(
-                f"{place}.parameters: {parameter!r} cannot name a parameter; take letters, digits "
+                f"{source}.parameters: {parameter!r} cannot name a parameter; take letters, digits "
                 f"and _, and none of {', '.join(known)}"
             )
     usual = tuple(f"t{index}" for index in range(MOST_PARAMETERS))
     given = settings.get("constants", {})
-    constants = constants_of(given, names=(*known, *declared, *usual), place=place)
-    where = f"{place}.expression"
+    constants = constants_of(given, names=(*known, *declared, *usual), place=source)
+    where = f"{source}.expression"
     expression = parse(
         settings["expression"],
         names=(*known, *declared, *usual),
         known=", ".join((*known, *declared, "pi", "and the parameters t0, t1, …")),
-        place=where,
+        source=where,
         constants=constants,
     )
     for parameter in declared:
         if parameter not in expression.names:
-            raise InputError(f"{place}.parameters: {parameter!r} does not occur in the expression")
+            raise InputError(f"{source}.parameters: {parameter!r} does not occur in the expression")
     parameters = tuple(
-        dict.fromkeys((*declared, *(each for each in usual if each in expression.names)))
+        dict.fromkeys((*declared, *(symbol for symbol in usual if symbol in expression.names)))
     )
     units = {
         name: UNITS_OF_SUFFIX.get(column.rsplit("_", 1)[-1], "1")
-        for name, column in (FACTORS | COLUMNS).items()
+        for name, column in (FACTOR_OF_NAME | PHYSICS_COLUMNS).items()
     }
     if isinstance(declared, Mapping):
         units |= {key: str(unit) for key, unit in declared.items() if unit is not None}
-    inferred = parameter_units(expression, units=units, parameters=parameters, place=where)
+    inferred = parameter_units(expression, units=units, parameters=parameters, source=where)
     return ExpressionModel(
         name=name,
         parsed=expression,
@@ -222,22 +222,22 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
 @cache
 def library() -> Mapping[str, ExpressionModel]:
     """The models of models.yaml, by name."""
-    entries = yaml.safe_load(LIBRARY.read_text(encoding="utf-8"))
-    return {name: make_model(name, entry, place=name) for name, entry in entries.items()}
+    entries = yaml.safe_load(LIBRARY_FILE.read_text(encoding="utf-8"))
+    return {name: make_model(name, entry, source=name) for name, entry in entries.items()}
 
 
 def get_model(
-    name: str, own: Mapping[str, OwnModel] = MappingProxyType({}), *, place: object = ""
+    name: str, own: Mapping[str, OwnModel] = MappingProxyType({}), *, source: object = ""
 ) -> ExpressionModel:
     """A model of the library or of a study by its name; ``two-factor`` is ``two_factor``.
 
-    ``own`` is the section ``models`` of a study's configuration, ``place`` the file for messages.
+    ``own`` is the section ``models`` of a study's configuration, ``source`` the file for messages.
     Raises InputError for an unknown name, and where one of the study's own is invalid.
     """
     name = name.replace("-", "_")
     if name in own:
         entry = own[name].model_dump(exclude_none=True)
-        return make_model(name, entry, place=f"{place}: models.{name}")
+        return make_model(name, entry, source=f"{source}: models.{name}")
     if name not in library():
         raise InputError(f"model {name!r} is unknown; known are {', '.join((*own, *library()))}")
     return library()[name]
@@ -255,12 +255,12 @@ def check_models(study: Study) -> None:
             raise InputError(
                 f"{path}: models.{name}: the library has a model of this name; take another"
             )
-        get_model(name, own, place=path)
+        get_model(name, own, source=path)
     for section, named in (("comparison", study.comparison), ("refine", study.refine)):
-        for space in SPACES:
+        for space in FACTOR_SPACES:
             for name in named.of(space):
                 with naming(f"{path}: {section}.{space}"):
-                    get_model(name, own, place=path)
+                    get_model(name, own, source=path)
 
 
 def check_columns(model: ExpressionModel, factors: Factors) -> None:

@@ -15,7 +15,7 @@ from numpy.polynomial import chebyshev
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
 from squeezefilm.film.positions import form_of
-from squeezefilm.models.data import SLACK, Array, Factors
+from squeezefilm.models.data import RANGE_SLACK, Array, Factors
 
 AXES = ("h0_m", "epsilon_square")
 """And the two of the position."""
@@ -65,25 +65,29 @@ class LimitTable(BaseModel):
         values = {**factors.columns, "epsilon_square": factors.epsilon**2}
         inside = ~np.any(list(Factors(values).outside(self.axes).values()), axis=0)
         if "phi_deg" in self.axes:  # every direction is the same at the centre
-            at_centre = factors.phi_r_m <= SLACK * self.axes["phi_r_m"][1]
+            at_centre = factors.phi_r_m <= RANGE_SLACK * self.axes["phi_r_m"][1]
             values["phi_deg"] = np.where(at_centre, self.axes["phi_deg"][0], factors.phi_deg)
         low, high = np.array(list(self.axes.values())).T[:, :, None]
         at, half = np.array([values[axis] for axis in self.axes]), (high - low) / 2
-        places = np.clip((at - (high + low) / 2) / np.where(half > 0, half, np.inf), -1.0, 1.0)
+        table_coordinates = np.clip(
+            (at - (high + low) / 2) / np.where(half > 0, half, np.inf), -1.0, 1.0
+        )
         columns = {
-            name: np.where(inside, factors.epsilon**2 * _sums(table, places), np.nan)
+            name: np.where(inside, factors.epsilon**2 * _sums(table, table_coordinates), np.nan)
             for name, table in self.tables.items()
         }
         columns["sigma"] = self.sigma_h0_square_m2 / factors.h0_m**2
         return Factors({**factors.columns, **columns}, factors.position)
 
 
-def _sums(table: Array, places: Array) -> Array:
+def _sums(table: Array, table_coordinates: Array) -> Array:
     """Sums of Chebyshev polynomials with a table of coefficients, at places (4, n) in [-1, 1]."""
     parts = []
-    for some in np.array_split(places, range(BATCH, places.shape[1], BATCH), axis=1):
+    for batch in np.array_split(
+        table_coordinates, range(BATCH, table_coordinates.shape[1], BATCH), axis=1
+    ):
         part = table[None]
-        for place, points in zip(some[::-1], table.shape[::-1], strict=True):
-            part = np.einsum("n...d,nd->n...", part, chebyshev.chebvander(place, points - 1))
+        for coordinate, points in zip(batch[::-1], table.shape[::-1], strict=True):
+            part = np.einsum("n...d,nd->n...", part, chebyshev.chebvander(coordinate, points - 1))
         parts.append(part)
     return np.concatenate(parts)

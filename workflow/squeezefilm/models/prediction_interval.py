@@ -36,9 +36,9 @@ from squeezefilm.models.force_model import ExpressionModel
 
 SCAN_LEVEL = 0.95
 """Level at which the uncertainty of a measured profile is stated."""
-FLAT = 0.1
+LEAST_FORCE_FRACTION = 0.1
 """Constant part of the scale over the mean force, where no residual tells it."""
-NORMAL = {0.95: 1.959964, 0.99: 2.575829}
+NORMAL_QUANTILES = {0.95: 1.959964, 0.99: 2.575829}
 """Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
 THIRDS = ("low", "middle", "high")
 FACTOR_WORDS = {
@@ -50,8 +50,8 @@ FACTOR_WORDS = {
     "y_m": ("y", "mm", 1e3, "position of the pad along y"),
 }
 """Symbol, unit with its size, and meaning."""
-QUANTITIES = {name: meaning for name, (*_, meaning) in FACTOR_WORDS.items()}
-QUANTITIES["epsilon"] = "ratio hv/h0"
+MEANINGS = {name: meaning for name, (*_, meaning) in FACTOR_WORDS.items()}
+MEANINGS["epsilon"] = "ratio hv/h0"
 
 
 class PredictionInterval(BaseModel):
@@ -115,8 +115,8 @@ class PredictionInterval(BaseModel):
     def error_n(self, force_n: ArrayLike, *, level: float = 0.95) -> Array:
         """Half width in newtons at modelled forces, shape (n,); NaN where it is infinite."""
         parts = self.error_95 if level == 0.95 else self.error_99
-        constant, share = parts or (np.nan, np.nan)
-        return constant + share * np.abs(np.asarray(force_n, dtype=float))
+        constant, relative = parts or (np.nan, np.nan)
+        return constant + relative * np.abs(np.asarray(force_n, dtype=float))
 
     def outside(self, factors: Factors) -> list[str]:
         """Factors of each point outside the declared space, empty where there are none."""
@@ -155,8 +155,8 @@ def held_out_predictions(
         return predicted
     for fold in np.unique(folds):
         out = folds == fold
-        found = local_fit(model, factors.take(~out), force[~out], theta)
-        predicted[out] = model.evaluate(found, factors.take(out))
+        fold_theta = local_fit(model, factors.take(~out), force[~out], theta)
+        predicted[out] = model.evaluate(fold_theta, factors.take(out))
     return predicted
 
 
@@ -197,20 +197,21 @@ def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float
     """Constant a in newtons and share b of a scale a + b·|force| of a model's errors.
 
     From the residuals at held-out points, shape (n,), by non-negative least squares on
-    their magnitudes. Without any (NaN) the share is 1 and the constant FLAT of the mean force.
+    their magnitudes. Without any (NaN) the share is 1 and the constant LEAST_FORCE_FRACTION of the
+    mean force.
     """
     from scipy.optimize import nnls  # slow to import
 
-    residual, force = (np.abs(np.asarray(each, dtype=float)) for each in (residual_n, force_n))
+    residual, force = (np.abs(np.asarray(values, dtype=float)) for values in (residual_n, force_n))
     mean, known = float(force.mean()), np.isfinite(residual)
     residual, force = residual[known], force[known]
     largest = float(np.max(force, initial=0.0))
     if not largest or not np.any(residual):
-        return FLAT * mean, 1.0
+        return LEAST_FORCE_FRACTION * mean, 1.0
     columns = np.column_stack([np.ones(len(force)), force / largest])
-    (constant, share), _ = nnls(columns, residual)
+    (constant, relative), _ = nnls(columns, residual)
     # A scale of zero at zero force would leave the errors there without a finite score.
-    return max(float(constant), 1e-3 * float(residual.mean())), float(share) / largest
+    return max(float(constant), 1e-3 * float(residual.mean())), float(relative) / largest
 
 
 def ranking_half(points: int) -> NDArray[np.bool_]:
@@ -239,17 +240,17 @@ def measured_interval(
         profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %.
     """
     model, force, own = np.array([model_n, force_n, force_error_n], dtype=float)
-    constant, share = scale
-    score = (np.abs(model - force) + own) / (constant + share * np.abs(model))
+    constant, relative = scale
+    score = (np.abs(model - force) + own) / (constant + relative * np.abs(model))
     score[~np.isfinite(score)] = np.inf
     ranking = ranking_half(len(score))
     calibration = np.append(np.sort(score[~ranking]), np.inf)
     errors, quantiles = [], []
-    for level, normal in NORMAL.items():
+    for level, normal in NORMAL_QUANTILES.items():
         quantiles.append(quantile := calibration[ceil(len(calibration) * level) - 1])
-        scan = profile_uncertainty * normal / NORMAL[SCAN_LEVEL]
+        scan = profile_uncertainty * normal / NORMAL_QUANTILES[SCAN_LEVEL]
         known = np.isfinite(quantile)
-        errors.append((constant * quantile, share * quantile + scan) if known else None)
+        errors.append((constant * quantile, relative * quantile + scan) if known else None)
     inside = np.isfinite(score) & (score <= quantiles[0])
     return PredictionInterval(
         ranges=dict(ranges),
@@ -291,10 +292,10 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
         raise InputError("error by region: no error is known, or all are zero")
     worst: dict[str, tuple[float, str]] = {}
     for name, third, inside in regions(factors):
-        share = float(squares[inside].sum() / squares.sum())
-        if share > worst.get(name, (0.0, ""))[0]:
-            worst[name] = share, f"{third} third of the {QUANTITIES[name]}"
-    ordered = sorted(worst.values(), key=lambda each: -each[0])[:2]
+        fraction = float(squares[inside].sum() / squares.sum())
+        if fraction > worst.get(name, (0.0, ""))[0]:
+            worst[name] = fraction, f"{third} third of the {MEANINGS[name]}"
+    ordered = sorted(worst.values(), key=lambda fraction_and_region: -fraction_and_region[0])[:2]
     return "; ".join(
-        f"{share:.0%} of the squared error lies in the {where}" for share, where in ordered
+        f"{fraction:.0%} of the squared error lies in the {where}" for fraction, where in ordered
     )

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SAME, MOST_STEPS = 1e-8, 200
+SIMPLEX_TOLERANCE, MOST_STEPS = 1e-8, 200
 """Distance of a simplex's corners at its end; most of its steps per dimension, as SciPy has it."""
-LEAST_FALL, CRAWLING = 1e-12, 1e-7
+LEAST_FALL, LEAST_FALL_UNENDED = 1e-12, 1e-7
 """Shares by which a simplex has to fall to be started anew: one that ended, and one whose steps ran
 out, as in a valley that leads to infinity."""
-STEPS = np.array([1.0, 2.0, 0.5, -0.5])[:, None, None]
+SIMPLEX_STEPS = np.array([1.0, 2.0, 0.5, -0.5])[:, None, None]
 """From the centre away from the worst corner: reflection, expansion, contractions on both sides."""
 CROSSOVER_INDEX, MUTATION_INDEX, MOST_CHANGED = 15.0, 20.0, 0.9
 """Distribution indices η; the share of pairs that are crossed, and of candidates that mutate."""
@@ -23,7 +23,7 @@ Objective = Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """Result of a search: the best candidate, its value and the evaluations made."""
 
     x: Array
@@ -40,7 +40,7 @@ def genetic_search(
     population: int = 40,
     first: int = 10_000,
     generations: int = 20,
-) -> Found:
+) -> SearchResult:
     """A rough minimum of objective over a box by a genetic algorithm.
 
     objective takes a population of shape (m, d), m even, and returns m values, all finite. The best
@@ -61,7 +61,9 @@ def genetic_search(
         x, values = np.concatenate([x, children]), np.append(values, objective(children))
         best = np.argsort(values, kind="stable")[:population]
         x, values = x[best], values[best]
-    return Found(x=x[0], value=float(values[0]), evaluations=first + population * (generations - 1))
+    return SearchResult(
+        x=x[0], value=float(values[0]), evaluations=first + population * (generations - 1)
+    )
 
 
 def _children(
@@ -128,7 +130,7 @@ def mutation(x: Array, lower: Array, upper: Array, random: np.random.Generator) 
     return mutants
 
 
-def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> list[Found]:
+def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> list[SearchResult]:
     """Local minima next to starts, shape (k, d), by Nelder-Mead simplexes side by side.
 
     objective is that of genetic_search. A simplex can collapse before it arrives, so it is started
@@ -146,9 +148,12 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
         fell = before - lower_value
         x[falling] = np.where((fell > 0)[:, None], lower, x[falling])
         value[falling] = np.where(fell > 0, lower_value, value[falling])
-        least = np.where(ended, LEAST_FALL, CRAWLING) * value[falling] + 1e-26
+        least = np.where(ended, LEAST_FALL, LEAST_FALL_UNENDED) * value[falling] + 1e-26
         falling = falling[fell > least]
-    return [Found(*each) for each in zip(x, value.tolist(), evaluations.tolist(), strict=True)]
+    return [
+        SearchResult(*minimum)
+        for minimum in zip(x, value.tolist(), evaluations.tolist(), strict=True)
+    ]
 
 
 def _simplexes(
@@ -158,34 +163,35 @@ def _simplexes(
     whether it ended before its steps did, shape (k,).
 
     Each is number by number that of scipy.optimize.minimize with its usual coefficients: it ends
-    where its corners are as close as SAME and their values as the tolerance, shape (k,). All points
-    that a step may need are evaluated in one call, for it is the calls that take long.
+    where its corners are as close as SIMPLEX_TOLERANCE and their values as the tolerance, shape
+    (k,). All points that a step may need are evaluated in one call, for it is the calls that take
+    long.
     """
     count, size = starts.shape
     corners = np.repeat(starts[:, None], size + 1, axis=1)
     axes = np.arange(size)
     corners[:, axes + 1, axes] = np.where(starts == 0, 0.00025, 1.05 * starts)
     values = objective(corners.reshape(-1, size)).reshape(count, size + 1)
-    evaluations, each = np.full(count, size + 1), np.arange(count)[:, None]
+    evaluations, simplex_rows = np.full(count, size + 1), np.arange(count)[:, None]
     for iteration in range(MOST_STEPS * size):
         order = np.argsort(values, axis=1)
-        corners, values = corners[each, order], values[each, order]
-        apart = np.abs(corners[:, 1:] - corners[:, :1]).max(axis=(1, 2)) > SAME
+        corners, values = corners[simplex_rows, order], values[simplex_rows, order]
+        apart = np.abs(corners[:, 1:] - corners[:, :1]).max(axis=(1, 2)) > SIMPLEX_TOLERANCE
         apart |= np.abs(values[:, 1:] - values[:, :1]).max(axis=1) > tolerance
         now = np.flatnonzero(apart)
         if not len(now) or iteration == MOST_STEPS * size - 1:
             break
         best, second, worst = values[now][:, [0, -2, -1]].T
         centre, last = corners[now, :-1].sum(axis=1) / size, corners[now, -1]
-        tried = (1 + STEPS) * centre - STEPS * last
-        tried_value = objective(tried.reshape(-1, size)).reshape(len(STEPS), -1)
+        tried = (1 + SIMPLEX_STEPS) * centre - SIMPLEX_STEPS * last
+        tried_value = objective(tried.reshape(-1, size)).reshape(len(SIMPLEX_STEPS), -1)
         reflected = tried_value[0]
         # A second step unless the reflection is kept: outwards, or to either side of the centre.
         step = np.where(reflected < best, 1, np.where(reflected < worst, 2, 3))
         step[(reflected >= best) & (reflected < second)] = 0
         evaluations[now] += 1 + (step > 0)
         # An expansion has to be better than the reflection, a contraction at least as good.
-        value = tried_value[step, each[: len(now), 0]]
+        value = tried_value[step, simplex_rows[: len(now), 0]]
         step[(step == 1) & (value >= reflected)] = 0
         shrinks = np.where(step == 2, value > reflected, (step == 3) & (value >= worst))
         kept, step = np.flatnonzero(~shrinks), step[~shrinks]

@@ -12,7 +12,12 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.states import MOST_TOGETHER, alike, remainder, with_states
+from squeezefilm.quantities.states import (
+    MOST_TOGETHER,
+    groups_on_equal_grids,
+    remainder,
+    with_states,
+)
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -25,10 +30,10 @@ LEAST_TOLERANCE = 1e-8
 # without it 15 of 5156 of 200 random films were off by up to 8 times their error.
 FRACTION_OF_OTHERS = 0.3
 # Half of the difference, over the number's unit, and what third order misses of the quotient.
-STEP, STEP_MISSES = 3e-5, 1e-6
+DIFFERENCE_STEP, DIFFERENCE_STEP_ERROR = 3e-5, 1e-6
 # Fraction of the tolerance, times the step, that the iterations of the two films may leave.
-LEFT = 0.1
-NOT_FOUND = "not converged: a film beside this one, for the derivatives"
+ITERATION_FRACTION_OF_STEP = 0.1
+NEIGHBOUR_NOT_CONVERGED = "not converged: a film beside this one, for the derivatives"
 
 
 def with_derivatives(
@@ -51,16 +56,18 @@ def with_derivatives(
     solutions = Solutions.of(solutions)
     known = np.flatnonzero(np.isfinite(solutions.force_n))
     films = Scenes.of(scenes)[known]
-    found = [Derivatives(status="no force")] * len(solutions)
+    results = [Derivatives(status="no force")] * len(solutions)
     solved = with_states(films, solutions[known], tolerance=tolerance, device=device)
     for row, status in zip(known.tolist(), solved.status, strict=True):
-        found[row] = Derivatives(status=status)
+        results[row] = Derivatives(status=status)
     device = device or choose_device()
-    for rows in alike(films, solved, numbers=MOST_TOGETHER):
+    for rows in groups_on_equal_grids(films, solved, numbers=MOST_TOGETHER):
         how: dict[str, Any] = {"tolerance": tolerance, "device": device, "names": names}
-        for row, each in zip(rows, _derivatives(films[rows], solved[rows], **how), strict=True):
-            found[known[row]] = each
-    return solutions.with_column("derivatives", found)
+        for row, derivatives_of_scene in zip(
+            rows, _derivatives(films[rows], solved[rows], **how), strict=True
+        ):
+            results[known[row]] = derivatives_of_scene
+    return solutions.with_column("derivatives", results)
 
 
 def _derivatives(
@@ -106,7 +113,7 @@ def _growths(
         if number not in names:
             continue
         beside = [
-            moved(scene, number, sign * STEP * _unit(scene, number))
+            with_number_changed(scene, number, sign * DIFFERENCE_STEP * _unit(scene, number))
             for sign in (1, -1)
             for scene in scenes
         ]
@@ -117,7 +124,9 @@ def _growths(
             continue
         if all(_equation(a) == _equation(b) for a, b in zip(ahead, behind, strict=True)):
             wider, narrower = scale.reshape(2, -1)
-            growth[k] = solutions.force_n * (wider - narrower) / (wider + narrower) / STEP
+            growth[k] = (
+                solutions.force_n * (wider - narrower) / (wider + narrower) / DIFFERENCE_STEP
+            )
             missed[k] = 0.0
             continue
         if refused_on_grid(beside[0], terms_of(beside[0])):
@@ -125,22 +134,22 @@ def _growths(
         states = solve_batch(
             beside,
             grid,
-            tolerance=LEFT * STEP * tolerance,
+            tolerance=ITERATION_FRACTION_OF_STEP * DIFFERENCE_STEP * tolerance,
             device=device,
             guess=np.concatenate([state, state]),
         )
         known = states.status == 0
         forces_n = np.where(known, states.mean * scale, np.nan).reshape(2, -1)
-        left_n = (states.said["residual"] * scale).reshape(2, -1).sum(axis=0) / scenes.narrowest
-        growth[k] = (forces_n[0] - forces_n[1]) / (2 * STEP)
-        missed[k] = left_n / (2 * STEP) + STEP_MISSES * np.abs(growth[k])
+        left_n = (states.results["residual"] * scale).reshape(2, -1).sum(axis=0) / scenes.narrowest
+        growth[k] = (forces_n[0] - forces_n[1]) / (2 * DIFFERENCE_STEP)
+        missed[k] = left_n / (2 * DIFFERENCE_STEP) + DIFFERENCE_STEP_ERROR * np.abs(growth[k])
     return growth, missed
 
 
 def _equation(scene: Scene) -> object:
     """All that a scene's dimensionless equation depends on."""
     scenes = Scenes.of([scene])
-    return numbers_table(scenes, terms_of(scene)).tobytes(), scenes.places[0]
+    return numbers_table(scenes, terms_of(scene)).tobytes(), scenes.pad_positions[0]
 
 
 def _record(
@@ -151,10 +160,11 @@ def _record(
     # A gas with thermal effects has no other polytropic exponent: that derivative alone is missing.
     needed = asked & np.array([name != "polytropic_exponent" for name in DERIVATIVES])
     if not np.isfinite(error[needed]).all():
-        return Derivatives(status=NOT_FOUND)
+        return Derivatives(status=NEIGHBOUR_NOT_CONVERGED)
     units, pad = [_unit(scene, number) for number in DERIVATIVES], scene.pad
     values, errors = (
-        dict(zip(DERIVATIVES, (each / units).tolist(), strict=True)) for each in (growth, error)
+        dict(zip(DERIVATIVES, (numbers / units).tolist(), strict=True))
+        for numbers in (growth, error)
     )
     values["x_m"], values["y_m"] = pad.turned(values["x_m"], values["y_m"])
     from_x, from_y = pad.turned(errors["x_m"], 0.0), pad.turned(0.0, errors["y_m"])
@@ -162,7 +172,7 @@ def _record(
     return Derivatives(value=values, error=errors, status="ok")
 
 
-def moved(scene: Scene, number: str, by: float) -> Scene:
+def with_number_changed(scene: Scene, number: str, by: float) -> Scene:
     """The scene with another number; ``x_m`` and ``y_m`` are along the pad's own axes."""
     if number in ("x_m", "y_m"):
         x_m, y_m = scene.pad.turned(*((by, 0.0) if number == "x_m" else (0.0, by)))

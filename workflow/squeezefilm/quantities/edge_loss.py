@@ -36,7 +36,7 @@ COEFFICIENTS = (1.0, 1.54)
 # Relative error of the force that an iteration of the state may leave.
 STATE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
-SETTLED, MOST_STEPS = 3e-3, 30
+CONVERGED_CHANGE, MOST_STEPS = 3e-3, 30
 # A pressure on the edge over the ambient one in whose effects higher orders do not count.
 SMALL = 1e-3
 # Both ends of an axis.
@@ -46,7 +46,7 @@ ENDS = np.array([0.0, 1.0])
 def mean_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
-    """Return what the edge loss changes of the forces, over them, and the errors of that.
+    """Return the relative changes of the forces by the edge loss, and their errors.
 
     Args:
         solutions: of the scenes, with their states on two grids.
@@ -59,7 +59,7 @@ def mean_changes(
     changes = changes_with_errors(
         scenes, solutions, on_grid, changes=len(COEFFICIENTS), tolerance=STATE_TOLERANCE
     )
-    changes[1] += SETTLED * np.abs(changes[0])
+    changes[1] += CONVERGED_CHANGE * np.abs(changes[0])
     return changes
 
 
@@ -101,7 +101,7 @@ def _changes_on_grid(
         step, moved = np.ones(len(scenes)), np.full(len(scenes), np.inf)
         for _ in range(MOST_STEPS):
             new = film.pressure_of_inflow(state, edge, coefficient)
-            moves = [each - known for each, known in zip(new, edge, strict=True)]
+            moves = [pressure - known for pressure, known in zip(new, edge, strict=True)]
             before, moved = moved, np.max([_largest(move) for move in moves], axis=0)
             # High harmonics of a large loss overshoot.
             step = np.where(moved > before, step / 4, step)
@@ -110,7 +110,9 @@ def _changes_on_grid(
             new_state, mean_with_loss = film.solve(state, tried, device)
             failed = np.isnan(mean_with_loss)
             last, change = change, np.where(failed, change, mean_with_loss / mean - 1)
-            settled = ~failed & (np.abs(change - last) <= step * SETTLED / 2 * np.abs(change))
+            settled = ~failed & (
+                np.abs(change - last) <= step * CONVERGED_CHANGE / 2 * np.abs(change)
+            )
             # Where Newton's method does not follow, a shorter step is tried.
             keep = failed[:, None, None, None]
             edge = [np.where(keep, known, new) for known, new in zip(edge, tried, strict=True)]
@@ -140,9 +142,9 @@ class EdgeFilms:
         gap = fields.gap
         # Over h0, on the nodes that are solved for, and at each axis' ends.
         self.gap = gap[:, grid.x.inner, grid.y.inner]
-        self.gap_at_ends = [gap[:, _ends(grid.x)][:, :, grid.y.inner]]
+        self.gap_at_ends = [gap[:, _end_nodes(grid.x)][:, :, grid.y.inner]]
         if len(self.axes) == 2:
-            ends_of_y = gap[:, grid.x.inner][:, :, _ends(self.axes[1])]
+            ends_of_y = gap[:, grid.x.inner][:, :, _end_nodes(self.axes[1])]
             self.gap_at_ends.append(ends_of_y.swapaxes(1, 2))
 
     def ambient(self) -> list[np.ndarray]:
@@ -170,18 +172,18 @@ class EdgeFilms:
         """Return the pressure on the edge by the velocity of a state that has some pressure there.
 
         Args:
-            unknowns: overpressure and deficits of the velocity, (scenes, fields, nx, ny, times).
+            unknowns: gauge pressure and deficits of the velocity, (scenes, fields, nx, ny, times).
         """
         pressures = []
         for k, (axis, gap, at_ends) in enumerate(
             zip(self.axes, self.gap_at_ends, edge, strict=True)
         ):
-            ends = _ends(axis)
+            ends = _end_nodes(axis)
             slope = axis.derivative[ends] / self.lengths[k]
             field = np.moveaxis(unknowns[:, 0], 1 + k, 1)
             inner = axis.fold(slope[:, 1:-1], rows=len(ends))
             gradient = np.einsum("en,snqt->seqt", inner, field)
-            gradient += np.einsum("ef,sfqt->seqt", _of_ends(slope, axis), at_ends)
+            gradient += np.einsum("ef,sfqt->seqt", _end_columns(slope, axis), at_ends)
             mass = gap * (1 + at_ends) ** (1 / self.exponent)
             mobility = gap**2 * flow_over_viscous(self.numbers, mass)
             velocity = -mobility / self.numbers["sigma"][:, None, None, None] * gradient
@@ -213,7 +215,7 @@ class EdgeFilms:
 
     def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
         """Return what a pressure on the edge adds, by the kernels' names of arrays."""
-        found = {name: np.zeros_like(self.gap) for name in ("edge_flow", *EDGE_PRESSURE)}
+        array_of_name = {name: np.zeros_like(self.gap) for name in ("edge_flow", *EDGE_PRESSURE)}
         flows = self._flow_at_ends(edge)
         for k, (axis, name) in enumerate(zip(self.axes, "xy", strict=False)):
             length = self.lengths[k]
@@ -226,12 +228,12 @@ class EdgeFilms:
                 field = np.einsum("nf,sfqt->snqt", matrix, at_ends)
                 return np.moveaxis(field, 1, 1 + k)
 
-            found[f"edge_values_{name}"] = spread(_of_ends(values, axis), edge[k])
-            found[f"edge_slope_{name}"] = spread(_of_ends(slope, axis), edge[k])
+            array_of_name[f"edge_values_{name}"] = spread(_end_columns(values, axis), edge[k])
+            array_of_name[f"edge_slope_{name}"] = spread(_end_columns(slope, axis), edge[k])
             for term, at_ends in enumerate(flows[k]):
                 power = self.gap ** (0.5 * (3 - term))
-                found["edge_flow"] += power * spread(_of_ends(second, axis), at_ends)
-        return found
+                array_of_name["edge_flow"] += power * spread(_end_columns(second, axis), at_ends)
+        return array_of_name
 
     def _flow_at_ends(self, edge: list[np.ndarray]) -> list[list[np.ndarray]]:
         """v of each flow term on the edge, c_k H^((3−k)/2) (g_k(P) − g_k(1)), for each axis."""
@@ -255,14 +257,14 @@ class EdgeFilms:
         """Return the part of the mean pressure that the edge's nodes have, (scenes,)."""
         along_x, along_y = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
         inner_x, inner_y = along_x[self.grid.x.inner], along_y[self.grid.y.inner]
-        ends = along_x[_ends(self.grid.x)]
+        ends = along_x[_end_nodes(self.grid.x)]
         area = np.ones((len(ends), len(inner_y)))
         if self.grid.outline:
             area = np.asarray(self.grid.area(np.array([0.0, 1.0])))[: len(ends)]
             area = area * self.grid.mean_area
         mean = np.einsum("seqt,e,q,eq->s", edge[0], ends, inner_y, area)
         if len(self.axes) == 2:
-            mean += np.einsum("seqt,e,q->s", edge[1], along_y[_ends(self.axes[1])], inner_x)
+            mean += np.einsum("seqt,e,q->s", edge[1], along_y[_end_nodes(self.axes[1])], inner_x)
         return np.asarray(mean / self.grid.nt)
 
 
@@ -271,12 +273,12 @@ def _largest(values: np.ndarray) -> np.ndarray:
     return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1))
 
 
-def _ends(axis: Axis) -> list[int]:
+def _end_nodes(axis: Axis) -> list[int]:
     """The nodes of an axis at its ends; one of a folded axis, whose ends are alike."""
     return [0] if axis.folded else [0, -1]
 
 
-def _of_ends(matrix: np.ndarray, axis: Axis) -> np.ndarray:
-    """The columns of a matrix on all nodes for what stands at the ends."""
+def _end_columns(matrix: np.ndarray, axis: Axis) -> np.ndarray:
+    """Return the columns of a matrix on all nodes that multiply the values at the ends."""
     ends = matrix[:, [0, -1]]
     return ends.sum(axis=1, keepdims=True) if axis.folded else ends

@@ -1,6 +1,6 @@
 """Fields of films on the host: gap, mass, velocity by pressure, and their derivatives on one grid.
 
-Every field has the shape (scenes, x, y, t), rim nodes included, a vector field (2, scenes, x, y,
+Every field has the shape (scenes, x, y, t), edge nodes included, a vector field (2, scenes, x, y,
 t). Lengths in units of the pad's x side, time of 1/ω, pressure and density of ambient ones. Under
 an outline vectors are along its coordinates, times |dz/dζ|, and sources of mass times J, both over
 the typical (reynolds/terms/outline.py).
@@ -39,8 +39,10 @@ class Fields:
     ``number``.
     """
 
-    def __init__(self, scenes: Sequence[Scene], grid: Grid, overpressure: np.ndarray) -> None:
-        """Args: overpressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
+    def __init__(
+        self, scenes: Sequence[Scene], grid: Grid, gauge_pressure_ratio: np.ndarray
+    ) -> None:
+        """Args: gauge pressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
         self.grid, scenes = grid, Scenes.of(scenes)
         self.equation = numbers_table(scenes, terms_of_all(scenes))
         self.lengths = grid.lengths(scenes[0].aspect)
@@ -56,7 +58,7 @@ class Fields:
         moving = self.number(self.equation["epsilon"]) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         self.gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
-        self.overpressure = self.on_all_nodes(overpressure)
+        self.gauge_pressure_ratio = self.on_all_nodes(gauge_pressure_ratio)
 
     def number(self, values: np.ndarray) -> np.ndarray:
         """One number of each scene, to go with fields."""
@@ -68,7 +70,7 @@ class Fields:
         return self.number(self.equation[name] if known else np.full(len(self.equation), absent))
 
     def on_all_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Values at the unknowns with zeros on the rim."""
+        """Values at the unknowns with zeros on the edge."""
         everywhere = np.zeros(self.gap.shape)
         everywhere[self.inner] = values
         return everywhere
@@ -79,7 +81,10 @@ class Fields:
 
     @cached_property
     def density(self) -> np.ndarray:
-        exponent, pressure = self.numbers("inverse_exponent", absent=1.0), 1 + self.overpressure
+        exponent, pressure = (
+            self.numbers("inverse_exponent", absent=1.0),
+            1 + self.gauge_pressure_ratio,
+        )
         return pressure if np.all(exponent == 1) else np.asarray(pressure**exponent)
 
     @cached_property
@@ -90,13 +95,16 @@ class Fields:
     @cached_property
     def pressure_rate(self) -> np.ndarray:
         """∂P/∂T."""
-        return self.t_derivative(self.overpressure)
+        return self.t_derivative(self.gauge_pressure_ratio)
 
     @cached_property
     def slope(self) -> np.ndarray:
         """∇P."""
         return np.stack(
-            [self.x_derivative(self.overpressure), self.y_derivative(self.overpressure)]
+            [
+                self.x_derivative(self.gauge_pressure_ratio),
+                self.y_derivative(self.gauge_pressure_ratio),
+            ]
         )
 
     @cached_property

@@ -32,21 +32,21 @@ from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import Solution
 
 # Relative errors of the forces whose differences are effects. The next is taken where an error is
-# more than a fraction of the largest effect, unless a force took more operations than DEAR, a
-# fraction of a second.
-TOLERANCES, EFFECT_TOLERANCE, DEAR = (1e-3, 1e-4, 1e-5), 0.003, 2e9
+# more than a fraction of the largest effect, unless a force took more operations than
+# EXPENSIVE_OPERATIONS, a fraction of a second.
+TOLERANCES, EFFECT_TOLERANCE, EXPENSIVE_OPERATIONS = (1e-3, 1e-4, 1e-5), 0.003, 2e9
 # Scenes whose budgets are solved for together, so that not all states are held.
 MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
-OPEN: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
+AUTO_TERMS: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
 OF_SLIDING = ("sheared_gas", "moving_profile", "ram_pressure")
-NAMES = (
-    *(*OPEN, "depth_averaged", *OF_SLIDING),
+EFFECT_NAMES = (
+    *(*AUTO_TERMS, "depth_averaged", *OF_SLIDING),
     *("slip", "flow_factor", "edge_loss", "bearing"),
 )
 # Name of all neglected effects at once, where each alone was solved for.
-TOGETHER = "all effects together"
+ALL_EFFECTS = "all effects together"
 
 
 class Effect(NamedTuple):
@@ -63,7 +63,7 @@ class Effect(NamedTuple):
     included: bool = False
 
 
-UNKNOWN, NONE = Effect(nan), Effect(0.0, 0.0)
+UNKNOWN_EFFECT, NO_EFFECT = Effect(nan), Effect(0.0, 0.0)
 # Relative changes of forces by effects beside their states, and the errors, (2, changes).
 Changes = dict[str, dict[Scene, np.ndarray]]
 
@@ -73,10 +73,10 @@ class ErrorBudget:
     """The effects on one scene's force.
 
     Attributes:
-        effects: by NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction, between
-            walls at ambient temperature; ``depth_averaged``, error of both as averages over the
-            gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as the
-            scene has it; ``flow_factor``, its difference from that; ``edge_loss`` for C = 1.
+        effects: by EFFECT_NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction,
+            between walls at ambient temperature; ``depth_averaged``, error of both as averages over
+            the gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as
+            the scene has it; ``flow_factor``, its difference from that; ``edge_loss`` for C = 1.
 
             Of a sliding pad: ``bearing``; ``sheared_gas``, inertia and heat beside those of the
             flow by pressure; ``moving_profile``, motion of the profile past the pad;
@@ -87,7 +87,9 @@ class ErrorBudget:
         status: ``ok``, or why there are none.
     """
 
-    effects: Mapping[str, Effect] = field(default_factory=lambda: dict.fromkeys(NAMES, UNKNOWN))
+    effects: Mapping[str, Effect] = field(
+        default_factory=lambda: dict.fromkeys(EFFECT_NAMES, UNKNOWN_EFFECT)
+    )
     edge_loss_upper_percent: float = nan
     modelling_error_percent: tuple[float, float] = (nan, nan)
     status: str = "ok"
@@ -102,7 +104,7 @@ class ErrorBudget:
         """The names of neglected effects that could not be solved for, or that of all together."""
         alone = [name for name, effect in self.neglected.items() if isnan(effect.percent)]
         together_known = isfinite(sum(self.modelling_error_percent))
-        return alone if alone or together_known else [TOGETHER]
+        return alone if alone or together_known else [ALL_EFFECTS]
 
     @property
     def higher_orders_percent(self) -> float:
@@ -147,7 +149,7 @@ def ambient_slip_coefficient(scene: Scene) -> float:
 
 
 class FilmWithEffects:
-    """The scenes whose forces tell a scene's budget.
+    """The variants of a scene whose forces give its error budget.
 
     Attributes:
         scene: whose budget it is.
@@ -168,7 +170,7 @@ class FilmWithEffects:
         self.scene = scene
         self.without: dict[str, Scene] = {
             name: scene.with_gas(**{name: "none"})
-            for name in OPEN
+            for name in AUTO_TERMS
             if getattr(gas, name) == "included"
         }
         if gas.rarefaction != "none":
@@ -179,7 +181,7 @@ class FilmWithEffects:
         self.reference = scene.with_gas(rarefaction="slip") if slipping else scene
         self.alone: dict[str, Scene] = {}
         self.unsolvable: list[str] = []
-        for name in OPEN:
+        for name in AUTO_TERMS:
             if getattr(gas, name) == "included":
                 continue
             with_effect = self.reference.with_gas(**{name: "included"})
@@ -191,7 +193,7 @@ class FilmWithEffects:
         if gas.rarefaction == "none":
             slip = {"rarefaction": "slip", "slip_coefficient": ambient_slip_coefficient(scene)}
             self.alone["slip"] = scene.with_gas(**slip)
-        included = {name: "included" for name in OPEN if name in self.alone}
+        included = {name: "included" for name in AUTO_TERMS if name in self.alone}
         self.together = self.reference.with_gas(**included, **slip)
         viscous = scene.viscous()
         self.flow_factor = (
@@ -212,7 +214,7 @@ class FilmWithEffects:
             (self.scene, self.without[name])
             if name in self.without
             else (self.alone.get(name, self.reference), self.reference)
-            for name in OPEN
+            for name in AUTO_TERMS
         ]
 
     @property
@@ -228,7 +230,7 @@ class FilmWithEffects:
 
     @property
     def scenes(self) -> list[Scene]:
-        """All of them; some may be the same."""
+        """Return all variants; equal ones may occur."""
         scenes = [*self.neighbours, *self.without.values()]
         if self.still:
             scenes += [self.still.together, *sum(self.still.by_gas, ())]
@@ -284,7 +286,9 @@ def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> boo
     forces_n = [solutions[each].force_n for each in film.neighbours]
     error_n = max(solution.force_error_n for solution in known)
     dearest = max(solution.work for solution in known)
-    return dearest > DEAR or error_n <= EFFECT_TOLERANCE * (max(forces_n) - min(forces_n))
+    return dearest > EXPENSIVE_OPERATIONS or error_n <= EFFECT_TOLERANCE * (
+        max(forces_n) - min(forces_n)
+    )
 
 
 def _budget(
@@ -305,13 +309,13 @@ def _budget(
         per_force = 100 / own.force_n
         return per_force * (one.force_n - other.force_n), abs(per_force) * error_n
 
-    effects = dict.fromkeys(NAMES, NONE)
+    effects = dict.fromkeys(EFFECT_NAMES, NO_EFFECT)
     for name, without in film.without.items():
         effects[name] = Effect(*change(scene, without), included=True)
     for name, with_effect in film.alone.items():
         effects[name] = Effect(*change(with_effect, film.reference))
     for name in film.unsolvable:
-        effects[name] = UNKNOWN
+        effects[name] = UNKNOWN_EFFECT
     effects["depth_averaged"] = Effect(*depth_averaging_percent(film.together))
     (edge, edge_upper), (edge_error, _) = 100 * changes["edge_loss"][scene]
     effects["edge_loss"] = Effect(float(edge), float(edge_error))
@@ -375,7 +379,7 @@ def _effects_of_sliding(
         "ram_pressure": Effect(0.0, abs(ram) + ram_error),
     }
     return {
-        name: effect if isfinite(effect.error_percent) else UNKNOWN
+        name: effect if isfinite(effect.error_percent) else UNKNOWN_EFFECT
         for name, effect in effects.items()
     }
 
@@ -383,17 +387,17 @@ def _effects_of_sliding(
 # Mean force of a square piston at second order of small motion, over ε² and p0 times the pad's
 # area, with the depth-averaged terms and resolved across the gap: isothermal velocity; or, where
 # thermal is 1, temperature too (Pr 0.71, γ 1.4, κ 0.7; the solver's averaged force at ε = 0.005).
-TABLE = Path(__file__).with_name("depth_averaged.csv")
+DEPTH_AVERAGING_TABLE = Path(__file__).with_name("depth_averaged.csv")
 # Below THICK_SIGMA strips that resolve the profiles were compared up to this Re, and no further.
 MOST_REYNOLDS_THICK = 2.0
 # By how much the change may be off, as a share of the largest at the same Re, for ε → 0 and for
 # each unit of ε: 288 strips that resolve the profiles, piston and sinc, ε 0.02–0.8, σ 0.5–1e4.
-OFF, OFF_PER_EPSILON = 0.7, 1.0
-OFF_THICK, OFF_THICK_PER_EPSILON = 2.0, 5.0
+DEPTH_ERROR_FRACTION, DEPTH_ERROR_PER_EPSILON = 0.7, 1.0
+DEPTH_ERROR_FRACTION_THICK, DEPTH_ERROR_THICK_PER_EPSILON = 2.0, 5.0
 
 
 def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
-    """Return what resolving the profiles across the gap changes of a scene's force, and its error.
+    """Return a force's change (%) by profiles resolved across the gap, and its error.
 
     An estimate for depth-averaged inertia and thermal effects: a parabola stands for each profile.
     The error grows as Re² at first and depends little on the squeeze number. At Re 40 it is 2.9 to
@@ -405,7 +409,7 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
         and beyond Re 2 below its σ. Where no sign is known, the change is 0 and its error up to its
         size: below the table's σ, and for thermal effects alone.
     """
-    inertia, thermal = (getattr(scene.gas, name) == "included" for name in OPEN)
+    inertia, thermal = (getattr(scene.gas, name) == "included" for name in AUTO_TERMS)
     reynolds, sigma = scene.modified_reynolds, scene.sigma
     if not (inertia or thermal):
         return 0.0, 0.0
@@ -417,9 +421,11 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
     along = reynolds**2 * np.array(per_square)
     largest = float(np.abs(along).max())
     if thick or not inertia:
-        return 0.0, largest * (OFF_THICK + OFF_THICK_PER_EPSILON * scene.epsilon)
+        return 0.0, largest * (
+            DEPTH_ERROR_FRACTION_THICK + DEPTH_ERROR_THICK_PER_EPSILON * scene.epsilon
+        )
     change = float(np.interp(sigma**-0.5, nodes, along))
-    return change, largest * (OFF + OFF_PER_EPSILON * scene.epsilon)
+    return change, largest * (DEPTH_ERROR_FRACTION + DEPTH_ERROR_PER_EPSILON * scene.epsilon)
 
 
 @lru_cache(maxsize=2)
@@ -428,7 +434,7 @@ def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.n
 
     For thin layers the change goes by powers of 1/√σ, so that two columns give that of σ → ∞.
     """
-    table = np.genfromtxt(TABLE, delimiter=",", names=True)
+    table = np.genfromtxt(DEPTH_AVERAGING_TABLE, delimiter=",", names=True)
     table = table[table["thermal"] == thermal]
     reynolds, sigma = np.unique(table["reynolds"]), np.unique(table["sigma"])[::-1]
     change = 100 * (table["resolved"] / table["averaged"] - 1) / table["reynolds"] ** 2
@@ -440,7 +446,7 @@ def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.n
 
 # Change of the force, relative, below which a term that is ``auto`` is not included. The forces
 # that show it are solved to it, and to this fraction of it where that leaves it open.
-MODEL_TOLERANCE, DECIDING = 1e-3, 0.1
+MODEL_TOLERANCE, DECIDING_FRACTION = 1e-3, 0.1
 
 
 def resolve_auto_terms(
@@ -465,7 +471,7 @@ def solve_auto_terms(
     method: str = "auto",
     device: Device | None = None,
 ) -> tuple[Scenes | Sequence[Scene], dict[int, Solution]]:
-    """The scenes with each term of OPEN ``included`` or ``none`` in the place of ``auto``.
+    """The scenes with each term of AUTO_TERMS ``included`` or ``none`` in the place of ``auto``.
 
     Terms are excluded where the force without them differs by less than the model tolerance,
     relative, from that with all of them, both solved for; and where the method or the scene's other
@@ -496,7 +502,7 @@ def solve_auto_terms(
         solutions = solve(films, tolerance=tolerance, method="periodic", device=device)
         return dict(zip(terms, solutions, strict=True))
 
-    rough, fine = model_tolerance, DECIDING * model_tolerance
+    rough, fine = model_tolerance, DECIDING_FRACTION * model_tolerance
     every = {row: names for row, names in enumerate(needed) if names}
     full = solved(every, min(max(tolerance, fine), rough))
     # Where that has no force, all terms stay, and the scene's own solution says why.
@@ -523,9 +529,13 @@ def solve_auto_terms(
                 elif change_n - error_n < limit_n:
                     undecided.append(row)
     chosen = list(zip(index.tolist(), needed, strict=True))
-    places = {choice: place for place, choice in enumerate(dict.fromkeys(chosen))}
-    films = tuple(_with_terms(closed.films[film], included) for film, included in places)
-    decided = replace(scenes, films=films, film_index=np.array([places[each] for each in chosen]))
+    index_of_choice = {
+        choice: choice_index for choice_index, choice in enumerate(dict.fromkeys(chosen))
+    }
+    films = tuple(_with_terms(closed.films[film], included) for film, included in index_of_choice)
+    decided = replace(
+        scenes, films=films, film_index=np.array([index_of_choice[choice] for choice in chosen])
+    )
     return decided, {row: full[row] for row in kept if tolerance >= fine}
 
 
@@ -542,7 +552,7 @@ AnyFilm = TypeVar("AnyFilm", Scene, Film)
 
 
 def _auto(scene: Scene | Film) -> list[str]:
-    return [name for name in OPEN if getattr(scene.gas, name) == "auto"]
+    return [name for name in AUTO_TERMS if getattr(scene.gas, name) == "auto"]
 
 
 def _closed(scene: AnyFilm) -> AnyFilm:
@@ -558,7 +568,7 @@ def _refused(scene: Scene, name: str, method: str) -> str:
     """Return the reason why the method does not support a term; empty if it does."""
     scene = _closed(scene).with_gas(**{name: "included"})
     if method == "composite":
-        derived = OPEN[name].IN_EXPANSIONS
+        derived = AUTO_TERMS[name].IN_EXPANSIONS
         return "" if derived else "the composite expansion is not derived with it"
     return refused_on_grid(scene, terms_of(scene))
 

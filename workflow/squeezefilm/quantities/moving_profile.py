@@ -18,7 +18,7 @@ from functools import partial
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.derivatives import moved
+from squeezefilm.quantities.derivatives import with_number_changed
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.states import changes_with_errors, solved_beside
 from squeezefilm.reynolds.device import Device
@@ -59,7 +59,7 @@ def _on_grid(
     """Changes of the mean pressure over it, and what orders above the second may add."""
     count = len(scenes)
     films = [
-        moved(scene, "x_m", steps * DISTANCE * scene.pad.length_x_m)
+        with_number_changed(scene, "x_m", steps * DISTANCE * scene.pad.length_x_m)
         for steps in range(-2, 3)
         for scene in scenes
     ]

@@ -20,7 +20,7 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.states import remainder, weights_with_edge, with_states
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
+from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUND_OFF_FACTOR
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.plan import plan_of
@@ -41,13 +41,13 @@ from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
 # A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
-TIGHTER, MOST_REPEATED = 1 / 30, 3
+TIGHTER_FACTOR, MOST_REPEATED = 1 / 30, 3
 # No output changes less than this share of the largest change among those alike, each over its
 # size: it may agree by chance, or be small because its parts cancel.
-SHARE_OF_OTHERS = 0.3
+LEAST_FRACTION_OF_OTHERS = 0.3
 # An extreme is one value of a polynomial, which nothing averages: the worst of 600 random films at
 # 1e-2 needed 2.8 times what its change and the iteration left.
-EXTREMES = 4.0
+EXTREMES_FACTOR = 4.0
 # Distance of the points whose gaps' difference is a slope, of the pad's length: waves as long as
 # a tenth of it are missed by 4e-9, and as little is rounded where the surface hardly moves.
 SLOPE_STEP = 3e-4
@@ -61,7 +61,7 @@ MOMENTS, GUARD, FORCE = 3, "guard", "force"
 FROM_STATE = frozenset(OUTPUTS) - {"static_stiffness"}
 QUARTERS = np.pi / 2 * np.arange(4)
 # Numbers, each with its error, and the reason for each missing output.
-Found = tuple[dict[str, tuple[float, float]], dict[str, str]]
+ValuesAndReasons = tuple[dict[str, tuple[float, float]], dict[str, str]]
 
 
 def with_outputs(
@@ -83,17 +83,17 @@ def with_outputs(
         return solutions
     known = np.flatnonzero(np.isfinite(solutions.force_n))
     films, forces = Scenes.of(scenes)[known], solutions[known]
-    parts: list[Found] = [({}, {})] * len(known)
+    parts: list[ValuesAndReasons] = [({}, {})] * len(known)
     if FROM_STATE & set(asked):
         within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
         parts = _from_states(films, forces, tolerance=within, device=device)
     if "static_stiffness" in asked:
         more = static_stiffness(films, forces, tolerance=tolerance, device=device)
         parts = [(one | other, a | b) for (one, a), (other, b) in zip(parts, more, strict=True)]
-    found = [Outputs.of(asked, {}, dict.fromkeys(OUTPUTS, "no force"))] * len(solutions)
+    outputs_of_row = [Outputs.of(asked, {}, dict.fromkeys(OUTPUTS, "no force"))] * len(solutions)
     for row, (values, missing) in zip(known.tolist(), parts, strict=True):
-        found[row] = Outputs.of(asked, values, missing)
-    return solutions.with_column("outputs", found)
+        outputs_of_row[row] = Outputs.of(asked, values, missing)
+    return solutions.with_column("outputs", outputs_of_row)
 
 
 def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
@@ -109,53 +109,57 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
 
 def _without_formula(scene: Scene) -> dict[str, str]:
     """Return the reason for each missing or partial output, by its name in OUTPUTS."""
-    found = {}
+    reasons = {}
     if scene.epsilon == 0:
-        found["harmonics"] = "stiffness and damping are not known of a surface at rest"
+        reasons["harmonics"] = "stiffness and damping are not known of a surface at rest"
     elif np.abs(gap_motion(scene, *scene.inside())[2]).max() > NEGLIGIBLE * scene.epsilon:
-        found["harmonics"] = "stiffness and damping are of a surface with one quadrature component"
+        reasons["harmonics"] = (
+            "stiffness and damping are of a surface with one quadrature component"
+        )
     if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
-        found["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
+        reasons["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
     elif scene.bearing_number != 0 and scene.gas.inertia == "included":
-        found["thrust"] = (
+        reasons["thrust"] = (
             "the momentum of gas that a sliding wall drags is not derived; gas.inertia: none has "
             "the thrust without it"
         )
-    return found
+    return reasons
 
 
 def _from_states(
     scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
-) -> list[Found]:
+) -> list[ValuesAndReasons]:
     """All outputs that follow from a periodic state, or why there are none."""
-    found: dict[int, Found] = {}
+    outputs_of_row: dict[int, ValuesAndReasons] = {}
     waiting, solved = np.arange(len(scenes)), solutions
     for repeated in range(1 + MOST_REPEATED):
-        within = tolerance * TIGHTER**repeated
+        within = tolerance * TIGHTER_FACTOR**repeated
         solved = with_states(scenes[waiting], solved, tolerance=within, device=device)
         further = []
         for row, k in enumerate(waiting.tolist()):
             if not solved.states[row]:
-                found.setdefault(k, _refused(solved.status[row]))
+                outputs_of_row.setdefault(k, _refused(solved.status[row]))
                 continue
             try:
                 alone = scenes[k : k + 1], solved[row : row + 1]
-                found[k], holds = _outputs_of(*alone, tolerance=tolerance)
+                outputs_of_row[k], holds = _outputs_of(*alone, tolerance=tolerance)
             except Exception as error:  # that of one film is no one else's
-                found[k], holds = _refused(unexpected(error)), True
+                outputs_of_row[k], holds = _refused(unexpected(error)), True
             if not holds:
                 further.append(k)
         if not further:
             break
         waiting, solved = np.array(further), Solutions.of_method("periodic", len(further))
-    return [found[k] for k in range(len(scenes))]
+    return [outputs_of_row[k] for k in range(len(scenes))]
 
 
-def _refused(reason: str) -> Found:
+def _refused(reason: str) -> ValuesAndReasons:
     return {}, dict.fromkeys(FROM_STATE, reason)
 
 
-def _outputs_of(scenes: Scenes, solutions: Solutions, *, tolerance: float) -> tuple[Found, bool]:
+def _outputs_of(
+    scenes: Scenes, solutions: Solutions, *, tolerance: float
+) -> tuple[ValuesAndReasons, bool]:
     """Outputs of one film from its states on two grids, and whether they hold the tolerance."""
     (scene,), (states,) = scenes, solutions.states
     before, film = (Sample(scene, state) for state in states)
@@ -163,44 +167,46 @@ def _outputs_of(scenes: Scenes, solutions: Solutions, *, tolerance: float) -> tu
     largest = max(film.largest, -film.least)
     left += ROUND_OFF * largest
     # What rounding and the iteration leave is no reason for a finer grid.
-    allowed = ROUNDED * ROUND_OFF * largest / (1 - scene.closure()) + left
+    allowed = ROUND_OFF_FACTOR * ROUND_OFF * largest / (1 - scene.closure()) + left
     coarse, fine = weights_of(before), weights_of(film)
     size = {name: film.size(weight) for name, weight in fine.items()}
     # The value of each number and its error.
-    found = {name: (film.mean(weight), 0.0) for name, weight in fine.items()}
+    values = {name: (film.mean(weight), 0.0) for name, weight in fine.items()}
     holds, least = True, 0.0
     for first_harmonics in (False, True):
         # Those that ask for harmonics are of first order in the amplitude, the others of second.
-        alike = [n for n, w in fine.items() if bool(np.any(w[1:])) == first_harmonics and size[n]]
-        change = {n: abs(found[n][0] - before.mean(coarse[n])) / size[n] for n in alike}
-        scale = max((abs(found[n][0]) / size[n] for n in alike), default=0.0)
+        comparable = [
+            n for n, w in fine.items() if bool(np.any(w[1:])) == first_harmonics and size[n]
+        ]
+        change = {n: abs(values[n][0] - before.mean(coarse[n])) / size[n] for n in comparable}
+        scale = max((abs(values[n][0]) / size[n] for n in comparable), default=0.0)
         most = max(change.values(), default=0.0)
-        least = max(least, SHARE_OF_OTHERS * most)
+        least = max(least, LEAST_FRACTION_OF_OTHERS * most)
         holds &= factor * most <= tolerance * scale + allowed
-        for n in alike:
-            error = factor * max(change[n], SHARE_OF_OTHERS * most) + left
-            found[n] = found[n][0], size[n] * error
+        for n in comparable:
+            error = factor * max(change[n], LEAST_FRACTION_OF_OTHERS * most) + left
+            values[n] = values[n][0], size[n] * error
     ambient, missing = scene.gas.ambient_pressure_pa, _without_formula(scene)
     ends = [(film.largest, before.largest), (film.least, before.least)]
     change_of_ends = max([least * largest, *(abs(a - b) for a, b in ends)])
     for name, (peak, _) in zip(OUTPUTS["extremes"], ends, strict=True):
-        found[name] = ambient * peak, ambient * EXTREMES * (factor * change_of_ends + left)
-    (force, doubt), speed = found[FORCE], scene.actuator.angular_frequency_rad_per_s
+        values[name] = ambient * peak, ambient * EXTREMES_FACTOR * (factor * change_of_ends + left)
+    (force, doubt), speed = values[FORCE], scene.actuator.angular_frequency_rad_per_s
     for name, moment, sign in (("centre_x", "moment_y", -1), ("centre_y", "moment_x", 1)):
         if abs(force) > 2 * doubt:  # without a force it acts nowhere
-            place, error = sign * found[moment][0] / force, found[moment][1]
-            found[name] = place, (error + abs(place) * doubt) / (abs(force) - doubt)
+            arm, error = sign * values[moment][0] / force, values[moment][1]
+            values[name] = arm, (error + abs(arm) * doubt) / (abs(force) - doubt)
     if "harmonics" not in missing:
         for name, part, per in (
             ("film_stiffness", "force_in_phase", scene.hv_m),
             ("film_damping", "force_quadrature", scene.hv_m * speed),
         ):
-            found[name] = -found[part][0] / per, found[part][1] / per
+            values[name] = -values[part][0] / per, values[part][1] / per
     drag = _couette(film)
     # Slip goes by the density.
     change_of_drag = max(abs(drag - _couette(before)), least * 2 * scene.slip_knudsen * abs(drag))
-    found["sliding_friction"] = drag, factor * change_of_drag + ROUND_OFF * abs(drag)
-    parts = [found["sliding_friction"], (0.0, 0.0)]
+    values["sliding_friction"] = drag, factor * change_of_drag + ROUND_OFF * abs(drag)
+    parts = [values["sliding_friction"], (0.0, 0.0)]
     if scene.gas.inertia == "included":  # half of what leaves is taken from the pad
         # Share of it that warm gas would change: twice its warming where it streams.
         heats = scene.gas.thermal == "included"
@@ -212,23 +218,26 @@ def _outputs_of(scenes: Scenes, solutions: Solutions, *, tolerance: float) -> tu
             parts[k] = parts[k][0] - other / 2, parts[k][1] + off / 2
     x, y = scene.pad.turned(1.0, 0.0)
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
-        for (drawn, off), share in zip(parts, turned, strict=True):
-            found[name] = found[name][0] + share * drawn, found[name][1] + abs(share) * off
+        for (drawn, off), component in zip(parts, turned, strict=True):
+            values[name] = (
+                values[name][0] + component * drawn,
+                values[name][1] + abs(component) * off,
+            )
     if "thrust" in missing:
-        del found["thrust_x"], found["thrust_y"]
+        del values["thrust_x"], values["thrust_y"]
         if scene.gas.rarefaction == "fukui-kaneko":
-            del found["sliding_friction"]
-    return (found, missing), holds
+            del values["sliding_friction"]
+    return (values, missing), holds
 
 
 def _couette(film: Sample) -> float:
-    """μ U ⟨1/(h + 2 σ λ)⟩ times the area: of a wall that drags the gas, with slip at both walls."""
+    """Couette drag μ U ⟨1/(h + 2 σ λ)⟩ times the area in newtons, with slip at both walls."""
     scene = film.scene
     if scene.bearing_number == 0:
         return 0.0
     gap = scene.gap(film.x, film.y, film.phases)
     if scene.gas.rarefaction == "slip":
-        density = (1 + film.overpressure) ** (1 / scene.gas.polytropic_exponent)
+        density = (1 + film.gauge_pressure_ratio) ** (1 / scene.gas.polytropic_exponent)
         gap = gap + 2 * scene.slip_knudsen / density
     shear = scene.gas.viscosity_pa_s * scene.pad.speed_x_m_per_s / scene.h0_m
     return float(shear * scene.pad.area_m2 * (film.weights @ (1 / gap)).mean())
@@ -243,7 +252,7 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
     _, sine, cosine = gap_motion(scene, film.x, film.y)
     speed = scene.h0_m * scene.actuator.angular_frequency_rad_per_s
     # Shear at the pad's wall by the flow that pressure drives, −(h/2) ∇p, in the mean over the
-    # pad ½ ⟨p ∇h⟩ as p vanishes on the rim; and pressure on the wall's own slope, −⟨p ∇g⟩, g being
+    # pad ½ ⟨p ∇h⟩ as p vanishes on the edge; and pressure on the wall's own slope, −⟨p ∇g⟩, g being
     # the gap at rest.
     lengths = pad.length_x_m, pad.length_y_m
     thrust_x, thrust_y = pad.turned(
@@ -271,24 +280,24 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
 
 
 class Sample:
-    """One film at all nodes of its state's grid, those of the rim and of mirror images among them.
+    """One film at all nodes of its state's grid, those of the edge and of mirror images among them.
 
     In an outline's or a disc's coordinates each place lies at two points.
 
     Attributes:
         x, y: points across the pad in [0, 1], shape (Q,).
         weights: of the mean over the pad, sum 1.
-        overpressure: P − 1 at the points and equidistant instants from phase 0, (Q, instants).
+        gauge pressure: P − 1 at the points and equidistant instants from phase 0, (Q, instants).
         largest, least: of P − 1 over pad and period.
         images: the places of each point's mirror images among the points, itself included.
-        momentum_n: what leaves over the rim along the pad's x and y, of a gas with inertia.
+        momentum_n: what leaves over the edge along the pad's x and y, of a gas with inertia.
     """
 
     def __init__(self, scene: Scene, state: States) -> None:
         grid, outline = state.grid, state.grid.outline
         mirrored: list[Any]
-        # With zeros on the rim; what is not among the unknowns is an image.
-        in_x, in_y = (each.at(each.all_nodes) for each in (grid.x, grid.y))
+        # With zeros on the edge; what is not among the unknowns is an image.
+        in_x, in_y = (axis.at(axis.all_nodes) for axis in (grid.x, grid.y))
         field = np.einsum("pa,abi,qb->pqi", in_x, state.unknowns[0], in_y, optimize=True)
         along_x = weights_with_edge(axis(grid.x.full_points, folded=False))
         if grid.radial:
@@ -296,7 +305,7 @@ class Sample:
             weights = np.multiply.outer(np.append(half, half[::-1]), np.full(4, 1 / 4))
             mirrored = list(grid.around.mirrored)
         elif outline:
-            mu, nu = outline.rim * (2 * grid.x.all_nodes[:, None] - 1), grid.y.all_nodes
+            mu, nu = outline.edge_mu * (2 * grid.x.all_nodes[:, None] - 1), grid.y.all_nodes
             density = outline.stretch(mu, nu) / outline.mean_stretch
             weights = along_x[:, None] * density / len(nu)
             mirrored = list(grid.around.mirrored)
@@ -304,14 +313,14 @@ class Sample:
             along_y = weights_with_edge(axis(grid.y.full_points, folded=False))
             weights = np.multiply.outer(along_x, along_y)
             mirrored = [slice(None, None, -1)] * grid.y.folded
-        places = np.arange(weights.size).reshape(weights.shape)
+        node_indices = np.arange(weights.size).reshape(weights.shape)
         flips = grid.x.folded and grid.coordinates is None
-        images = [places, np.flip(places, axis=0)] if flips else [places]
+        images = [node_indices, np.flip(node_indices, axis=0)] if flips else [node_indices]
         for order in mirrored:
-            images += [each[:, order] for each in images]
+            images += [image[:, order] for image in images]
 
         self.scene, self.weights, (self.x, self.y) = scene, weights.ravel(), grid.positions
-        self.overpressure = field.reshape(-1, grid.nt)
+        self.gauge_pressure_ratio = field.reshape(-1, grid.nt)
         self.images = [image.ravel() for image in images]
         axes = grid.x, grid.y, grid.t
         self.largest = _extreme(field, axes, sign=1)
@@ -321,14 +330,14 @@ class Sample:
 
     @cached_property
     def phases(self) -> np.ndarray:
-        return period(self.overpressure.shape[1]).nodes
+        return period(self.gauge_pressure_ratio.shape[1]).nodes
 
     @cached_property
     def pressure(self) -> np.ndarray:
-        """p₀, p₁, p₂, shape (3, Q)."""
+        """Pressure's mean and its factors of sin T and cos T at the points, shape (3, Q)."""
         phases = self.phases
         parts = np.stack([np.ones_like(phases), 2 * np.sin(phases), 2 * np.cos(phases)])
-        return np.asarray((self.overpressure @ parts.T).T / len(phases))
+        return np.asarray((self.gauge_pressure_ratio @ parts.T).T / len(phases))
 
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -353,7 +362,7 @@ class Sample:
         return float(_product(weight, self.pressure) @ self.weights)
 
     def size(self, weight: np.ndarray) -> float:
-        """Root of the mean square of such a weight."""
+        """Root mean square of a weight over pad and period."""
         return float(np.sqrt(_product(weight, weight) @ self.weights))
 
 
@@ -369,39 +378,39 @@ def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _extreme(field: np.ndarray, axes: tuple[Axis, Axis | Around, Period], *, sign: int) -> float:
-    """The largest value near the largest at the nodes, of what interpolates sign · field."""
+    """Return the maximum of the interpolant of sign · field near its largest node value."""
     from scipy.optimize import minimize
 
     first, second, in_time = axes
     around = isinstance(second, Around)
     size = np.abs(field).max() or 1.0
 
-    def fallen(place: np.ndarray) -> float:
-        u, v, phase = place[:, None]
+    def fallen(point: np.ndarray) -> float:
+        u, v, phase = point[:, None]
         in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
-        found = second.to_points(v) @ in_u @ in_time.at(phase).T
-        return -sign * found.item() / size
+        minimum = second.to_points(v) @ in_u @ in_time.at(phase).T
+        return -sign * minimum.item() / size
 
     best = np.unravel_index(int(np.argmax(sign * field)), field.shape)
     nodes = first.all_nodes, second.all_nodes, in_time.nodes
-    start = np.array([float(each[k]) for each, k in zip(nodes, best, strict=True)])
-    # On the rim of the pad the pressure is ambient: no extreme but that of a film at rest.
+    start = np.array([float(axis_nodes[k]) for axis_nodes, k in zip(nodes, best, strict=True)])
+    # On the edge of the pad the pressure is ambient: no extreme but that of a film at rest.
     free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
-    found = minimize(fallen, start, bounds=free, options={"ftol": 1e-13})
-    return float(max(sign * field[best], -size * found.fun))
+    minimum = minimize(fallen, start, bounds=free, options={"ftol": 1e-13})
+    return float(max(sign * field[best], -size * minimum.fun))
 
 
 def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float, float]:
-    """Momentum ⟨∮ρ h β ū ū·n⟩ that a gas with inertia carries over the rim, in newtons.
+    """Momentum ⟨∮ρ h β ū ū·n⟩ that a gas with inertia carries over the edge, in newtons.
 
     The momentum equation integrated over gap, pad and period says that both walls together give the
-    gas ⟨∫h∇p⟩ and what leaves over the rim, β = 6/5 for a parabola across the gap; and each gives
+    gas ⟨∫h∇p⟩ and what leaves over the edge, β = 6/5 for a parabola across the gap; and each gives
     half, for the flow is even about the middle of the gap. On a strip with the velocity resolved
     across the gap that was true of the shear at the wall to 2e-6, 1e-5 and 3e-4 of it at Re 0.45,
     1.8 and 7.2, where what leaves is 1.7, 7 and 30 % of the shear.
 
     Args:
-        unknowns: overpressure and the velocity's deficits along x and y (terms/inertia.py), shape
+        unknowns: gauge pressure and the velocity's deficits along x and y (terms/inertia.py), shape
             (3, nx, ny, nt).
     """
     if grid.fold_x and grid.fold_y:  # as much leaves on each side as on the other
@@ -411,16 +420,18 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
     whole = Grid(grid.x.full_points, grid.y.full_points, grid.nt, False, False, grid.outline)
     unfolded = _unfolded(unknowns, grid, whole)
     if outline := grid.outline:
-        along, around = _leaving(scene, whole, unfolded, which=0)[:, 1]
+        along, around = _momentum_flux_at_ends(scene, whole, unfolded, which=0)[:, 1]
         # ū ū·n dl, the velocity being that times |z′| over typical lengths.
-        ways = (along + 1j * around) / outline.slope(np.array(outline.rim), whole.y.nodes).conj()
+        ways = (along + 1j * around) / outline.slope(
+            np.array(outline.edge_mu), whole.y.nodes
+        ).conj()
         around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
         momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
     else:
         momentum_n = np.zeros(2)
         for which, side_m in enumerate((scene.pad.length_y_m, scene.pad.length_x_m)):
             weights = (whole.y, whole.x)[which].weights
-            first, last = (_leaving(scene, whole, unfolded, which=which) @ weights).T
+            first, last = (_momentum_flux_at_ends(scene, whole, unfolded, which=which) @ weights).T
             # Along the axis and across it, in the order of x and y.
             momentum_n += np.roll(last - first, which) * per_length * side_m
     # Of an even film as much leaves on both sides, to both sides.
@@ -444,7 +455,9 @@ def _unfolded(unknowns: np.ndarray, grid: Grid, whole: Grid) -> np.ndarray:
     )
 
 
-def _leaving(scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int) -> np.ndarray:
+def _momentum_flux_at_ends(
+    scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int
+) -> np.ndarray:
     """⟨ρ h β ū_n ū⟩ along an axis and across it, at both of its ends, (2, 2, nodes)."""
     gap, velocity = at_ends(scene, grid, unknowns, which=which)
     # Mean square of a velocity across the gap over the square of its mean: with slip it is
@@ -471,28 +484,28 @@ def at_ends(
     length = grid.lengths(scene.aspect)[which]
     slope = np.tensordot(along.derivative[[0, -1], 1:-1] / length, pressure, axes=1)
     missing = np.tensordot(FluxPoints(along).at(ends), deficit, axes=1)
-    places = np.meshgrid(ends, other.nodes, indexing="ij")
+    coordinates = np.meshgrid(ends, other.nodes, indexing="ij")
     if grid.outline:
-        x, y = grid.outline.positions(*places)
+        x, y = grid.outline.positions(*coordinates)
     else:
-        x, y = places if which == 0 else places[::-1]
+        x, y = coordinates if which == 0 else coordinates[::-1]
     gap = scene.gap(x, y, grid.t.nodes)
     velocity = -gap * (gap + 6 * scene.slip_knudsen) / scene.sigma * slope - missing
-    # No pressure drives gas along the rim: its velocity there is the deficit's alone.
+    # No pressure drives gas along the edge: its velocity there is the deficit's alone.
     near = np.stack([tangential[:4], tangential[:-5:-1]])
-    at_rim = -np.einsum("j,ejai->eai", along.to_end, near)
-    carried = np.einsum("qa,eai->eqi", flux_points(other).to_nodes, at_rim)
+    at_edge = -np.einsum("j,ejai->eai", along.to_end, near)
+    carried = np.einsum("qa,eai->eqi", flux_points(other).to_nodes, at_edge)
     out = np.array([-1, 1])[:, None, None] * velocity / Inertia().numbers(scene)["reversing"]
     return gap, np.stack([velocity, carried * (0.5 + 0.5 * out / np.sqrt(1 + out**2))])
 
 
 # Half the distance of numbers in a difference quotient, relative; taken once more twice as wide,
 # whose difference bounds what the quotient misses.
-STEP, AROUND = 0.01, (-2, -1, 1, 2)
+QUOTIENT_STEP, QUOTIENT_MULTIPLES = 0.01, (-2, -1, 1, 2)
 
 
-def falls(scenes: Sequence[Scene], name: str, **how: Any) -> tuple[np.ndarray, list[str]]:
-    """Forces of scenes, their errors, how they fall as a number rises, and that one's error.
+def negative_slopes(scenes: Sequence[Scene], name: str, **how: Any) -> tuple[np.ndarray, list[str]]:
+    """Return forces F, their errors, −∂F/∂number by difference quotients, and its error.
 
     Args:
         name: of the number, ``h0_m`` or ``hv_m``.
@@ -501,38 +514,42 @@ def falls(scenes: Sequence[Scene], name: str, **how: Any) -> tuple[np.ndarray, l
     Returns:
         The four as rows, (4, n), NaN where a force is missing, and why it is, one text a scene.
     """
-    factors = 1 + STEP * np.array([0, *AROUND])
+    factors = 1 + QUOTIENT_STEP * np.array([0, *QUOTIENT_MULTIPLES])
     count = len(factors)
     unit = np.array([getattr(scene, name) for scene in scenes])
-    moved: list[dict[str, Any]] = [{name: float(each)} for each in np.outer(unit, factors).ravel()]
-    found = solve([replace(scenes[k // count], **each) for k, each in enumerate(moved)], **how)
-    force, a, b, c, d = found.force_n.reshape(len(scenes), count).T
-    errors = found.force_error_n.reshape(len(scenes), count).T
-    narrow, wide = (b - c) / (2 * STEP * unit), (a - d) / (4 * STEP * unit)
+    moved: list[dict[str, Any]] = [
+        {name: float(value)} for value in np.outer(unit, factors).ravel()
+    ]
+    solutions = solve(
+        [replace(scenes[k // count], **change) for k, change in enumerate(moved)], **how
+    )
+    force, a, b, c, d = solutions.force_n.reshape(len(scenes), count).T
+    errors = solutions.force_error_n.reshape(len(scenes), count).T
+    narrow, wide = (b - c) / (2 * QUOTIENT_STEP * unit), (a - d) / (4 * QUOTIENT_STEP * unit)
     # The wide quotient misses four times what the narrow one does.
-    noise = (errors[2] + errors[3]) / (2 * STEP * unit)
+    noise = (errors[2] + errors[3]) / (2 * QUOTIENT_STEP * unit)
     fall, error = narrow + (narrow - wide) / 3, np.abs(narrow - wide) / 3 + 4 / 3 * noise
-    bad = ["" if status == "ok" else status for status in found.status]
+    bad = ["" if status == "ok" else status for status in solutions.status]
     reasons = [max(bad[k : k + count]) for k in range(0, len(bad), count)]
     return np.stack([force, errors[0], fall, error]), reasons
 
 
 def static_stiffness(
     scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
-) -> list[Found]:
+) -> list[ValuesAndReasons]:
     """−∂F/∂h0 with the amplitude kept, by the force's derivative, or by a quotient of four forces.
 
     The scenes' terms must be decided (model_error.py).
     """
-    name, found = "static_stiffness", list[Found]()
+    name, stiffnesses = "static_stiffness", list[ValuesAndReasons]()
     solved = with_derivatives(scenes, solutions, tolerance=tolerance, device=device)
     for scene, known in zip(scenes, solved.derivatives, strict=True):
         bad = ""
         if known.status == "ok":
             value, error = -known.value["h0_m"], known.error["h0_m"]
         else:
-            rows, (bad,) = falls([scene], "h0_m", tolerance=tolerance, device=device)
+            rows, (bad,) = negative_slopes([scene], "h0_m", tolerance=tolerance, device=device)
             value, error = rows[2:, 0].tolist()
-        reason = f"no force at a gap within {2 * STEP:.0%}: {bad}"
-        found.append(({}, {name: reason}) if bad else ({name: (value, error)}, {}))
-    return found
+        reason = f"no force at a gap within {2 * QUOTIENT_STEP:.0%}: {bad}"
+        stiffnesses.append(({}, {name: reason}) if bad else ({name: (value, error)}, {}))
+    return stiffnesses

@@ -12,7 +12,7 @@ from squeezefilm.reynolds.spectral import period
 
 # The pressure at a place is known to about half the digits of its mean: the force is solved for to
 # a power of the tolerance, then to a tenth of that, until no value changes by more than it.
-POWER, LEAST_TOLERANCE, MOST_REPEATED = 1.75, 1e-10, 3
+TOLERANCE_POWER, LEAST_TOLERANCE, MOST_REPEATED = 1.75, 1e-10, 3
 NO_STATE = "no periodic state was found in which the pressure holds the tolerance at every place"
 
 
@@ -25,7 +25,7 @@ def pressure(
     tolerance: float,
     device: Device,
 ) -> tuple[np.ndarray, float]:
-    """The periodic film's overpressure at places x (nx,) and y (ny,) in [0, 1] across the pad.
+    """The periodic film's gauge pressure at places x (nx,) and y (ny,) in [0, 1] across the pad.
 
     In units of the ambient pressure, (instants, ny, nx), NaN outside the pad; and the largest
     change of a value by the last refinement. ``instants`` are equidistant from phase 0 on. No value
@@ -36,7 +36,7 @@ def pressure(
     for repeated in range(1 + MOST_REPEATED):
         (solution,) = solve(
             [scene],
-            tolerance=max(tolerance**POWER, LEAST_TOLERANCE) * 0.1**repeated,
+            tolerance=max(tolerance**TOLERANCE_POWER, LEAST_TOLERANCE) * 0.1**repeated,
             method="periodic",
             device=device,
             keep_states=True,
@@ -44,7 +44,8 @@ def pressure(
         if not solution.states:
             raise RunError(f"{NO_STATE}: {solution.status}" if repeated else solution.status)
         before, values = (
-            _at(state, pad=scene.pad, x=x, y=y, instants=instants) for state in solution.states
+            _interpolated_state(state, pad=scene.pad, x=x, y=y, instants=instants)
+            for state in solution.states
         )
         change = float(np.nanmax(np.abs(values - before)))
         if change <= tolerance * np.nanmax(np.abs(values)):
@@ -52,8 +53,10 @@ def pressure(
     raise RunError(NO_STATE)
 
 
-def _at(state: States, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int) -> np.ndarray:
-    """A state at other places and instants: (instants, y, x)."""
+def _interpolated_state(
+    state: States, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int
+) -> np.ndarray:
+    """Interpolate a state at given positions and instants, (instants, y, x)."""
     grid, field = state.grid, state.unknowns[0]
     in_time = period(grid.nt).at(period(instants).nodes)
     if grid.coordinates is None:
@@ -62,8 +65,8 @@ def _at(state: States, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int)
     across, along = np.meshgrid(x, y)
     inside = pad.within(across, along)
     u, v = grid.coordinates.coordinates(across[inside], along[inside])
-    found = np.einsum("xa,abi->xbi", grid.x.at(u), field)
-    found = np.einsum("xb,xbi->xi", grid.y.at(v), found)
+    values_on_lines = np.einsum("xa,abi->xbi", grid.x.at(u), field)
+    values_on_lines = np.einsum("xb,xbi->xi", grid.y.at(v), values_on_lines)
     values = np.full((instants, *across.shape), np.nan)
-    values[:, inside] = in_time @ found.T
+    values[:, inside] = in_time @ values_on_lines.T
     return values

@@ -36,13 +36,13 @@ from squeezefilm.solution import Solution
 STATE_TOLERANCE = 1e-6
 # What first order misses, over its second order and the sizes of the effects, and the largest
 # second order of which that is known (tests/numerics/data/sheared_strips.csv).
-REMAINDER, MOST_SECOND_ORDER = 0.3, 2.0
+SECOND_ORDER_FACTOR, MOST_SECOND_ORDER = 0.3, 2.0
 
 
 def mean_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
-    """Return what the sliding wall's inertia and heat change of the forces, over them.
+    """Return the relative changes of the forces by inertia and heat of the dragged gas.
 
     Args:
         scenes: with inertia, thermal effects or both, whose gas has no flow factor.
@@ -66,12 +66,12 @@ def mean_changes(
 
 
 def remainder_of(scene: Scene, *, vibrating: float) -> float:
-    """Return what first order misses, over the sizes of the effects of inertia and heat.
+    """Return the bound of the second order over the sizes of the effects of inertia and heat.
 
     Args:
         vibrating: fraction of the effects that is not there in the same film without vibration.
     """
-    widest = float(Scenes.of([scene]).rest_range[1][0]) ** 2
+    widest = float(Scenes.of([scene]).static_gap_range[1][0]) ** 2
     return remainder(
         bearing=abs(scene.bearing_number),
         shear_reynolds=widest * scene.shear_reynolds,
@@ -93,7 +93,7 @@ def remainder(*, bearing: float, shear_reynolds: float, vibrating_reynolds: floa
             adds.
     """
     second_order = shear_reynolds * (1 + bearing) + vibrating_reynolds * bearing / (1 + bearing)
-    return REMAINDER * second_order if second_order <= MOST_SECOND_ORDER else nan
+    return SECOND_ORDER_FACTOR * second_order if second_order <= MOST_SECOND_ORDER else nan
 
 
 def mass_source(films: Fields) -> np.ndarray:

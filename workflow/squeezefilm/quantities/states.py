@@ -16,7 +16,7 @@ from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.spectral import Around, Axis
-from squeezefilm.reynolds.terms import terms_of_each
+from squeezefilm.reynolds.terms import distinct_terms
 from squeezefilm.solution import Solution, Solutions
 
 
@@ -46,7 +46,9 @@ def with_states(
     return solutions.with_rows(missing, solved)
 
 
-def alike(scenes: Scenes, solutions: Solutions, *, numbers: int) -> Iterator[np.ndarray]:
+def groups_on_equal_grids(
+    scenes: Scenes, solutions: Solutions, *, numbers: int
+) -> Iterator[np.ndarray]:
     """The rows of scenes whose states are on the same grids, of like terms and pads.
 
     Args:
@@ -54,7 +56,7 @@ def alike(scenes: Scenes, solutions: Solutions, *, numbers: int) -> Iterator[np.
     """
     if not len(scenes):
         return
-    kinds, kind = terms_of_each(scenes)
+    kinds, kind = distinct_terms(scenes)
     aspect = np.broadcast_to(scenes.aspect, len(scenes))
     groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
     for k, states in enumerate(solutions.states):
@@ -92,16 +94,16 @@ def changes_with_errors(
         Changes and errors, (2, changes, scenes); NaN where a solution has no states.
     """
     scenes, solutions = Scenes.of(scenes), Solutions.of(solutions)
-    found = np.full((2, changes, len(scenes)), np.nan)
-    for rows in alike(scenes, solutions, numbers=MOST_TOGETHER):
+    changes_and_errors = np.full((2, changes, len(scenes)), np.nan)
+    for rows in groups_on_equal_grids(scenes, solutions, numbers=MOST_TOGETHER):
         group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
-            on_grid(group, [each.unknowns for each in states], states[0].grid)
+            on_grid(group, [pair.unknowns for pair in states], states[0].grid)
             for states in zip(*solved.states, strict=True)
         )
         factor, _ = remainder(group, solved, tolerance=tolerance)
-        found[:, :, rows] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
-    return found
+        changes_and_errors[:, :, rows] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
+    return changes_and_errors
 
 
 def solved_beside(

@@ -32,7 +32,7 @@ DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 NODE_CACHE_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
 ALIGNMENT_BYTES = 64
 # Doubles behind an array that kernels may read with the last of it, and not use (vectors.cl).
-PADDING = 8
+PADDING_DOUBLES = 8
 # Host arrays that a pool keeps: how many, and doubles of each.
 MOST_POOLED, LEAST_POOLED, LARGEST_POOLED = 4, 2**17, 2**22
 BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable")
@@ -44,12 +44,12 @@ VECTORS_64 = ("avx512f", "avx512dq", "avx512vl", "avx512bw", "avx512cd", "fma", 
 # compiler, which refuses it (pocl issue 1049), and has no setting for another. The name lies behind
 # a pointer in PoCL's record of the device: there it is replaced by the instruction set that the
 # processor has, in the levels of the x86-64 ABI. Here is what each level adds to the one before.
-LEVELS = {
+INSTRUCTION_SETS = {
     "x86-64-v2": {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3"},
     "x86-64-v3": {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"},
     "x86-64-v4": {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"},
 }
-UNKNOWN = "generic"
+GENERIC_PROCESSOR = "generic"
 CPU_INFO = Path("/proc/cpuinfo")
 # The record's first bytes, among which the pointer is looked for.
 RECORD_BYTES = 1024
@@ -97,7 +97,7 @@ class Device:
             )
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
-        """Groups to launch: no more than scenes, nor than half the memory has room for."""
+        """Return the work-groups to launch: at most one a scene, and within half the memory."""
         room = self.memory_bytes // 2 // workspace_bytes
         return max(1, min(self.groups, scenes, room))
 
@@ -141,7 +141,7 @@ class Device:
         All kernels get the same one, for the queue runs them one after the other, and it is kept:
         new memory is expensive, the system clears its pages first.
         """
-        size = 8 * (numbers + PADDING)
+        size = 8 * (numbers + PADDING_DOUBLES)
         if not self.rooms or self.rooms[0].size < size:
             self.rooms.clear()
             self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
@@ -191,7 +191,7 @@ def choose_device(
 
 @cache
 def _choose_device(wanted: str, work_items: int | None) -> Device:
-    found = []
+    devices = []
     rejected = []
     for device in list_devices():
         name = device_name(device)
@@ -202,16 +202,16 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         elif wanted == "auto" and not device.type & cl.device_type.CPU:
             rejected.append(f"{name} (no processor: name it to take it)")
         else:
-            found.append(device)
-    if not found:
+            devices.append(device)
+    if not devices:
         check_kernel_cache()
         others = "; ".join(rejected) or "none at all"
         raise InputError(
             f"no OpenCL device with double precision matches {wanted!r}; devices found: {others}. "
             'An embedded one comes with: pip install "pyopencl[pocl]"'
         )
-    found.sort(key=lambda device: not device.type & cl.device_type.GPU)
-    device = found[0]
+    devices.sort(key=lambda device: not device.type & cl.device_type.GPU)
+    device = devices[0]
     context = cl.Context([device])
     on_gpu = bool(device.type & cl.device_type.GPU)
     wide = device.native_vector_width_double >= 8
@@ -382,7 +382,7 @@ def known_processor(device: Any) -> str:
     From then on PoCL knows it under that name. Programs are to be built with it among their
     options, for PoCL keeps those of all processors that it does not know under one name.
     """
-    unknown = _of_pocl(device) and device.version.strip().endswith(f"-{UNKNOWN}")
+    unknown = _of_pocl(device) and device.version.strip().endswith(f"-{GENERIC_PROCESSOR}")
     if not (unknown and platform.machine() == "x86_64" and CPU_INFO.exists()):
         return ""
     name = level(processor_flags())
@@ -393,7 +393,7 @@ def known_processor(device: Any) -> str:
 def level(flags: frozenset[str]) -> str:
     """The highest level of which a processor has all."""
     highest = "x86-64"
-    for name, added in LEVELS.items():
+    for name, added in INSTRUCTION_SETS.items():
         if not added <= flags:
             break
         highest = name
@@ -410,16 +410,16 @@ def rename(address: int, name: str) -> bool:
     with Path("/proc/self/mem").open("rb", buffering=0) as memory:
         memory.seek(address)
         record = memory.read(RECORD_BYTES)
-        for place in range(0, len(record) - 7, 8):
-            (pointer,) = struct.unpack_from("=Q", record, place)
+        for offset in range(0, len(record) - 7, 8):
+            (pointer,) = struct.unpack_from("=Q", record, offset)
             try:
                 memory.seek(pointer)
-                text = memory.read(len(UNKNOWN) + 1)
+                text = memory.read(len(GENERIC_PROCESSOR) + 1)
             except (OSError, ValueError, OverflowError):
                 continue
-            if text == UNKNOWN.encode() + b"\0":
+            if text == GENERIC_PROCESSOR.encode() + b"\0":
                 own = library.strdup(name.encode())  # never freed: the device lives as long
-                ctypes.c_uint64.from_address(address + place).value = own
+                ctypes.c_uint64.from_address(address + offset).value = own
                 return True
     return False
 
@@ -429,8 +429,8 @@ def processor_flags() -> frozenset[str]:
     if not CPU_INFO.exists():
         return frozenset()
     lines = CPU_INFO.read_text(encoding="ascii", errors="replace").splitlines()
-    found = next((line for line in lines if line.startswith("flags")), "")
-    return frozenset(found.partition(":")[2].split())
+    flags_line = next((line for line in lines if line.startswith("flags")), "")
+    return frozenset(flags_line.partition(":")[2].split())
 
 
 @contextmanager

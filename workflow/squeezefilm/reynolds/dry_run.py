@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import each_on_its_own, unexpected
+from squeezefilm.errors import retried_singly, unexpected
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.periodic.resolution import first_grids
@@ -43,7 +43,7 @@ def dry_run(
         none = Solution(method=method, status=unexpected(error))
         return _row(none, terms="", absent=(), expected_error=np.nan)
 
-    return each_on_its_own(rows, Scenes.of(scenes), failed=failed)
+    return retried_singly(rows, Scenes.of(scenes), failed=failed)
 
 
 def _row(solution: Solution, *, terms: str, **more: Any) -> dict[str, Any]:

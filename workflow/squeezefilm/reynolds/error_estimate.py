@@ -13,28 +13,28 @@ from squeezefilm.reynolds.terms import Terms, with_velocities
 # counts too, at tolerances of LOOSE_FROM and more, whose grids are coarse. Without it two films
 # (judged_films.csv in tests/numerics/data) are off by up to four times their estimate, with 2 %
 # two others by 1.1 times.
-SIZE_SHARE, LOOSE_FROM = 3e-2, 2e-5
+SIZE_FRACTION, LOOSE_FROM = 3e-2, 2e-5
 # Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
 # by unequal steps: FALL_FACTOR times that is taken, enough for first order. MOST_FALL limits it to
 # thirty times the change, UNKNOWN_FALL to no less than twice, as without two changes.
 FALL_FACTOR = 3.0
 MOST_FALL = 10 / 11
 UNKNOWN_FALL = 0.4
-# While layers at the rim are thinner than nodes lie apart errors go up and down, and a change is
+# While layers at the edge are thinner than nodes lie apart errors go up and down, and a change is
 # small where one turns: the least fall of films with thin layers.
 THIN_LAYER_FALL = 0.5
 # Of a gas with inertia, or that warms, changes creep or fall suddenly, and where waves steepen
 # grids may agree by chance in all moments: so many times the change is taken, whatever its fall.
 VELOCITY_MARGIN = 2.0
-# Round-off: error of the mean overpressure relative to the largest overpressure.
+# Round-off: error of the mean gauge pressure relative to the largest gauge pressure.
 ROUND_OFF = 1e-14
 # How many times that, over the narrowest gap, an error may be whatever the force: what the
 # difference of two grids and an iteration stopped by rounding leave.
-ROUNDED = 4
+ROUND_OFF_FACTOR = 4
 
 
 def estimate(
-    said: np.ndarray,
+    results: np.ndarray,
     before: np.ndarray,
     *,
     scenes: Scenes,
@@ -43,15 +43,15 @@ def estimate(
     least: np.ndarray | float,
     tolerance: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Errors of films' mean overpressures on the last of some grids, and how they changed there.
+    """Errors of films' mean gauge pressures on the last of some grids, and how they changed there.
 
     A change of the mean pressure is known by the largest of its lowest cosine moments, the first of
     which is the force, no less than a share of the size, and by this, the mean of its magnitude
     over the film: no chance makes the size small.
 
     Args:
-        said: what is said of the films on the last grid (``launch.SAID``); the first guess there
-            is the state on the one before.
+        results: what is said of the films on the last grid (``launch.RESULT_ROW``); the first guess
+            there is the state on the one before.
         before: each film's change to the grid before, (2, n); NaN where there is none.
         terms: those of the films.
         of_profile: by which what is missed of the profile falls; 0 for a smooth one.
@@ -61,33 +61,33 @@ def estimate(
         The errors; how large they may be; the changes, (2, n).
     """
     # A mass error w moves the pressure by about n w/H.
-    residual_error = scenes.gas.polytropic_exponent / scenes.narrowest * said["residual"]
-    size, size_before = said["size"], before[1]
-    moment = np.maximum(said["moment"], SIZE_SHARE * size if tolerance >= LOOSE_FROM else 0.0)
-    margin, ratio = margin_of(terms), np.full(len(said), UNKNOWN_FALL)
+    residual_error = scenes.gas.polytropic_exponent / scenes.narrowest * results["residual"]
+    size, size_before = results["size"], before[1]
+    moment = np.maximum(results["moment"], SIZE_FRACTION * size if tolerance >= LOOSE_FROM else 0.0)
+    margin, ratio = margin_of(terms), np.full(len(results), UNKNOWN_FALL)
     known = ~np.isnan(size_before)
     if margin == 1 and known.any():
         # That of the moments, but no less than their sizes': chance may make moments small, or a
-        # layer at the rim that the grids do not resolve yet.
+        # layer at the edge that the grids do not resolve yet.
         ratios = np.maximum(_ratio(moment, before[0]), _ratio(size, size_before))
         ratio = np.where(known, np.maximum(ratios, UNKNOWN_FALL), UNKNOWN_FALL)
         # Moments fall no more than the size does: what goes beyond is chance. Without, films (ε
         # 0.02–0.3, σ 5e4–3e5) were off by 1.5 to 6 times their estimate.
-        none = np.zeros(len(said))
+        none = np.zeros(len(results))
         per_size = np.divide(before[0], size_before, out=none, where=size_before > 0)
         moment = np.maximum(moment, per_size * size)
     # A grid that took a state over as it is shows no change: what the residual would have made.
-    unmoved = np.where(said["newton_steps"] > 0, 0.0, residual_error)
+    unmoved = np.where(results["newton_steps"] > 0, 0.0, residual_error)
     change = np.array([moment, size]) + unmoved
     # Of a profile of finite smoothness the size tells the error. There it goes up and down with
     # where the nodes lie beside the kink, and moments agree by chance: of 110 forces with kinks
     # along an axis 4 were off by up to 1.35 times their estimate.
     last_change = np.where(of_profile > 0, change[1], change[0])
     ratio = np.maximum(np.maximum(ratio, of_profile), least)
-    round_off = ROUND_OFF * said["largest"]
+    round_off = ROUND_OFF * results["largest"]
     error = margin * left_after(ratio) * last_change + residual_error + round_off
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
-    allowed = tolerance * np.abs(said["mean"]) + ROUNDED * round_off / scenes.narrowest
+    allowed = tolerance * np.abs(results["mean"]) + ROUND_OFF_FACTOR * round_off / scenes.narrowest
     return error, allowed, change
 
 

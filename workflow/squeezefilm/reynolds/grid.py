@@ -15,13 +15,13 @@ from squeezefilm.reynolds.terms import Terms, parts_of
 
 # Nodes across the pad beyond which none is tried: there rounding begins to show at 1e-6, and a
 # scene takes minutes.
-MOST_SPACE = 320
+MOST_NODES = 320
 # The force can agree between two grids by chance. The lowest moments of the mean pressure hardly
 # ever all do: twice their largest change covered the finer grid's true error in 99.8 % of 414
 # pairs of grids, drawn over ε 0.01–0.95 and σ 0.1–3e5. The kernel takes three.
 MOMENTS = 3
 # Names of the matrices that interpolate the pressure to a finer grid.
-CARRYING = ("carry_t", "carry_x", "carry_y")
+INTERPOLATION_NAMES = ("carry_t", "carry_x", "carry_y")
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class Grid(HashedOnce):
     def _behind(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return μ and ν there."""
         assert self.outline
-        return self.outline.rim * (2 * across[:, None] - 1), self.y.nodes
+        return self.outline.edge_mu * (2 * across[:, None] - 1), self.y.nodes
 
     def lengths(self, aspect: float) -> tuple[float, float]:
         """Return the lengths of the axes' units; the x side is 1, the y side ``aspect``.
@@ -132,7 +132,7 @@ class Grid(HashedOnce):
         if self.outline is None:
             return 1.0, aspect
         unit = sqrt(self.outline.typical_stretch)
-        return 2 * self.outline.rim * unit, unit
+        return 2 * self.outline.edge_mu * unit, unit
 
     def nodes_per_length(self, aspect: float) -> tuple[float, float]:
         """Nodes of each axis for a unit of its length; those around lie as far apart as so few."""
@@ -206,7 +206,7 @@ def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np
         coarse.x.at(fine.x.nodes),
         coarse.y.at(fine.y.nodes),
     )
-    parts = dict(zip(CARRYING, matrices, strict=True))
+    parts = dict(zip(INTERPOLATION_NAMES, matrices, strict=True))
     for term in terms:
         parts.update(term.carrying(coarse, fine))
     return parts

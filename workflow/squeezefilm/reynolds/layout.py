@@ -13,7 +13,7 @@ from squeezefilm.reynolds.terms import HOOKS, Terms
 
 C_TYPES = {"float64": "double", "int64": "long"}
 # Index of an array that is absent; it stays below zero whatever is added to it.
-ABSENT = -(2**62)
+ABSENT_INDEX = -(2**62)
 
 
 def c_struct(name: str, row: np.dtype[Any]) -> str:
@@ -75,10 +75,12 @@ class Packed:
 
     @classmethod
     def of_rows(cls, parts: Sequence[Packed]) -> Packed:
-        """The items of several, of the same arrays."""
+        """Join several packed tables with equal arrays."""
         if len(parts) == 1:
             return parts[0]
-        return cls(parts[0].names, np.concatenate([each.values for each in parts]), parts[0].starts)
+        return cls(
+            parts[0].names, np.concatenate([packed.values for packed in parts]), parts[0].starts
+        )
 
 
 def packed(stages: Sequence[Mapping[str, np.ndarray]], *, absent: Sequence[str] = ()) -> Packed:
@@ -91,7 +93,7 @@ def packed(stages: Sequence[Mapping[str, np.ndarray]], *, absent: Sequence[str] 
     """
     names = tuple(dict.fromkeys([*absent, *stages[-1]]))
     count = len(next(iter(stages[-1].values())))
-    starts = np.full((len(stages), len(names)), ABSENT)
+    starts = np.full((len(stages), len(names)), ABSENT_INDEX)
     rows, end = [], 0
     for stage, arrays in enumerate(stages):
         for name, array in arrays.items():
@@ -121,10 +123,10 @@ def rows_of(
         tolerance: of each scene on each stage, (scenes, stages).
     """
     names, whole = zip(*columns, strict=True)
-    kind, places = _row_type(names, numbers.dtype)
+    kind, column_indices = _row_type(names, numbers.dtype)
     table = np.empty((*tolerance.shape, kind.itemsize // 8), dtype=np.int64)
-    for place, values in zip(places, whole, strict=True):
-        table[:, :, place] = values
+    for indices, values in zip(column_indices, whole, strict=True):
+        table[:, :, indices] = values
     reals = table.view(np.float64)
     reals[..., -1 - numbers.itemsize // 8 : -1] = numbers.view(np.float64).reshape(
         len(numbers), 1, -1
@@ -137,7 +139,9 @@ def rows_of(
 def _row_type(
     whole: tuple[tuple[str, ...], ...], numbers: np.dtype[Any]
 ) -> tuple[np.dtype[Any], list[list[int]]]:
-    """The rows' type, and where among their plain numbers those of ``whole`` lie."""
-    names = sorted({name for some in whole for name in some})
+    """Return the row type, and the columns of each of ``whole`` among its plain numbers."""
+    names = sorted({name for names_of_array in whole for name in names_of_array})
     kinds = [*((name, np.int64) for name in names), *numbers.descr, ("tolerance", np.float64)]
-    return np.dtype(kinds), [[names.index(name) for name in some] for some in whole]
+    return np.dtype(kinds), [
+        [names.index(name) for name in names_of_array] for names_of_array in whole
+    ]

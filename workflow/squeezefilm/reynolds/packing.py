@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Places, Scenes
+from squeezefilm.film.scene import PadPositions, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Packed, packed
-from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of_each
+from squeezefilm.reynolds.terms import Terms, distinct_terms, numbers_of
 
 # Numbers of what is kept of the profile at some positions, where it is asked for again for many
 # gaps and amplitudes; more are found anew.
@@ -36,7 +36,7 @@ def terms_of_all(scenes: Scenes) -> Terms:
     Raises:
         ValueError: for scenes of unlike terms.
     """
-    terms, _ = terms_of_each(scenes)
+    terms, _ = distinct_terms(scenes)
     if len(terms) != 1:
         raise ValueError("a batch is of scenes with like terms")
     return terms[0]
@@ -56,11 +56,11 @@ def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _kind_of_numbers(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
-    """Rows of numbers, those of a width as several."""
+    """Row type of the numbers: a scalar for width 0, an array of the width otherwise."""
     return np.dtype([(name, np.float64, (width,) if width else ()) for name, width in widths])
 
 
-def _gap_parts(places: Places, grid: Grid) -> np.ndarray:
+def _gap_parts(places: PadPositions, grid: Grid) -> np.ndarray:
     """The gap's parts at each position, as of ``gap_parts``."""
     x, y = grid.positions
     values, gap = places.parts(x, y), places.under.pad.gap
@@ -82,7 +82,7 @@ def profiles_at(
     """
     in_space = tuple([grid.in_space for grid in grids])
 
-    def find(places: Places) -> tuple[Packed, np.ndarray]:
+    def find(places: PadPositions) -> tuple[Packed, np.ndarray]:
         if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MOST_KEPT:
             return _profiles(places, in_space, terms)
         return places.once(_profiles, in_space, terms)
@@ -92,7 +92,9 @@ def profiles_at(
     return fields, which, np.concatenate([means for _, means in found])[which]
 
 
-def _profiles(places: Places, grids: tuple[Grid, ...], terms: Terms) -> tuple[Packed, np.ndarray]:
+def _profiles(
+    places: PadPositions, grids: tuple[Grid, ...], terms: Terms
+) -> tuple[Packed, np.ndarray]:
     parts, pad = [_gap_parts(places, grid) for grid in grids], places.under.pad
     aspect = pad.length_y_m / pad.length_x_m
     on_grids = zip(parts, grids, strict=True)

@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from squeezefilm.film.outline import POLAR_COORDINATES
-from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scene, Scenes, kept, rows_alike
+from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scene, Scenes, kept, rows_by_value
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, Samples, joined_samples
-from squeezefilm.reynolds.terms import Terms, absent_terms, is_radial, terms_of_each
+from squeezefilm.reynolds.terms import Terms, absent_terms, distinct_terms, is_radial
 
 DOMAINS = np.array(["whole", "half in y", "half in x", "quarter", "radius"], dtype=object)
 """Parts of the pad that are solved: the film is even about neither axis' middle, y's, x's, both; or
@@ -50,7 +50,7 @@ class Plan:
     def reasons(self, why: Callable[[Scene, Terms], str]) -> dict[int, str]:
         """Reasons that follow from a scene's film and terms, by row; none where they are empty."""
         found: dict[int, str] = {}
-        for rows in rows_alike(self.scenes.film_index, self.kind):
+        for rows in rows_by_value(self.scenes.film_index, self.kind):
             if reason := why(self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]):
                 found |= dict.fromkeys(rows.tolist(), reason)
         return found
@@ -89,15 +89,15 @@ def _plan_at(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes)
 
 
 def _plan_of(scenes: Scenes) -> Plan:
-    kinds, kind = terms_of_each(scenes)
+    kinds, kind = distinct_terms(scenes)
     fold_x, fold_y = np.empty((2, len(scenes)), dtype=bool)
     breaks = ["".join(term.BREAKS for term in terms) for terms in kinds]
     profiles = []
     radial = np.array([is_radial(terms) for terms in kinds])[kind]
-    for film, rows, some in scenes.of_each_film():
+    for film, rows, some in scenes.split_by_film():
         gap, outline = film.pad.gap, film.pad.smooth_outline
-        for part in rows_alike(radial[rows]):
-            own, (places, at) = np.arange(len(scenes))[rows][part], some[part].places
+        for part in rows_by_value(radial[rows]):
+            own, (places, at) = np.arange(len(scenes))[rows][part], some[part].pad_positions
             has_no_angle = bool(radial[own[0]])
             coordinates = POLAR_COORDINATES if has_no_angle else outline
             sampled = places.once(SampledProfiles, coordinates)

@@ -16,12 +16,12 @@ import numpy as np
 
 from squeezefilm.film.outline import Outline, Polar
 from squeezefilm.film.profiles import landmarks_of
-from squeezefilm.film.scene import Places
-from squeezefilm.film.symmetry import SYMMETRIC
-from squeezefilm.reynolds.grid import MOST_SPACE
+from squeezefilm.film.scene import PadPositions
+from squeezefilm.film.symmetry import ROUNDING_TOLERANCE
+from squeezefilm.reynolds.grid import MOST_NODES
 from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
 
-LEVELS = (24, 48, 96, 192, MOST_SPACE)
+LEVELS = (24, 48, 96, 192, MOST_NODES)
 # Points at which the first interpolant is checked, and the others, which are tried where it fails.
 FEW, MANY = 100, 1000
 # Numbers of samples that are worked on at a time: more would fall out of the caches.
@@ -68,7 +68,7 @@ class SampledProfiles:
         even_x, even_y: whether all of it is even about the pad's middle along x, y: (positions,).
     """
 
-    def __init__(self, places: Places, coordinates: Coordinates) -> None:
+    def __init__(self, places: PadPositions, coordinates: Coordinates) -> None:
         count = len(places.x_m)
         self.places, self.coordinates = places, coordinates
         self.even_x, self.even_y = np.empty((2, count), dtype=bool)
@@ -100,7 +100,7 @@ class SampledProfiles:
         return self._at[share]
 
     def feature_m(self) -> float:
-        """Width of what the coarsest samples of a single position miss most, at half its height."""
+        """Width in metres, at half height, of the profile's least resolved feature."""
         first, place, pad = self._samples[0], self.places, self.places.under.pad
         assert first is not None
         x, y = first.worst[0]
@@ -129,7 +129,7 @@ class SampledProfiles:
         parts = [known] if known else []
         for some in batches:
             landmarks = self._landmarks.get(int(some[0]))
-            samples, s, between = _sampled(self.places.some(some), sampler, landmarks)
+            samples, s, between = _sampled(self.places.subset(some), sampler, landmarks)
             self._row[level, some] = sum(len(each.missed) for each in parts) + np.arange(len(some))
             parts.append(samples)
             if level == 0:
@@ -139,22 +139,22 @@ class SampledProfiles:
     def _look(self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray) -> None:
         """Find symmetries from the values of the first level, at the nodes and between them."""
         self._largest[rows] = _largest(s, between)
-        same = SYMMETRIC * self._largest[rows]
+        same = ROUNDING_TOLERANCE * self._largest[rows]
         # Else what the nodes show holds between them.
-        look_closer = (first.missed > SYMMETRIC) | (self.coordinates is not None)
+        look_closer = (first.missed > ROUNDING_TOLERANCE) | (self.coordinates is not None)
         for even, axis_ in ((self.even_x, 2), (self.even_y, 3)):
             even[rows] = True
             if self.coordinates is None:
                 even[rows] = np.abs(np.flip(s, axis_) - s).max(axis=(0, 2, 3)) <= same
             closer = look_closer & even[rows]
             if closer.any():
-                some = self.places.some(rows[closer])
+                some = self.places.subset(rows[closer])
                 far = _mirrored(some, self.coordinates, along_x=axis_ == 2)
                 even[rows[closer]] = far <= same[closer]
 
 
 def joined_samples(parts: Sequence[Samples]) -> Samples:
-    """The samples behind each other; what is missed beyond the last node is nothing."""
+    """Concatenate samples; tails are padded with zeros beyond their last node."""
     if len(parts) == 1:
         return parts[0]
     width = max(each.tail.shape[2] for each in parts)
@@ -172,7 +172,7 @@ def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:
     return np.maximum(np.abs(s).max(axis=(0, 2, 3)), np.abs(between).max(axis=(0, 2)))
 
 
-def _mirrored(places: Places, coordinates: Coordinates, *, along_x: bool) -> np.ndarray:
+def _mirrored(places: PadPositions, coordinates: Coordinates, *, along_x: bool) -> np.ndarray:
     """Largest difference to the mirror image, between the nodes, (positions,)."""
     sampler = _sampler(LEVELS[1], coordinates)
     x, y = sampler.x, sampler.y
@@ -181,7 +181,7 @@ def _mirrored(places: Places, coordinates: Coordinates, *, along_x: bool) -> np.
 
 
 def _sampled(
-    places: Places, sampler: _Sampler, landmarks: tuple[np.ndarray, np.ndarray] | None
+    places: PadPositions, sampler: _Sampler, landmarks: tuple[np.ndarray, np.ndarray] | None
 ) -> tuple[Samples, np.ndarray, np.ndarray]:
     """Samples of a profile, its parts on a grid's nodes, ends included, and between them.
 
@@ -280,7 +280,7 @@ class _Sampler:
 _sampler = lru_cache(maxsize=8 * len(LEVELS))(_Sampler)
 
 
-def _landmarks_under(places: Places) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+def _landmarks_under(places: PadPositions) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """The profile's landmarks under the pad, in [0, 1] across it, where there are any."""
     x_m, y_m = landmarks_of(places.under.profile)
     if not len(x_m):

@@ -19,11 +19,11 @@ from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import grid_under, solve_batch
 
-TABLE = Path(__file__).with_name("self_test.csv")
-CLOSENESS = 1e-9
+STORED_FORCES = Path(__file__).with_name("self_test.csv")
+FORCE_TOLERANCE = 1e-9
 ITERATION_TOLERANCE = 1e-11
-SINC = Sinc(wave_number_per_m=100.0)
-SQUARE = Pad(1e-2, 1e-2, 0.0)
+SINC_PROFILE = Sinc(wave_number_per_m=100.0)
+SQUARE_PAD = Pad(1e-2, 1e-2, 0.0)
 GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
 
 
@@ -32,12 +32,12 @@ def films() -> dict[str, tuple[Scene, Grid]]:
     whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
     half = Grid(12, 8, 12, fold_x=False, fold_y=True)
     quarter = Grid(8, 8, 12, fold_x=True, fold_y=True)
-    disc = replace(SQUARE, shape="ellipse")
+    disc = replace(SQUARE_PAD, shape="ellipse")
     slender = Pad(1e-2, 6e-3, 20.0, shape="ellipse")
     return {
         "squeeze": (_film(), quarter),
         "off the centre": (_film(x_m=2e-3, y_m=1e-3), whole),
-        "sliding": (_film(pad=replace(SQUARE, speed_x_m_per_s=20.0)), half),
+        "sliding": (_film(pad=replace(SQUARE_PAD, speed_x_m_per_s=20.0)), half),
         "slip": (_film(rarefaction="slip"), quarter),
         "fukui-kaneko, polytropic": (
             _film(rarefaction="fukui-kaneko", polytropic_exponent=1.4),
@@ -71,7 +71,7 @@ def films() -> dict[str, tuple[Scene, Grid]]:
 def _of_any_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     """Tilted and crowned, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
-    modes = Quadrature(SINC, crests, shares=(0.8, 0.6))
+    modes = Quadrature(SINC_PROFILE, crests, component_factors=(0.8, 0.6))
     gap = GapShape(tilt_x_m=tilt_x_m, crown_m=5e-7)
     return replace(
         scene,
@@ -85,21 +85,21 @@ def _film(
     hv_m: float = 2.4e-6,
     x_m: float = 0.0,
     y_m: float = 0.0,
-    pad: Pad = SQUARE,
+    pad: Pad = SQUARE_PAD,
     **gas: str | float,
 ) -> Scene:
-    film = Film(replace(GAS, **gas), Actuator(4e4, 1e-2, profile=SINC), pad)  # type: ignore[arg-type]
+    film = Film(replace(GAS, **gas), Actuator(4e4, 1e-2, profile=SINC_PROFILE), pad)  # type: ignore[arg-type]
     return film.scene(6e-6, hv_m, x_m, y_m, point_id="self-test")
 
 
 def forces(device: Device) -> dict[str, float]:
-    """The films' mean overpressures in units of p0, as the device finds them."""
-    found = {}
+    """The films' mean gauge pressures in units of p0, as the device finds them."""
+    force_of_film = {}
     for name, (scene, points) in films().items():
         grid = grid_under(scene, points)
         states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
-        found[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
-    return found
+        force_of_film[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
+    return force_of_film
 
 
 def check_device(device: Device) -> None:
@@ -111,7 +111,8 @@ def check_device(device: Device) -> None:
     if wrong := _wrong(device):
         raise InputError(
             f"{device.name} fails its self-test: forces of stored films differ by more than "
-            f"{CLOSENESS:g}, relative ({wrong}). Its driver compiles the solver's kernel wrongly; "
+            f"{FORCE_TOLERANCE:g}, relative ({wrong}). Its driver compiles the solver's kernel "
+            "wrongly; "
             "take another device"
         )
 
@@ -119,16 +120,16 @@ def check_device(device: Device) -> None:
 @cache
 def _wrong(device: Device) -> str:
     """The films that a device gives otherwise."""
-    stored = pd.read_csv(TABLE, index_col="film")["mean_overpressure"]
+    stored = pd.read_csv(STORED_FORCES, index_col="film")["mean_overpressure"]
     difference = (pd.Series(forces(device))[stored.index] / stored - 1).abs()
-    wrong = difference[~(difference <= CLOSENESS)]
+    wrong = difference[~(difference <= FORCE_TOLERANCE)]
     return "; ".join(f"{name}: {value:.1e}" for name, value in wrong.items())
 
 
 def main() -> None:
     """Write the table again."""
     table = pd.Series(forces(choose_device()), name="mean_overpressure")
-    write_text(table.to_csv(index_label="film", float_format="%.15g"), TABLE)
+    write_text(table.to_csv(index_label="film", float_format="%.15g"), STORED_FORCES)
 
 
 if __name__ == "__main__":

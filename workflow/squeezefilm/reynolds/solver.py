@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from squeezefilm.errors import each_on_its_own, unexpected
+from squeezefilm.errors import retried_singly, unexpected
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validities
 from squeezefilm.reynolds.asymptotics.composite import (
@@ -60,7 +60,7 @@ def solve(
     if any(["auto" in (film.gas.inertia, film.gas.thermal) for film in scenes.films]):
         raise ValueError("what of a scene's gas is auto must be decided before it is solved")
 
-    def attempt(some: Scenes) -> Solutions:
+    def attempt(subset: Scenes) -> Solutions:
         finished = 0
 
         def count(more: int) -> None:
@@ -69,8 +69,8 @@ def solve(
             report(more)
 
         try:
-            solutions = _solve(some, tolerance, method, device, keep_states, count)
-            solutions.validity[:] = validities(some)
+            solutions = _solve(subset, tolerance, method, device, keep_states, count)
+            solutions.validity[:] = validities(subset)
             return solutions
         except Exception:
             report(-finished)
@@ -80,7 +80,7 @@ def solve(
         report(1)
         return Solution(status=unexpected(error), method=method)
 
-    return Solutions.of(each_on_its_own(attempt, scenes, failed=failed))
+    return Solutions.of(retried_singly(attempt, scenes, failed=failed))
 
 
 def _solve(

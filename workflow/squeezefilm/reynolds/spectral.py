@@ -70,14 +70,14 @@ class Axis:
         return _annihilating_constants(np.divide.outer(ends, ends) / difference)
 
     @cached_property
-    def spreading(self) -> np.ndarray:
-        """1/r on all nodes of a radius, for flow that spreads as it leaves its centre; else 0."""
+    def inverse_radius(self) -> np.ndarray:
+        """1/r on all nodes of a radius (the divergence of radial flow), 0 on other axes."""
         return np.zeros(self.full_points + 2)
 
     @property
     def divergence(self) -> np.ndarray:
         """Divergence on all nodes of a flow along the axis."""
-        return self.derivative + np.diag(self.spreading)
+        return self.derivative + np.diag(self.inverse_radius)
 
     @cached_property
     def second_derivative(self) -> np.ndarray:
@@ -89,7 +89,7 @@ class Axis:
         distance = np.subtract.outer(self.all_nodes, self.all_nodes)
         np.fill_diagonal(distance, 1.0)
         matrix = 2 * first * (np.diag(first)[:, None] - 1 / distance)
-        spread = self.spreading[:, None] * first
+        spread = self.inverse_radius[:, None] * first
         return self.fold((_annihilating_constants(matrix) + spread)[1:-1, 1:-1])
 
     @cached_property
@@ -128,7 +128,7 @@ class Axis:
         return self.parts_of(self.second_derivative)
 
     def parts_of(self, matrix: np.ndarray) -> np.ndarray:
-        """The same of any matrix that commutes with mirroring, or changes its sign with it."""
+        """Split a matrix that commutes or anticommutes with mirroring into even and odd parts."""
         return matrix if self.folded else even_and_odd(matrix) / 2
 
     @cached_property
@@ -153,7 +153,7 @@ class Axis:
 
     @property
     def to_end(self) -> np.ndarray:
-        """Factors of a function's values on the four nodes beside an end for that there.
+        """Extrapolation weights: the value at an end from those on the four nodes beside it.
 
         A polynomial through all nodes would grow beyond bounds.
         """
@@ -161,18 +161,18 @@ class Axis:
         others = [np.delete(near, at) for at in range(len(near))]
         return np.array([np.prod(o / (o - node)) for node, o in zip(near, others, strict=True)])
 
-    def at(self, places: np.ndarray) -> np.ndarray:
+    def at(self, points: np.ndarray) -> np.ndarray:
         """Matrix from the unknowns to some places (m,), shape (m, n)."""
-        return self.fold(self.to_points(places)[:, 1:-1], rows=len(places))
+        return self.fold(self.to_points(points)[:, 1:-1], rows=len(points))
 
-    def to_points(self, places: np.ndarray) -> np.ndarray:
+    def to_points(self, points: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes, ends included, to some places (m,), shape (m, nodes).
 
         Barycentric formula for Chebyshev–Lobatto nodes (Berrut and Trefethen 2004).
         """
         weights = (-1.0) ** np.arange(self.full_points + 2)
         weights[[0, -1]] /= 2
-        return _interpolation(self.all_nodes, weights, places)
+        return _interpolation(self.all_nodes, weights, points)
 
     def fold(self, matrix: np.ndarray, *, odd: bool = False, rows: int | None = None) -> np.ndarray:
         """Return a matrix for the first half of the points, by the symmetry of the function."""
@@ -193,7 +193,7 @@ class Radius(Axis):
     folded: bool = True
 
     @cached_property
-    def spreading(self) -> np.ndarray:
+    def inverse_radius(self) -> np.ndarray:
         return 1 / (self.all_nodes - 0.5)
 
     @cached_property
@@ -264,9 +264,9 @@ class Period:
         return np.asarray(self._basis(instants).T @ self.fourier)
 
 
-def _interpolation(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
+def _interpolation(nodes: np.ndarray, weights: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matrix from values on nodes to places by their barycentric weights, (places, nodes)."""
-    distance = np.subtract.outer(places, nodes)
+    distance = np.subtract.outer(points, nodes)
     hit = distance == 0
     matrix = weights / np.where(hit, 1.0, distance)
     matrix[hit.any(axis=1)] = 0.0
@@ -373,13 +373,13 @@ class Around:
         """Rows that average a function times cos 2kν, k < count: (count, n)."""
         return np.cos(2 * np.outer(np.arange(count), self.nodes)) * self.weights
 
-    def to_points(self, places: np.ndarray) -> np.ndarray:
+    def to_points(self, points: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes to some places (m,), shape (m, full_points)."""
-        return self._all.at(places - self.all_nodes[0])
+        return self._all.at(points - self.all_nodes[0])
 
     @cached_property
-    def _images(self) -> tuple[np.ndarray, np.ndarray]:
-        """The unknown whose value each node has, and −1 where mirrors between are odd in number."""
+    def _mirror_index_and_sign(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return each node's unknown, and the sign of an odd function there: (−1)^mirrors."""
         index, sign = np.arange(self.full_points), np.ones(self.full_points)
         for image in self.mirrored:
             sign = np.where(index < image[index], sign, -sign)
@@ -397,12 +397,12 @@ class Around:
             if has
         ]
 
-    def at(self, places: np.ndarray, *, odd: bool = False) -> np.ndarray:
+    def at(self, points: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """Matrix from the unknowns to some places (m,), shape (m, n).
 
         ``odd`` is for a function that changes its sign at each mirror.
         """
-        return self._fold(self.to_points(places), odd=odd)
+        return self._fold(self.to_points(points), odd=odd)
 
     @property
     def _all(self) -> Period:
@@ -411,7 +411,7 @@ class Around:
     def _fold(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """Return a matrix for the unknowns alone, by the symmetry of the function it acts on."""
         folded = np.zeros((len(matrix), self.points))
-        for at, sign, column in zip(*self._images, matrix.T, strict=True):
+        for at, sign, column in zip(*self._mirror_index_and_sign, matrix.T, strict=True):
             folded[:, at] += sign * column if odd else column
         return folded
 
@@ -454,16 +454,16 @@ class FluxPoints:
         ``divergence``, its values and divergence on the nodes.
 
         Of a velocity along the other axis: ``across``, its derivative along this one on the nodes,
-        as if it vanished at the ends as it does where the gas comes in; ``rim``, what that lacks
+        as if it vanished at the ends as it does where the gas comes in; ``edge``, what that lacks
         per velocity at each end, of a folded axis, whose ends are alike, their sum first;
         ``to_end`` as of the axis.
         """
         axis, parts = self.axis, self.axis.parts_of
         to_points, to_nodes = axis.to_points(self.all_points), self.to_nodes
         first, last = axis.derivative[1 : axis.points + 1, [0, -1]].T
-        rim = np.stack([first + last, 0 * last] if axis.folded else [first, last])
+        edge = np.stack([first + last, 0 * last] if axis.folded else [first, last])
         slope = (to_points @ axis.derivative)[:, 1:-1]
-        spread = axis.spreading[1:-1, None] * to_nodes
+        spread = axis.inverse_radius[1:-1, None] * to_nodes
         return {
             "values": parts(axis.fold(to_points[:, 1:-1])),
             "nodes": parts(axis.fold(to_nodes, odd=True)),
@@ -471,7 +471,7 @@ class FluxPoints:
             "along": parts(axis.fold(self._derivative, odd=True)) / length,
             "divergence": parts(axis.fold(to_nodes @ self._derivative + spread, odd=True)) / length,
             "across": parts(axis.fold(axis.derivative[1:-1, 1:-1])) / length,
-            "rim": rim / length,
+            "edge": edge / length,
             "to_end": axis.to_end,
         }
 
@@ -490,9 +490,9 @@ class FluxPoints:
         index = np.arange(self.axis.full_points)
         return (-1.0) ** index * np.sin(np.pi * (index + 0.5) / len(index))
 
-    def at(self, places: np.ndarray) -> np.ndarray:
+    def at(self, points: np.ndarray) -> np.ndarray:
         """Interpolation from all points to places of the axis, (places, full_points)."""
-        return _interpolation(self.all_points, self._weights, places)
+        return _interpolation(self.all_points, self._weights, points)
 
     @cached_property
     def _derivative(self) -> np.ndarray:
@@ -518,7 +518,7 @@ class AroundPoints:
     def matrices(self, length: float) -> dict[str, np.ndarray]:
         same, n = np.eye(self.axis.points), self.axis.points
         even, odd = (self.axis.slope(odd=odd) / length for odd in (False, True))
-        ends = {"rim": np.zeros((2, n)), "to_end": np.zeros(4)}
+        ends = {"edge": np.zeros((2, n)), "to_end": np.zeros(4)}
         values = {"values": same, "nodes": same}
         return {**values, **ends, "slope": even, "across": even, "along": odd, "divergence": odd}
 

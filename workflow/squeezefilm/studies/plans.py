@@ -22,7 +22,7 @@ from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.studies.space import (
-    CENTRED,
+    CENTRED_FACTORS,
     pad_positions,
     plan,
     sobol,
@@ -35,10 +35,10 @@ from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table
 
 VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
 """The plans of independent points, uniform over the declared space: pad centred, anywhere."""
-GRIDS = ("screen", "error_map")
+GRID_SECTIONS = ("screen", "error_map")
 """The plans of every gap with every amplitude, pad centred: of Fig. 7, and of control points."""
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
-PIECE = 2**15
+POINTS_PER_PIECE = 2**15
 
 # One thread of an AMD EPYC (Zen 5, registers of 64 bytes), 60 and 65 scenes of the paper at 1e-3 to
 # 1e-8: processor time, fitted.
@@ -48,18 +48,18 @@ MFLOP_PER_SECOND = 42_000.0
 SECONDS_PER_SCENE = 3e-4
 # Outputs ask for states on two grids more, closely solved, and for Python's time.
 TIMES_FOR_OUTPUTS, SECONDS_OF_OUTPUTS = 4, 1e-2
-SAMPLE = 32
+TIMED_SCENES = 32
 MOST_CHUNKS = 20_000
 # Of a job, which holds its scenes and whose forces are merged at a time: 1 kB each.
 MOST_SCENES = 500_000
 
 
 def level_grid(name: str, config: Study) -> pd.DataFrame:
-    """Every gap with every amplitude of a section, of GRIDS."""
+    """Every gap with every amplitude of a section, of GRID_SECTIONS."""
     section = config.screen if name == "screen" else config.error_map
     levels = section.h0_m, section.hv_m
     values = [twelve(np.linspace(each.start, each.stop, each.levels)) for each in levels]
-    return pd.DataFrame(product(*values), columns=CENTRED)
+    return pd.DataFrame(product(*values), columns=CENTRED_FACTORS)
 
 
 def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
@@ -81,8 +81,8 @@ def sweep_pieces(
     sequence = sobol(4, seed=seed)
     if first:
         sequence.fast_forward(first)
-    for begin in range(first, first + points, PIECE):
-        end = min(begin + PIECE, first + points)
+    for begin in range(first, first + points, POINTS_PER_PIECE):
+        end = min(begin + POINTS_PER_PIECE, first + points)
         with warnings.catch_warnings():
             # Of numbers of points that are no power of two: they fill the box less evenly.
             warnings.filterwarnings("ignore", message="The balance", category=UserWarning)
@@ -120,7 +120,7 @@ def write_scenes(
 def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -> pd.DataFrame:
     """The scenes of a plan that the study or a design gives."""
     position = config.actuator.surface.position
-    if name in GRIDS:
+    if name in GRID_SECTIONS:
         return plan(level_grid(name, config), position=position)
     if name == "four_factor_control":
         control = config.four_factor_control
@@ -133,7 +133,7 @@ def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -
     assert design is not None, f"the plan {name} is made from a design"
     if name == "four_factor":
         positions = pd.DataFrame(pad_positions(config), columns=position)
-        return plan(positions.merge(design[[*CENTRED]], how="cross"))
+        return plan(positions.merge(design[[*CENTRED_FACTORS]], how="cross"))
     return design[as_in(SCENE_COLUMNS, design)]
 
 
@@ -157,7 +157,7 @@ def plan_sizes(config: Study) -> dict[str, int]:
     """The number of points of each plan that is simulated in chunks."""
     positions = config.positions.points or len(pad_positions(config))
     return {
-        **{name: len(level_grid(name, config)) for name in GRIDS},
+        **{name: len(level_grid(name, config)) for name in GRID_SECTIONS},
         "four_factor": config.design.points * positions,
         "four_factor_control": config.four_factor_control.points,
         "sweep": config.sweep.points,
@@ -173,7 +173,7 @@ def chunk_counts(config: Study) -> dict[str, int]:
     target = config.simulation.seconds_per_job
     counts = {}
     for name, points in plan_sizes(config).items():
-        seconds = points * expected_seconds(config, centred=name in GRIDS)
+        seconds = points * expected_seconds(config, centred=name in GRID_SECTIONS)
         counts[name] = min(points, max(ceil(seconds / target), ceil(points / MOST_SCENES)))
         if counts[name] > MOST_CHUNKS:
             raise InputError(
@@ -186,11 +186,11 @@ def chunk_counts(config: Study) -> dict[str, int]:
 
 def expected_seconds(config: Study, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
-    sample = random_plan(points=SAMPLE, seed=1, **space_of(config).limits)
+    sample = random_plan(points=TIMED_SCENES, seed=1, **space_of(config).limits)
     if centred:
         sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
     scenes = scenes_in(sample, config, profile=config.planned_profile())
     planned = dry_run(scenes, tolerance=config.solver.tolerance, method=config.solver.method)
-    mflop = sum(each["expected_mflop"] for each in planned) / SAMPLE
+    mflop = sum(preview["expected_mflop"] for preview in planned) / TIMED_SCENES
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
     return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config.outputs else seconds

@@ -22,9 +22,9 @@ from squeezefilm.tables import FACTOR_COLUMNS
 if TYPE_CHECKING:
     from scipy.stats import qmc
 
-CENTRED = FACTOR_COLUMNS[:2]
+CENTRED_FACTORS = FACTOR_COLUMNS[:2]
 """The factors of a pad that stays at the centre."""
-POSITIONS_SEED, EXPONENT = 1, 10
+POSITIONS_SEED, SOBOL_EXPONENT = 1, 10
 """Of the sequence of positions, and of two, the most points that it may have."""
 
 
@@ -40,7 +40,7 @@ def plan(factors: pd.DataFrame, *, position: tuple[str, ...] = POLAR) -> pd.Data
     At the centre, in the form ``position``, where the factors have no position.
     """
     form = form_of(factors) if len(factors.columns) > 2 else position
-    table = factors.reindex(columns=[*CENTRED, *form], fill_value=0.0).astype(float)
+    table = factors.reindex(columns=[*CENTRED_FACTORS, *form], fill_value=0.0).astype(float)
     table.insert(0, "point_id", np.arange(1, len(table) + 1).astype(str))
     return table
 
@@ -54,7 +54,7 @@ def pad_positions(config: Study) -> list[tuple[float, float]]:
     positions = config.positions
     if positions.points:
         return space_filling(config.symmetry(), positions)
-    return config.symmetry().places(positions)
+    return config.symmetry().pad_positions(positions)
 
 
 def space_filling(symmetry: Symmetry, positions: Positions) -> list[tuple[float, float]]:
@@ -64,7 +64,7 @@ def space_filling(symmetry: Symmetry, positions: Positions) -> list[tuple[float,
     moved to the edges: the far one of the first factor, and the nearer one of the second.
     """
     limits = symmetry.limits(positions)
-    sequence = sobol(len(limits), seed=POSITIONS_SEED).random_base2(EXPONENT)
+    sequence = sobol(len(limits), seed=POSITIONS_SEED).random_base2(SOBOL_EXPONENT)
     unit = sequence[: positions.points - 1]
     # Neighbours of the sequence, for those at a distance that is a power of two lie side by side.
     edge = len(unit) // 4

@@ -31,7 +31,9 @@ def film_of(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, A
     gas, solved = asdict(config.gas), list(absent_terms)
     for term in ("inertia", "thermal"):
         if gas[term] == "auto":
-            gas[term] = "none" if all(term in each for each in solved) else "included"
+            gas[term] = (
+                "none" if all(term in terms_absent for terms_absent in solved) else "included"
+            )
     pad = config.pad
     return {
         "gas": gas,
@@ -98,12 +100,12 @@ def check_study(config: Study) -> Study:
         config.read_pad()
         if path := config.scan_path:
             from squeezefilm.film.measured.read import read_scan
-            from squeezefilm.film.measured.smooth import check_places
+            from squeezefilm.film.measured.smooth import check_points
 
             settings = config.smoothing
             how = {key: settings.pop(key) for key in ("frequency_hz", "rows", "origin_m")}
             scan = read_scan(path, **how)
-            check_places(scan, **settings)
+            check_points(scan, **settings)
         profile = config.planned_profile()
     if config.measurements:
         measured_points(config, profile=profile)
@@ -142,15 +144,15 @@ def _extreme_points(config: Study) -> Iterator[tuple[str, pd.DataFrame]]:
     yield "screen", pd.DataFrame([{"point_id": "smallest gap, largest amplitude", **closest}])
     beyond = extrapolation.model_dump(include={"h0_m", "hv_m"})
     yield "extrapolation", pd.DataFrame([{"point_id": "wanted", **beyond}])
-    found, positions = config.symmetry(), config.positions
-    places = found.places(positions)
-    if isinstance(found, Directions):
+    symmetry, positions = config.symmetry(), config.positions
+    pad_positions = symmetry.pad_positions(positions)
+    if isinstance(symmetry, Directions):
         # Designs and control points may lie between the directions given: also where the pad's
         # farthest point is farthest out.
-        x_m, y_m = max(config.read_pad().edge_m().tolist(), key=lambda place: hypot(*place))
-        farthest = float(found.fold(degrees(atan2(y_m, x_m))))
-        places += [(radius, farthest) for radius in positions.phi_r_m]
-    first, second = found.position
-    names = [f"({first} = {one:g}, {second} = {other:g})" for one, other in places]
-    table = pd.DataFrame(places, columns=[first, second])
+        x_m, y_m = max(config.read_pad().edge_m().tolist(), key=lambda point: hypot(*point))
+        farthest = float(symmetry.fold(degrees(atan2(y_m, x_m))))
+        pad_positions += [(radius, farthest) for radius in positions.phi_r_m]
+    first, second = symmetry.position
+    names = [f"({first} = {one:g}, {second} = {other:g})" for one, other in pad_positions]
+    table = pd.DataFrame(pad_positions, columns=[first, second])
     yield "positions", table.assign(point_id=names, **closest)

@@ -21,7 +21,7 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import read_timings
 from squeezefilm_workflow.reporting.results import Results
 
-COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation")
+CLAIM_COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation")
 CLAIMS = pd.read_csv(
     Path(__file__).with_name("papers_claims.csv"),
     dtype={"paper": str},
@@ -37,7 +37,7 @@ Values = dict[str, Any]
 
 
 def judge(results: Results) -> pd.DataFrame:
-    """Every claim with our value and the verdict, as strings; columns COLUMNS.
+    """Every claim with our value and the verdict, as strings; columns CLAIM_COLUMNS.
 
     Raises InputError naming a result that is missing or lacks what it must have.
     """
@@ -48,7 +48,7 @@ def judge(results: Results) -> pd.DataFrame:
         | _four_factor_values(results)
     )
     claims = CLAIMS.reset_index().apply(lambda claim: _judged(claim, values), axis="columns")
-    return claims[list(COLUMNS)]
+    return claims[list(CLAIM_COLUMNS)]
 
 
 def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
@@ -125,8 +125,8 @@ def _design_values(results: Results) -> Values:
         "counts": "; ".join(
             name.replace("unit", "scaled to [0, 1]")
             + ": "
-            + ", ".join(f"{pattern['pattern']} {pattern['count']}" for pattern in each)
-            for name, each in sorted(scalings.items(), key=lambda item: item[0] != own)
+            + ", ".join(f"{pattern['pattern']} {pattern['count']}" for pattern in table)
+            for name, table in sorted(scalings.items(), key=lambda item: item[0] != own)
         ),
         "behind": excess / patterns[0]["objective"],
         "union": int((design["origin"] != "augmentation").sum()),

@@ -21,7 +21,7 @@ from squeezefilm_workflow.reporting.check import FIT_OF_DESIGN
 from squeezefilm_workflow.reporting.pages import Page, readable
 from squeezefilm_workflow.reporting.results import Results
 
-FITS = {
+FIT_OF_MODEL = {
     "screen": "all points, two factors",
     "two_factor_design": "five points, two factors",
     "four_factor": "all points, four factors",
@@ -35,8 +35,8 @@ VALIDATIONS = {
     ("four_factor_design_distinct", "four_factor"): "all points",
     ("four_factor_design_distinct", "four_factor_control"): "random points",
 }
-COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
-_TWO, _FOUR = FITS["two_factor_design"], FITS["four_factor_design"]
+EQUATION_COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
+_TWO, _FOUR = FIT_OF_MODEL["two_factor_design"], FIT_OF_MODEL["four_factor_design"]
 CONDITIONS = (
     (_TWO, "global error, all points", float(CLAIMS["paper"]["design_error"])),
     (_TWO, "worst relative error, control grid", float(CLAIMS["upper"]["band"])),
@@ -46,35 +46,39 @@ CONDITIONS = (
 
 
 def compare(paper: Results, inertia: Results) -> pd.DataFrame:
-    """A row for each number of the two studies, columns COLUMNS.
+    """A row for each number of the two studies, columns EQUATION_COLUMNS.
 
     Raises:
         InputError: naming a result that is missing or lacks what it must have.
     """
-    pairs = zip(_values(paper, found_by=paper), _values(inertia, found_by=paper), strict=True)
+    pairs = zip(
+        _values(paper, design_source=paper), _values(inertia, design_source=paper), strict=True
+    )
     rows = [(*without, value) for without, (*_, value) in pairs]
-    return pd.DataFrame([*rows, *_transferred(paper, inertia)], columns=list(COLUMNS))
+    return pd.DataFrame([*rows, *_transferred(paper, inertia)], columns=list(EQUATION_COLUMNS))
 
 
-def _values(study: Results, *, found_by: Results) -> Iterator[tuple[str, str, str, float]]:
-    """Part, quantity, unit and value, for one study; ``found_by`` has the designs to be reused."""
+def _values(study: Results, *, design_source: Results) -> Iterator[tuple[str, str, str, float]]:
+    """Part, quantity, unit and value, for one study; ``design_source`` has the designs to be
+    reused.
+    """
     forces = study.forces("extrapolation").set_index("point_id")["force_n"]
     yield "force", "at the paper's operating point", "N", forces["operating_point"]
-    for name, part in FITS.items():
+    for name, part in FIT_OF_MODEL.items():
         fit = study.fit(name)
         for parameter, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
             yield part, SYMBOLS[parameter], UNITS.get(parameter, "–"), value
         yield part, "global error on its own points", "%", 100 * fit.global_error
     for (name, plan), where in VALIDATIONS.items():
         errors = study.validation(name, plan)
-        yield FITS[name], f"global error, {where}", "%", 100 * errors["global_error"]
+        yield FIT_OF_MODEL[name], f"global error, {where}", "%", 100 * errors["global_error"]
         worst = 100 * abs(errors["worst_relative_error"])
-        yield FITS[name], f"worst relative error, {where}", "%", worst
+        yield FIT_OF_MODEL[name], f"worst relative error, {where}", "%", worst
     for name, fit_name in FIT_OF_DESIGN.items():
         fit = study.fit(fit_name)
         slopes, first = (
             fit.force_model.gradient(fit.theta, factors_of(side.design(name)))
-            for side in (study, found_by)
+            for side in (study, design_source)
         )
         part = "D-efficiency of the points that the paper's equation finds"
         yield part, name.replace("_", " "), "–", d_efficiency(first, slopes)
@@ -90,7 +94,7 @@ def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, s
             _global_percent(fit.force_model.evaluate(fit.theta, factors_of(table)), table)
             for table in tables
         )
-        yield part, f"global error, fit to {FITS[name]}", "%", without, with_it
+        yield part, f"global error, fit to {FIT_OF_MODEL[name]}", "%", without, with_it
     plain, moved = (study.forces("screen") for study in (paper, inertia))
     change = 100 * (moved["force_n"] / plain["force_n"] - 1)
     worst = relative_errors(model_n=plain["force_n"], simulation_n=moved["force_n"])

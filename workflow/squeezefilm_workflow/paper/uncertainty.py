@@ -35,8 +35,12 @@ PLAUSIBLE_POINTS = 5
 
 
 Assumption = Mapping[str, Any]
-_TABLE = yaml.safe_load(Path(__file__).with_name("assumptions.yaml").read_text(encoding="utf-8"))
-ASSUMPTIONS = [{"plausible": None, "rest": None, "switch": {}} | entry for entry in _TABLE]
+_ASSUMPTION_TABLE = yaml.safe_load(
+    Path(__file__).with_name("assumptions.yaml").read_text(encoding="utf-8")
+)
+ASSUMPTIONS = [
+    {"plausible": None, "rest": None, "switch": {}} | entry for entry in _ASSUMPTION_TABLE
+]
 
 
 def _differences(config: Study) -> Iterator[tuple[dict[str, Any], float, dict[str, float]]]:
@@ -123,9 +127,9 @@ def _rows(
             at = {key: changed.pop(f"point.{key}", point[key]) for key in point}
             with suppress(InputError):
                 scenes[k] = scene_of(with_changes(config, changed), **at)
-        found = np.full(len(values), np.nan)
-        found[list(scenes)] = forces(list(scenes.values()))
-        return found
+        scene_forces_n = np.full(len(values), np.nan)
+        scene_forces_n[list(scenes)] = forces(list(scenes.values()))
+        return scene_forces_n
 
     def excess_n(value: float) -> float:
         return float(forces_n(np.array([value]))[0] - paper_n)

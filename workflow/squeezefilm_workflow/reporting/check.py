@@ -31,34 +31,34 @@ from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
 PASSED, FAILED = "passed", "failed"
-COLUMNS = (
+CHECK_COLUMNS = (
     *("part", "item", "quantity", "expected", "got", "tolerance", "verdict", "worst"),
     "of_tolerance",
 )
 REFERENCE_COLUMNS = ("item", "quantity", "cell", "value")
-WIDEST = 40
+WIDEST_CELL = 40
 """Characters of a cell on the screen; all of it is in the table."""
-PICTURES, PLACE_OF_PICTURES = "pictures", "check/figures"
-BY_CHANCE = "fig09"
+PICTURES, PICTURES_FOLDER = "pictures", "check/figures"
+RANDOM_FIGURE = "fig09"
 """The figure of many searches: which of them ended where is chance."""
-RMS = 1.5
+PICTURE_RMS = 1.5
 """Of the pixels (0 to 255) between two pictures. In the paper's figures a dropped curve makes 2.4
 to 30, a line of the band 3.5, the zero line of Figure 14 3.5, forces off by 1e-4 0.1. A line of the
 small film in `overview` makes 0.2 and is not seen, nor is one that others hide."""
 PIXELS = "RMS of the pixels"
 _NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−+]?\d+)?")
 
-SAMPLE = 25
+SAMPLED_ROWS = 25
 """Rows of a table that a reference keeps; least, mean and largest stand for the others."""
 FIT_OF_DESIGN = {
     "two_factor": "screen",
     "four_factor": "four_factor",
     "four_factor_distinct": "four_factor",
 }
-BUDGET = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
-RESULTS = {
-    "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET}",
-    "simulations/four_factor/error_budget": BUDGET,
+BUDGET_PATTERN = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
+RESULT_COLUMNS_PATTERN = {
+    "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET_PATTERN}",
+    "simulations/four_factor/error_budget": BUDGET_PATTERN,
     "simulations/screen/response": "h0_m|hv_m|corner_hz|instantaneous_fraction|error",
     "simulations/screen/gains": "h0_m|hv_m|frequency_hz|gain|phase_deg",
     "simulations/screen/levitation": "load_n|hv_m|h0_m|stiffness_n_per_m|modified_reynolds",
@@ -67,10 +67,10 @@ RESULTS = {
     "tables/uncertainty": "assumption|force_(lower|upper)_n|ours_n|verdict",
 }
 """Tables that the study's figures are drawn from, and their columns that are compared."""
-GIVEN_PLAN = "(screen|error_map|four_factor_control)"
+FIXED_PLANS = "(screen|error_map|four_factor_control)"
 CLOSENESS = {
-    rf"{GIVEN_PLAN} force_n": "force",
-    rf"{GIVEN_PLAN} (h0_m|hv_m|phi_r_m|phi_deg|x_m|y_m)": "given",
+    rf"{FIXED_PLANS} force_n": "force",
+    rf"{FIXED_PLANS} (h0_m|hv_m|phi_r_m|phi_deg|x_m|y_m)": "given",
     r"\w+ (phi_r_m|phi_deg|x_m|y_m)|[a-z]\w+ (h0_m|hv_m)": "place",
     r".*/levitation h0_m": "force",
     r".* (h0_m|hv_m|minimum|maximum)": "given",
@@ -90,7 +90,7 @@ Reference = dict[Key, dict[str, str]]
 
 @dataclass(frozen=True)
 class Close:
-    """Texts of equal words, and numbers in them within the sum of what is given.
+    """Closeness of two texts: equal words, and numbers within the sum of the limits.
 
     Attributes:
         relative: a share of each value.
@@ -109,7 +109,7 @@ class Close:
         return " + ".join(parts).replace("_", " ") or "equal"
 
     def distances(self, expected: Cells, got: Cells) -> dict[str, float]:
-        """The difference of each cell over what is allowed there: at most one passes."""
+        """Return each cell's difference over the allowed one; values up to 1 pass."""
         sizes = [abs(_numbers(text)[0]) for text in expected.values() if _NUMBER.fullmatch(text)]
         amount = self.absolute + self.of_largest * float(max(sizes, default=0))
         cells = dict.fromkeys([*expected, *got])
@@ -122,14 +122,14 @@ class Close:
             return math.inf
         largest = 0.0
         for want, have in zip(_numbers(expected), _numbers(got), strict=True):
-            unit = 10.0 ** max(int(each.as_tuple().exponent) for each in (want, have))
+            unit = 10.0 ** max(int(number.as_tuple().exponent) for number in (want, have))
             allowed = amount + self.relative * abs(float(want)) + self.digits * unit
             if off := abs(float(want) - float(have)):  # just over one by rounding counts as one
                 largest = max(largest, round(off / allowed, 6) if allowed else math.inf)
         return largest
 
 
-SAME = Close()
+EQUAL_TEXT = Close()
 
 
 def _numbers(text: str) -> list[Decimal]:
@@ -147,7 +147,7 @@ class Quantity(NamedTuple):
     item: str
     name: str
     cells: Cells
-    tolerance: Close = SAME
+    tolerance: Close = EQUAL_TEXT
 
 
 def check_page(results: Results, *, reference: str) -> Page:
@@ -169,17 +169,19 @@ def compare(quantities: Iterable[Quantity], reference: Mapping[Key, Cells]) -> p
     A quantity that the reference does not have fails as well: it was never reviewed.
     """
     quantities = list(quantities)
-    keys = {each[:3] for each in quantities}
+    keys = {quantity[:3] for quantity in quantities}
     quantities += [Quantity(*key, {}) for key in reference if key not in keys]
     rows = []
-    for each in quantities:
-        expected = reference.get(each[:3], {})
-        distances = each.tolerance.distances(expected, each.cells) or {"": math.inf}
+    for quantity in quantities:
+        expected = reference.get(quantity[:3], {})
+        distances = quantity.tolerance.distances(expected, quantity.cells) or {"": math.inf}
         worst = max(distances, key=lambda cell: distances[cell])
         verdict = PASSED if distances[worst] <= 1 else FAILED
-        values = expected.get(worst, "–"), each.cells.get(worst, "missing")
-        rows.append((*each[:3], *values, str(each.tolerance), verdict, worst, distances[worst]))
-    return pd.DataFrame(rows, columns=list(COLUMNS))
+        values = expected.get(worst, "–"), quantity.cells.get(worst, "missing")
+        rows.append(
+            (*quantity[:3], *values, str(quantity.tolerance), verdict, worst, distances[worst])
+        )
+    return pd.DataFrame(rows, columns=list(CHECK_COLUMNS))
 
 
 def read_reference(folder: Path) -> Reference:
@@ -210,28 +212,30 @@ def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path)
     Raises InputError where a file cannot be written.
     """
     rows = [
-        (*each[:3], *cell)
-        for each in quantities
-        if each.part != PICTURES
-        for cell in each.cells.items()
+        (*quantity[:3], *cell)
+        for quantity in quantities
+        if quantity.part != PICTURES
+        for cell in quantity.cells.items()
     ]
     for path in (*folder.glob("*.csv"), *folder.glob(f"*{PLAIN}")):
         path.unlink()
     table = pd.DataFrame(rows, columns=["part", *REFERENCE_COLUMNS])
     for part, cells in table.groupby("part"):
         write_table(cells.drop(columns="part"), folder / f"{str(part).replace(' ', '_')}.csv")
-    for _, name, _ in pictures_of(results / PLACE_OF_PICTURES):
-        shutil.copy(results / PLACE_OF_PICTURES / f"{name}{PLAIN}", folder)
+    for _, name, _ in pictures_of(results / PICTURES_FOLDER):
+        shutil.copy(results / PICTURES_FOLDER / f"{name}{PLAIN}", folder)
 
 
 def pictures_of(folder: Path) -> Reference:
     """Return the zero difference of each plain figure of a folder from itself."""
     names = sorted(path.name.removesuffix(PLAIN) for path in folder.glob(f"*{PLAIN}"))
-    return {(PICTURES, name, "difference"): {PIXELS: "0"} for name in names if name != BY_CHANCE}
+    return {
+        (PICTURES, name, "difference"): {PIXELS: "0"} for name in names if name != RANDOM_FIGURE
+    }
 
 
-def picture_quantities(pictures: Path, reference: Path) -> Iterator[Quantity]:
-    """Compare each figure's picture with the one in a reference's folder.
+def compare_pictures(pictures: Path, reference: Path) -> Iterator[Quantity]:
+    """Yield the PICTURE_RMS difference of each figure's picture from the reference's picture.
 
     Fonts change a picture by more than a dropped curve does, hence no texts. Where it is too far
     off, the difference is drawn beside it.
@@ -242,11 +246,13 @@ def picture_quantities(pictures: Path, reference: Path) -> Iterator[Quantity]:
         if expected.exists() and got.exists():
             got.with_name(f"{got.stem}-failed-diff.png").unlink(missing_ok=True)
             try:
-                found = compare_images(str(expected), str(got), tol=RMS, in_decorator=True)
-                apart = f"{found['rms']:.3g}" if found else "0"
+                difference = compare_images(
+                    str(expected), str(got), tol=PICTURE_RMS, in_decorator=True
+                )
+                apart = f"{difference['rms']:.3g}" if difference else "0"
             except (ImageComparisonFailure, OSError, SyntaxError) as error:
                 apart = " ".join(str(error).split())
-        yield Quantity(*key, {PIXELS: apart}, Close(absolute=RMS))
+        yield Quantity(*key, {PIXELS: apart}, Close(absolute=PICTURE_RMS))
 
 
 def summary(table: pd.DataFrame) -> str:
@@ -264,7 +270,11 @@ def on_screen(table: pd.DataFrame) -> str:
     kinds = {"Worst of each part": worst[["part", "item", "quantity", "of_tolerance"]]}
     if failed.any():
         kinds["Failed"] = table[failed]
-    how: dict[str, Any] = {"index": False, "max_colwidth": WIDEST, "float_format": "{:.2g}".format}
+    how: dict[str, Any] = {
+        "index": False,
+        "max_colwidth": WIDEST_CELL,
+        "float_format": "{:.2g}".format,
+    }
     shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items()]
     return "".join([*shown, summary(table)])
 
@@ -311,8 +321,16 @@ def study_quantities(results: Results, reference: Path) -> list[Quantity]:
     close = tolerances(float(config.solver.tolerance))
     plans = sorted(path.parent.name for path in folder.glob("simulations/*/forces.csv"))
     items = [
-        *(("figure data", name, _table) for name in names("figures/fig*.csv") if name != BY_CHANCE),
-        *(("results", name, _table) for name in RESULTS if results.exists(f"{name}.csv")),
+        *(
+            ("figure data", name, _table)
+            for name in names("figures/fig*.csv")
+            if name != RANDOM_FIGURE
+        ),
+        *(
+            ("results", name, _table)
+            for name in RESULT_COLUMNS_PATTERN
+            if results.exists(f"{name}.csv")
+        ),
         *(("tables", name, _table) for name in names("tables/table*.csv")),
         *(("claims", name, _claims) for name in names("claims.csv")),
         *(("simulations", plan, _simulations) for plan in plans if plan[:10] != "validation"),
@@ -322,8 +340,10 @@ def study_quantities(results: Results, reference: Path) -> list[Quantity]:
     # A reference has a sample of the films; all of them take minutes.
     if config.numerics.extent == "sample" and results.exists("numerics/stability.csv"):
         items.append(("numerics", "stability", _stability))
-    quantities = [each for part, item, make in items for each in make(results, close, part, item)]
-    return [*quantities, *picture_quantities(folder / PLACE_OF_PICTURES, reference)]
+    quantities = [
+        quantity for part, item, make in items for quantity in make(results, close, part, item)
+    ]
+    return [*quantities, *compare_pictures(folder / PICTURES_FOLDER, reference)]
 
 
 def text_of(value: Any) -> str:
@@ -338,23 +358,23 @@ def column_quantities(
 ) -> Iterator[Quantity]:
     """A table's number of rows, then its columns thinned out, each as close as in CLOSENESS.
 
-    Of a longer table, SAMPLE rows evenly spaced are kept, and of its columns of numbers the
+    Of a longer table, SAMPLED_ROWS rows evenly spaced are kept, and of its columns of numbers the
     least, the mean and the largest value.
     """
     yield Quantity(part, item, "rows", {"rows": str(len(table))})
     for name in map(str, table):
-        column, place = table[name], f"{item} {name}"
-        kinds = (kind for pattern, kind in CLOSENESS.items() if re.fullmatch(pattern, place))
+        column, column_path = table[name], f"{item} {name}"
+        kinds = (kind for pattern, kind in CLOSENESS.items() if re.fullmatch(pattern, column_path))
         kind = next(kinds, "derived" if column.dtype == float else None)
         cells = _sample(column)
-        if kind and len(table) > SAMPLE:
+        if kind and len(table) > SAMPLED_ROWS:
             extremes = column.agg(["min", "mean", "max"]).set_axis(["least", "mean", "largest"])
             cells |= {str(name): text_of(value) for name, value in extremes.items()}
-        yield Quantity(part, item, name, cells, close[kind] if kind else SAME)
+        yield Quantity(part, item, name, cells, close[kind] if kind else EQUAL_TEXT)
 
 
 def _sample(column: pd.Series) -> dict[str, str]:
-    kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, SAMPLE)})
+    kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, SAMPLED_ROWS)})
     return {f"row {row + 1}": text_of(column.iloc[row]) for row in kept}
 
 
@@ -366,7 +386,9 @@ def _table(results: Results, close: Kinds, part: str, item: str) -> Made:
     """A table of the paper, or one that a figure draws."""
     folder = {"figure data": "figures/", "tables": "tables/"}.get(part, "")
     table = results.table(f"{folder}{item}.csv")
-    chosen = [name for name in table if re.fullmatch(RESULTS.get(item, ".*"), str(name))]
+    chosen = [
+        name for name in table if re.fullmatch(RESULT_COLUMNS_PATTERN.get(item, ".*"), str(name))
+    ]
     return column_quantities(table[chosen], close, part, item)
 
 

@@ -10,8 +10,8 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
 
-POINTS, TIMES = 41, 16
-TOLERANCE = 1e-4
+PICTURE_POINTS, PICTURE_TIMES = 41, 16
+PICTURE_TOLERANCE = 1e-4
 """Of the largest pressure: a picture shows no more."""
 
 
@@ -22,18 +22,23 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
     pressure is that of the periodic state, NaN where there is none to show. The scene's terms must
     be decided.
     """
-    x = (1 - np.cos(np.pi * np.arange(POINTS + 2) / (POINTS + 1))) / 2
-    phase = 2 * np.pi * np.arange(TIMES) / TIMES
+    x = (1 - np.cos(np.pi * np.arange(PICTURE_POINTS + 2) / (PICTURE_POINTS + 1))) / 2
+    phase = 2 * np.pi * np.arange(PICTURE_TIMES) / PICTURE_TIMES
     middle = np.full_like(x, 0.5)
     pad = scene.h0_m + scene.pad.gap.rise_m(x, middle)
     # The gap widens while the surface goes down.
     surface = pad - scene.h0_m * scene.gap(x, middle, phase).T
     values = np.full(surface.shape, np.nan)
     with suppress(RunError):
-        overpressure, _ = pressure(
-            scene, x=x, y=middle[:1], instants=TIMES, tolerance=TOLERANCE, device=device
+        gauge_pressure_ratio, _ = pressure(
+            scene,
+            x=x,
+            y=middle[:1],
+            instants=PICTURE_TIMES,
+            tolerance=PICTURE_TOLERANCE,
+            device=device,
         )
-        values = overpressure[:, 0]
+        values = gauge_pressure_ratio[:, 0]
     shape = np.ones_like(surface)
     return pd.DataFrame(
         {

@@ -18,9 +18,9 @@ from squeezefilm.film.positions import as_in, form_of
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read_fit
 from squeezefilm.models.fitting import local_fit, parameter_ranges
-from squeezefilm.models.force_model import SPACES, check_columns
+from squeezefilm.models.force_model import FACTOR_SPACES, check_columns
 from squeezefilm.models.prediction_interval import (
-    QUANTITIES,
+    MEANINGS,
     error_sizes,
     ranking_half,
     relative_errors,
@@ -37,7 +37,7 @@ COLUMNS = (
     *("about", "note"),
 )
 COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
-RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in SPACES))
+RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in FACTOR_SPACES))
 """The plans that the recommended model is judged by; the first has the positions."""
 RECOMMENDED = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""
@@ -93,7 +93,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
         path = results.candidate(space, name)
         values = read_json(path)
         try:
-            row, relative = _judged(fit_of(values, place=path), factors, forces)
+            row, relative = _judged(fit_of(values, source=path), factors, forces)
         except InputError as error:
             rows.append({"model": name, "note": str(values.get("not_supported", error))})
             continue
@@ -133,7 +133,7 @@ def _judged(
         "error_95_percent": 100 * np.median(fit.interval.error_n(predicted) / np.abs(predicted)),
         "coverage": fit.interval.mean_coverage,
         "coverage_min": least["coverage"],
-        "coverage_min_region": f"{least['third']} third of the {QUANTITIES[least['quantity']]}",
+        "coverage_min_region": f"{least['third']} third of the {MEANINGS[least['quantity']]}",
         "expression": model.expression,
         "about": model.about or getattr(fit, "about", ""),
         "note": "",
@@ -154,7 +154,7 @@ def recommend(results: Results) -> pd.DataFrame:
         plan: read_forces(results.folder / f"simulations/{plan}/forces.csv").query("status == 'ok'")
         for plan in RECOMMENDED_BY
     }
-    rows = [row for space in SPACES for row in _recommended(results, space, forces)]
+    rows = [row for space in FACTOR_SPACES for row in _recommended(results, space, forces)]
     return pd.DataFrame(rows or [dict.fromkeys(RECOMMENDED)])
 
 

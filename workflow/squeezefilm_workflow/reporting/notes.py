@@ -16,13 +16,13 @@ VERDICTS = {
     "budget": "out of simulations",
 }
 """How the refinement of a model ended, where the model was refined."""
-CLAIM = ("claim", "paper", "ours", "unit", "verdict")
+CLAIM_COLUMNS_SHOWN = ("claim", "paper", "ours", "unit", "verdict")
 """Columns of claims in a summary."""
 
 
 def verdicts(claims: pd.DataFrame) -> dict[str, Any]:
     """Return how many claims a study decides and how many agree, and the claims that do not."""
-    shown, verdict = claims[list(CLAIM)], claims["verdict"].str
+    shown, verdict = claims[list(CLAIM_COLUMNS_SHOWN)], claims["verdict"].str
     differing, undecided = (shown[verdict.startswith(word)] for word in ("differs", "undecided"))
     counts = {
         "decided": len(claims) - len(undecided),
@@ -31,10 +31,10 @@ def verdicts(claims: pd.DataFrame) -> dict[str, Any]:
     return counts | {"differing": differing, "undecided": undecided}
 
 
-def percent(share: float) -> str:
+def percent(fraction: float) -> str:
     """A fraction as a percentage with three digits: 0.00533 → 0.533 %."""
-    digits = ".3g" if abs(share) < 9.99 else ".0f"
-    return f"{100 * share:{digits}} %".replace("-", "−")
+    digits = ".3g" if abs(fraction) < 9.99 else ".0f"
+    return f"{100 * fraction:{digits}} %".replace("-", "−")
 
 
 def signed(value: float, digits: int = 2) -> str:
@@ -65,7 +65,7 @@ def simulations_note(*forces: pd.DataFrame) -> str:
 
 def reynolds_limit(films: str) -> Limit:
     """The limit of validity in the modified Reynolds number of films of a kind."""
-    return next(each for each in LIMITS if each.symbol == "Re" and each.films == films)
+    return next(limit for limit in LIMITS if limit.symbol == "Re" and limit.films == films)
 
 
 def inertia(config: Study) -> dict[str, Any]:

@@ -19,8 +19,8 @@ from squeezefilm_workflow.reporting.figures import style
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
 
-ANIMATED = ".gif"
-SHOWN = 8
+ANIMATION_SUFFIX = ".gif"
+PHASES_SHOWN = 8
 FRAMES_PER_SECOND = 16
 AXES = ("phase", "y", "x")
 
@@ -33,7 +33,7 @@ def draw(path: Path | str, files: Sequence[Path]) -> None:
     field = read_field(path)
     with style.settings():
         for file in files:
-            if file.suffix == ANIMATED:
+            if file.suffix == ANIMATION_SUFFIX:
                 save_animation(field, file)
             else:
                 style.save(draw_sheet(field), [file])
@@ -66,12 +66,14 @@ def read_field(path: Path | str) -> Dataset:
 
 
 def draw_sheet(field: Dataset) -> Figure:
-    """The gauge pressure at SHOWN phases and in the mean; means over the pad, over the period."""
+    """The gauge pressure at PHASES_SHOWN phases and in the mean; means over the pad, over the
+    period.
+    """
     figure = style.new_figure(wide=True, height_in=6.0)
     upper, lower = figure.subfigures(2, 1, height_ratios=(2, 1.1), squeeze=False).ravel()
     pressure = field["gauge_pressure"]
-    shown = pressure[:: max(1, pressure.sizes["phase"] // SHOWN)][:SHOWN]
-    pictures = upper.subplots(2, SHOWN // 2)
+    shown = pressure[:: max(1, pressure.sizes["phase"] // PHASES_SHOWN)][:PHASES_SHOWN]
+    pictures = upper.subplots(2, PHASES_SHOWN // 2)
     for axes in pictures.flat[len(shown) :]:
         axes.set_axis_off()
     for axes, values in zip(pictures.flat, shown, strict=False):
@@ -102,10 +104,10 @@ def save_animation(field: Dataset, path: Path | str) -> None:
         title.set_text(f"phase {float(field['phase'][instant]):.0f}°")
         return image, title
 
-    style.settle(figure)  # once, not for every frame
+    style.freeze_layout(figure)  # once, not for every frame
     film = FuncAnimation(figure, show, frames=pressure.sizes["phase"])  # type: ignore[arg-type]
     with whole_file(path) as part:
-        named = part.with_suffix(ANIMATED)  # the writer goes by a name's end
+        named = part.with_suffix(ANIMATION_SUFFIX)  # the writer goes by a name's end
         film.save(named, PillowWriter(fps=FRAMES_PER_SECOND), dpi=150)
         named.rename(part)
 
@@ -127,7 +129,7 @@ def _picture(axes: Axes, values: DataArray, *, reach: float) -> AxesImage:
 
 
 def _over_the_period(axes: Axes, field: Dataset) -> None:
-    """Overpressure and gap, each the mean over the pad: places of its rim count by half."""
+    """Gauge pressure and gap, each the mean over the pad: places of its rim count by half."""
     ends = [np.where(np.arange(n) % (n - 1) == 0, 0.5, 1) for n in field["gap"].shape[1:]]
     weights = field["gap"][0].copy(data=np.outer(*ends))
     for target, name, factor, label, colour in (

@@ -14,7 +14,7 @@ from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.units import error_text, to_its_error
 from squeezefilm_workflow.reporting.notes import (
-    CLAIM,
+    CLAIM_COLUMNS_SHOWN,
     largest_error,
     percent,
     rounded_up,
@@ -28,7 +28,7 @@ EFFECTS = (
     *("inertia", "slip", "thermal", "edge_loss"),
     *("modelling_error_lower", "modelling_error_upper"),
 )
-NOTHING = 1e-3
+NEGLIGIBLE_FRACTION = 1e-3
 """Share of a range's largest value below which its least is as good as 0."""
 
 
@@ -60,7 +60,7 @@ def summary_values(
     config = results.config
     tables = {plan: results.forces(plan) for plan in plans}
     sections = config.sections("gas", "actuator", "pad", "solver")
-    settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting)
+    settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting_text)
     on_disc = form_of(next(iter(tables.values()))) == POLAR
     return {
         **headline_values(results),
@@ -107,7 +107,9 @@ def headline_values(results: Results) -> dict[str, Any]:
         "on_map": results.validation("two_factor_design", "error_map"),
         "fitted": results.fit("two_factor_design").points,
         "judged": results.validation("two_factor_design", "screen"),
-        "claims": verdicts(results.table("claims.csv", *CLAIM)) if config.paper else None,
+        "claims": verdicts(results.table("claims.csv", *CLAIM_COLUMNS_SHOWN))
+        if config.paper
+        else None,
         "recommended": recommended,
         "measured": config.measurements and results.summary("measurements/summary.json"),
         "amplitudes": _amplitudes,
@@ -120,8 +122,11 @@ def headline_values(results: Results) -> dict[str, Any]:
 def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
     """The amplitude for the target force at each position, and the error of that force."""
     amplitudes = zip(1e6 * table["hv_m"], 1e6 * table["hv_error_95_m"], strict=True)
-    shown = [to_its_error(*each)[0] if np.isfinite(each[0]) else "none" for each in amplitudes]
-    error = table["error_95_percent"].map(lambda each: f"{error_text(each)} %")
+    shown = [
+        to_its_error(*value_and_error)[0] if np.isfinite(value_and_error[0]) else "none"
+        for value_and_error in amplitudes
+    ]
+    error = table["error_95_percent"].map(lambda percentage: f"{error_text(percentage)} %")
     return pd.DataFrame(
         {
             "model": table["model"],
@@ -163,9 +168,9 @@ def _effects(results: Results) -> pd.DataFrame:
 
 def _terms(gas: Gas, tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     """Terms of the study's equation beyond the paper's, as in the simulations if there are any."""
-    absent = [row for each in tables.values() for row in each["absent_terms"].dropna()]
+    absent = [row for table in tables.values() for row in table["absent_terms"].dropna()]
     for name, chosen in (("inertia", gas.inertia), ("thermal", gas.thermal)):
-        if chosen != "none" and not all(name in each for each in absent):
+        if chosen != "none" and not all(name in terms_absent for terms_absent in absent):
             where = "" if chosen == "included" else " where needed"
             yield f"{label_of(name)}{where}"
 
@@ -197,11 +202,11 @@ def _errors(results: Results, pair: str) -> dict[str, str]:
 def _range(column: pd.Series) -> str:
     """Range from the least to the largest; values that are negligible beside the largest are 0."""
     low, high = float(column.min()), float(column.max())
-    low = 0.0 if abs(low) < NOTHING * abs(high) else low
+    low = 0.0 if abs(low) < NEGLIGIBLE_FRACTION * abs(high) else low
     return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} – {high:.3g}"
 
 
-def _setting(value: Any) -> str:
+def _setting_text(value: Any) -> str:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return ", ".join(map(str, value))
     return f"{value:g}" if isinstance(value, float) else str(value)

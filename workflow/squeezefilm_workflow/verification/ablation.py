@@ -46,7 +46,7 @@ PUT_BACK: dict[str, dict[str, Any]] = {
 }
 REFERENCE_TOLERANCE = 1e-9
 # Share of a tolerance that Newton's iteration may leave on one grid for all.
-ITERATION_SHARE = 0.2
+ITERATION_FRACTION = 0.2
 
 
 def ablation(
@@ -95,7 +95,7 @@ def ablation(
 
 
 def _with(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
-    """Scenes with other numbers."""
+    """Return the scenes with changed numbers of pad, gap or gas."""
 
     def changed(whole: Any) -> Any:
         return replace(whole, **{name: changes[name] for name in changes if hasattr(whole, name)})
@@ -106,7 +106,7 @@ def _with(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
 
 
 class Forces(NamedTuple):
-    """Forces of scenes and what is stated of their errors."""
+    """Forces of scenes and their stated errors."""
 
     force_n: np.ndarray
     force_error_n: np.ndarray
@@ -123,11 +123,11 @@ def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device)
 def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
     """Every scene on the same two grids over the whole pad, each solved from rest."""
     coarse, fine = (
-        solve_batch(scenes, grid, tolerance=ITERATION_SHARE * tolerance, device=device)
+        solve_batch(scenes, grid, tolerance=ITERATION_FRACTION * tolerance, device=device)
         for grid in ONE_FOR_ALL
     )
     scale, stated = Scenes.of(scenes).force_scale_n, 2 * np.abs(fine.mean - coarse.mean)
-    return Forces(scale * fine.mean, scale * (stated + fine.said["residual"]))
+    return Forces(scale * fine.mean, scale * (stated + fine.results["residual"]))
 
 
 def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:

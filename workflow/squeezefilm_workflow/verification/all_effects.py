@@ -23,7 +23,7 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.terms.rarefaction import TABLE
+from squeezefilm.reynolds.terms.rarefaction import FLOW_TABLE
 from squeezefilm_workflow.verification.marching import FloatArray, fold_of
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
@@ -63,7 +63,7 @@ class Points:
     corner: np.ndarray
 
     @property
-    def rim(self) -> np.ndarray:
+    def on_edge_mask(self) -> np.ndarray:
         return np.any(self.normal != 0, axis=0)
 
 
@@ -100,7 +100,7 @@ def _radius(count: int) -> Points:
     half = count // 2
     same, other = first[half:, half:], first[half:, half - 1 :: -1]
     r, even, odd = x[half:], same + other, same - other
-    rim = (np.arange(half) == half - 1).astype(float)
+    on_edge = (np.arange(half) == half - 1).astype(float)
     # r is no polynomial over a whole diameter: its mean is taken at points along a radius.
     along, _, weights = _line(2 * count)
     finer = (along + 0.5) / 2
@@ -112,19 +112,19 @@ def _radius(count: int) -> Points:
         (even,),
         (odd + np.diag(1 / r),),
         ((odd,),),
-        rim[None],
+        on_edge[None],
         np.zeros(half, dtype=bool),
     )
 
 
-def _interpolation(nodes: FloatArray, places: FloatArray) -> FloatArray:
+def _interpolation(nodes: FloatArray, points: FloatArray) -> FloatArray:
     """Matrix from values at Chebyshev points to values elsewhere."""
     degree = np.arange(len(nodes))
 
     def polynomials(x: FloatArray) -> FloatArray:
         return np.cos(degree * np.arccos(np.clip(2 * x[:, None], -1, 1)))
 
-    return np.asarray(np.linalg.solve(polynomials(nodes).T, polynomials(places).T).T)
+    return np.asarray(np.linalg.solve(polynomials(nodes).T, polynomials(points).T).T)
 
 
 def _rectangle(aspect: float, count: int) -> Points:
@@ -134,8 +134,10 @@ def _rectangle(aspect: float, count: int) -> Points:
         np.asarray(np.kron(first, one)),
         np.asarray(np.kron(one, first) / aspect),
     )
-    on_x, on_y = (each.ravel() for each in np.meshgrid(x, x, indexing="ij"))
-    normal = np.stack([np.sign(each) * (abs(each) == 0.5) for each in (on_x, on_y)])
+    on_x, on_y = (coordinate.ravel() for coordinate in np.meshgrid(x, x, indexing="ij"))
+    normal = np.stack(
+        [np.sign(coordinate) * (abs(coordinate) == 0.5) for coordinate in (on_x, on_y)]
+    )
     corner = np.all(normal != 0, axis=0)
     area = np.outer(weights, weights).ravel()
     return Points(on_x + 0.5, on_y + 0.5, area, along, along, (along, along), normal, corner)
@@ -167,13 +169,13 @@ def _ellipse(aspect: float, count: int) -> Points:
 
 def _folded(points: Points, even_x: bool, even_y: bool) -> Points:
     """Return the points of one half along each axis about which a film is even."""
-    place, even = np.stack([points.x, points.y]) - 0.5, np.array([[even_x], [even_y]])
-    kept = np.flatnonzero(np.all(~even | (place > 0), axis=0))
-    mirrored = np.where(even, abs(place), place)
-    distance = np.abs(mirrored[:, :, None] - place[:, None, kept]).sum(axis=0)
+    from_centre, even = np.stack([points.x, points.y]) - 0.5, np.array([[even_x], [even_y]])
+    kept = np.flatnonzero(np.all(~even | (from_centre > 0), axis=0))
+    mirrored = np.where(even, abs(from_centre), from_centre)
+    distance = np.abs(mirrored[:, :, None] - from_centre[:, None, kept]).sum(axis=0)
     values = (distance < 1e-9).astype(float)  # of an even field
     # A component of a vector is odd along its own axis.
-    odd = np.where(even & (place < 0), -1.0, 1.0)[:, :, None] * values
+    odd = np.where(even & (from_centre < 0), -1.0, 1.0)[:, :, None] * values
     axes = points.gradient
     return Points(
         *(points.x[kept], points.y[kept], points.weights @ values),
@@ -196,7 +198,7 @@ def _in_time(instants: int) -> FloatArray:
 @cache
 def _rarefied_flow() -> CubicSpline:
     """Return what rarefaction adds to the flow Q, D/6 of a viscous gas, by ln D."""
-    inverse, flow = np.loadtxt(TABLE, delimiter=",", skiprows=1, unpack=True)
+    inverse, flow = np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1, unpack=True)
     return CubicSpline(np.log(inverse), flow - inverse / 6)
 
 
@@ -310,26 +312,26 @@ class FilmWithEffects:
             sliding = self.scene.bearing_number / sigma if i == 0 else 0.0
             flow = pressure * gap * (u + beside + sliding)
             mass = mass + _along(at.divergence[i], flow)
-        self._set_rim(excess, velocity, mass, momentum)
+        self._set_edge_conditions(excess, velocity, mass, momentum)
         return np.concatenate([mass[None], momentum, energy[None]])
 
-    def _set_rim(
+    def _set_edge_conditions(
         self, excess: np.ndarray, velocity: np.ndarray, mass: np.ndarray, momentum: np.ndarray
     ) -> None:
         """Put the conditions at the rim into the residuals of mass and momentum."""
-        rim, corner = self.points.rim, self.points.corner
-        normal = self.points.normal[:, rim, None]
-        out = np.sum(normal * velocity[:, rim], axis=0)
+        edge_rows, corner = self.points.on_edge_mask, self.points.corner
+        normal = self.points.normal[:, edge_rows, None]
+        out = np.sum(normal * velocity[:, edge_rows], axis=0)
         inflow = np.where(out.real < 0, out, 0.0)
-        inflow[corner[rim]] = 0.0
-        mass[rim] = excess[rim] + self.numbers["loss"] * inflow**2
+        inflow[corner[edge_rows]] = 0.0
+        mass[edge_rows] = excess[edge_rows] + self.numbers["loss"] * inflow**2
         if len(velocity) > 1:
-            share = out / self.numbers["reversing"]
-            leaves = (1 + share / np.sqrt(1 + share**2)) / 2
-            across = np.sum(normal * momentum[:, rim], axis=0) * normal
-            along = momentum[:, rim] - across
-            still = velocity[:, rim] - out * normal
-            momentum[:, rim] = across + leaves * along + (1 - leaves) * still
+            outflow_ratio = out / self.numbers["reversing"]
+            leaves = (1 + outflow_ratio / np.sqrt(1 + outflow_ratio**2)) / 2
+            across = np.sum(normal * momentum[:, edge_rows], axis=0) * normal
+            along = momentum[:, edge_rows] - across
+            still = velocity[:, edge_rows] - out * normal
+            momentum[:, edge_rows] = across + leaves * along + (1 - leaves) * still
             momentum[:, corner] = velocity[:, corner]
 
     def solve(self, state: FloatArray | None = None) -> FloatArray:
@@ -367,13 +369,13 @@ class FilmWithEffects:
         raise ArithmeticError("Newton's method did not converge")
 
     def mean(self, state: FloatArray) -> float:
-        """Return the mean overpressure over pad and period, in p0."""
+        """Return the mean gauge pressure over pad and period, in p0."""
         return float(self.points.weights @ state[0].mean(axis=-1))
 
     def _preconditioner(self, state: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """Return the inverse of the equations with coefficients averaged over the period."""
         at, n, gap, sigma = self.points, self.numbers, self.gap, self.scene.sigma
-        pressure, rim = 1 + state[0], at.rim
+        pressure, edge_rows = 1 + state[0], at.on_edge_mask
         mobility = gap * (gap + 6 * n["slip"] / pressure) / sigma
         flow = np.mean(pressure * mobility, axis=-1)
         lag = np.mean(n["lag"] * gap * (pressure * gap + 4 * n["slip"]), axis=-1)
@@ -387,19 +389,19 @@ class FilmWithEffects:
         systems = []
         for k, harmonic in enumerate(order):
             stored = harmonic * (1 - n["heating"] / 12 * harmonic / still[k])
-            system = stored * np.eye(len(rim)) - moved / (1 + at.weights @ lag * harmonic)
-            system[rim] = np.eye(len(rim))[rim]
+            system = stored * np.eye(len(edge_rows)) - moved / (1 + at.weights @ lag * harmonic)
+            system[edge_rows] = np.eye(len(edge_rows))[edge_rows]
             systems.append(lu_factor(system))
 
         def in_harmonics(field: FloatArray, factor: np.ndarray) -> FloatArray:
             return np.asarray(np.fft.irfft(factor * np.fft.rfft(field), n=self.instants))
 
         def apply(residual: FloatArray) -> FloatArray:
-            velocity = [in_harmonics(each, 1 / inert) for each in residual[1:-1]]
+            velocity = [in_harmonics(component, 1 / inert) for component in residual[1:-1]]
             mass = residual[0] + self.rate(in_harmonics(residual[-1], 1 / still))
             for u, div in zip(velocity, at.divergence, strict=True):
                 mass = mass - div @ (pressure * gap * u)
-            mass[rim] = residual[0][rim] * gap[rim]
+            mass[edge_rows] = residual[0][edge_rows] * gap[edge_rows]
             waves = np.fft.rfft(mass)
             columns = [lu_solve(lu, waves[:, k]) for k, lu in enumerate(systems)]
             rise = np.fft.irfft(np.stack(columns, axis=-1), n=self.instants) / gap
@@ -448,8 +450,8 @@ def forces_on_grid(
         instants: in a period, an odd number.
     """
     grid, state, forces_n = points_of(scene, points), None, []
-    for each in effects:
-        film = FilmWithEffects(scene, each, grid, instants)
+    for effects_of_film in effects:
+        film = FilmWithEffects(scene, effects_of_film, grid, instants)
         state = film.solve(state)
         forces_n.append(film.mean(state) * scene.force_scale_n)
     return forces_n

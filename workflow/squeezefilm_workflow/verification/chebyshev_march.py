@@ -34,12 +34,12 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
     """
     epsilon, sigma = scene.epsilon, scene.sigma
     x_side, y_side = (_Side(points, folded) for folded in fold_of(scene))
-    s_rim = scene.amplitude(*np.meshgrid(x_side.grid.x, y_side.grid.x, indexing="ij"))
+    s_edge = scene.amplitude(*np.meshgrid(x_side.grid.x, y_side.grid.x, indexing="ij"))
     x_matrix, y_matrix = x_side.grid.first, y_side.grid.first
-    slope = (x_matrix @ s_rim) ** 2 + (s_rim @ y_matrix.T) ** 2
-    bend = x_side.grid.second @ s_rim + s_rim @ y_side.grid.second.T
+    slope = (x_matrix @ s_edge) ** 2 + (s_edge @ y_matrix.T) ** 2
+    bend = x_side.grid.second @ s_edge + s_edge @ y_side.grid.second.T
     kept = np.ix_(x_side.kept, y_side.kept)
-    s, slope, bend = s_rim[kept].ravel(), slope[kept].ravel(), bend[kept].ravel()
+    s, slope, bend = s_edge[kept].ravel(), slope[kept].ravel(), bend[kept].ravel()
     area = np.outer(x_side.weights, y_side.weights).ravel()
     plane = (x_side.kept.size, y_side.kept.size)
     laplacian = np.kron(x_side.second, np.eye(plane[1])) + np.kron(np.eye(plane[0]), y_side.second)

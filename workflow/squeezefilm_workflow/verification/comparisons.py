@@ -24,24 +24,24 @@ from squeezefilm.dynamics.levitation import levitate
 from squeezefilm.dynamics.response import response
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
+from squeezefilm.models.prediction_interval import NORMAL_QUANTILES, SCAN_LEVEL
 from squeezefilm.quantities.model_error import ErrorBudget
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.space import space_of, table_of
 from squeezefilm_workflow.verification.reference import reference_force
 
 # Tolerances of direct solutions; the second with inertia or thermal effects, and under ellipses.
-TIGHT, LESS_TIGHT = 1e-7, 1e-5
+DIRECT_TOLERANCE, DIRECT_TOLERANCE_WITH_EFFECTS = 1e-7, 1e-5
 # What the flow factor adds to first-order slip, relative to the flow, for each unit of Kn.
 KINETIC = 1.5
 # Of films that the spectral elements resolve in seconds.
 REFERENCE_EPSILON, REFERENCE_SIGMA = 0.6, (1.0, 2e4)
 # Relative distance of the forces in difference quotients of fourth order.
-STEP = 0.004
+DIFFERENCE_STEP = 0.004
 # Gaps beyond one that levitates, at which the force must stay below the load.
-WIDER, WIDER_GAPS = 4.0, 12
+WIDEST_GAP_RATIO, WIDER_GAPS = 4.0, 12
 # Points outside the declared space, which no prediction interval may claim.
-BEYOND = 20
+POINTS_OUTSIDE = 20
 # Of the fresh points of the study of seed 0.
 FRESH_SEED = 10_000
 OUTCOMES = ("within", "sure and wrong", "outside, not stated as valid", "no direct solution")
@@ -138,18 +138,20 @@ def forces_and_errors(
 ) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
     settings = study.solver(tolerance=tolerance, outputs=())
-    found = solve(settings.resolved(scenes), **settings.how)
-    return np.array([(each.force_n, each.force_error_n) for each in found]).T
+    solutions = solve(settings.resolved(scenes), **settings.how)
+    return np.array([(solution.force_n, solution.force_error_n) for solution in solutions]).T
 
 
 def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
-    """The same far within what is stated of them, as far as that can be had."""
+    """Forces and errors by direct solutions with a tolerance far below the stated errors."""
     gas = scenes[0].gas
     plain = gas.inertia == gas.thermal == "none" and scenes[0].pad.shape == "rectangle"
-    found = forces_and_errors(scenes, study, tolerance=TIGHT if plain else LESS_TIGHT)
-    if plain and not np.isfinite(found).all():
-        return forces_and_errors(scenes, study, tolerance=LESS_TIGHT)
-    return found
+    forces = forces_and_errors(
+        scenes, study, tolerance=DIRECT_TOLERANCE if plain else DIRECT_TOLERANCE_WITH_EFFECTS
+    )
+    if plain and not np.isfinite(forces).all():
+        return forces_and_errors(scenes, study, tolerance=DIRECT_TOLERANCE_WITH_EFFECTS)
+    return forces
 
 
 def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
@@ -158,12 +160,14 @@ def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
     By five values, of fourth order.
     """
     unit = getattr(scene, name)
-    around: list[dict[str, Any]] = [{name: unit * (1 + STEP * k)} for k in range(-2, 3)]
-    values, errors = _direct([replace(scene, **each) for each in around], study)
+    around: list[dict[str, Any]] = [{name: unit * (1 + DIFFERENCE_STEP * k)} for k in range(-2, 3)]
+    values, errors = _direct([replace(scene, **change) for change in around], study)
     narrow, wide = (values[3] - values[1]) / 2, (values[4] - values[0]) / 4
     noise = (8 * (errors[1] + errors[3]) + errors[0] + errors[4]) / 12
-    slope, off = (4 * narrow - wide) / 3, noise + (4 * STEP) ** 2 * abs(wide - narrow)
-    return np.array([values[2], errors[2], slope / (STEP * unit), off / (STEP * unit)])
+    slope, off = (4 * narrow - wide) / 3, noise + (4 * DIFFERENCE_STEP) ** 2 * abs(wide - narrow)
+    return np.array(
+        [values[2], errors[2], slope / (DIFFERENCE_STEP * unit), off / (DIFFERENCE_STEP * unit)]
+    )
 
 
 def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
@@ -190,7 +194,7 @@ def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison
 def _change_with_slip(
     scene: Scene, with_them: Scene, stated: float, study: Study
 ) -> tuple[float, float]:
-    """A force times what terms do to it in a film of first-order slip, and the error."""
+    """Force scaled by the relative change that terms make with first-order slip, and its error."""
     slipping = [each.with_gas(rarefaction="slip") for each in (scene, with_them)]
     ((before,), (error,)), ((after,), (other,)) = (_direct([each], study) for each in slipping)
     part = after / before - 1
@@ -207,8 +211,11 @@ def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     if not (square and scene.epsilon <= REFERENCE_EPSILON and low <= scene.sigma <= high):
         return
     ((stated,), (error,)) = forces_and_errors([scene], study)
-    found = reference_force(scene, degree=14)
-    direct_n, off_n = scene.force_scale_n * found.force, scene.force_scale_n * found.uncertainty
+    reference = reference_force(scene, degree=14)
+    direct_n, off_n = (
+        scene.force_scale_n * reference.force,
+        scene.force_scale_n * reference.uncertainty,
+    )
     simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_where(scene))
     yield simulate("force by elements / N", *_around(stated, error), direct_n, off_n)
 
@@ -229,7 +236,11 @@ def _neglected(
         *((name, (name,), choices[name]) for name in choices),
         ("rarefaction", ("slip", "flow_factor") if slips else (), rarefied),
     ):
-        lacking = {each: budget.neglected[each] for each in effects if each in budget.neglected}
+        lacking = {
+            effect_name: budget.neglected[effect_name]
+            for effect_name in effects
+            if effect_name in budget.neglected
+        }
         if lacking:
             change = sum(effect.percent for effect in lacking.values()) / 100
             off = sum(effect.error_percent for effect in lacking.values()) / 100
@@ -242,26 +253,30 @@ def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Compar
     settings = study.solver()
     how = settings.how | {"model_tolerance": settings.model_tolerance}
     try:
-        found = levitate(scene, load_n=load_n, **how)
+        levitation = levitate(scene, load_n=load_n, **how)
     except (InputError, RunError):
         return
-    scene, h0_m, stiffness = found.scene, found.scene.h0_m, found.stiffness_n_per_m
+    scene, h0_m, stiffness = levitation.scene, levitation.scene.h0_m, levitation.stiffness_n_per_m
     stated = partial(Comparison, "levitate", note=f"load {load_n:.5g} N; {_where(scene)}")
     direct_n, error_n, slope, slope_error = _derivative(scene, "h0_m", study)
     gap_m = h0_m - (direct_n - load_n) / slope
-    ends = _around(h0_m, found.h0_error_m)
+    ends = _around(h0_m, levitation.h0_error_m)
     yield stated("gap / m", *ends, gap_m, error_n / abs(slope))
-    ends = _around(stiffness, found.stiffness_error_n_per_m)
+    ends = _around(stiffness, levitation.stiffness_error_n_per_m)
     yield stated("stiffness / (N/m)", *ends, -slope, slope_error)
-    wider = np.geomspace(1.02 * h0_m, min(WIDER * h0_m, 1e-3), WIDER_GAPS)
+    wider = np.geomspace(1.02 * h0_m, min(WIDEST_GAP_RATIO * h0_m, 1e-3), WIDER_GAPS)
     there = [replace(scene, h0_m=float(gap)) for gap in wider]
     most = float(np.nanmax(forces_and_errors(there, study, tolerance=1e-3)[0], initial=-inf))
     yield stated("force at wider gaps / N", -inf, load_n, most)
-    for name, with_them, change, off, usable in _neglected(scene, found.budget):
+    for name, with_them, change, off, usable in _neglected(scene, levitation.budget):
         change_m = load_n / stiffness * change
-        off_m = load_n / abs(stiffness) * off + found.second_order_m(change_m)
-        ends = _around(h0_m + change_m, off_m + 2 * found.h0_error_m)
-        numbers = *ends, _gap_under(with_them, load_n, study), 2 * LESS_TIGHT * h0_m
+        off_m = load_n / abs(stiffness) * off + levitation.second_order_m(change_m)
+        ends = _around(h0_m + change_m, off_m + 2 * levitation.h0_error_m)
+        numbers = (
+            *ends,
+            _gap_under(with_them, load_n, study),
+            2 * DIRECT_TOLERANCE_WITH_EFFECTS * h0_m,
+        )
         yield stated(f"gap with {name} / m", *numbers, usable)
 
 
@@ -276,7 +291,15 @@ def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
 
     try:
         near_m = scene.h0_m
-        return float(newton(excess, near_m, x1=1.02 * near_m, tol=LESS_TIGHT * near_m, maxiter=12))
+        return float(
+            newton(
+                excess,
+                near_m,
+                x1=1.02 * near_m,
+                tol=DIRECT_TOLERANCE_WITH_EFFECTS * near_m,
+                maxiter=12,
+            )
+        )
     except (RunError, InputError, RuntimeError):
         return nan
 
@@ -324,14 +347,14 @@ def coverage(
         except (InputError, RunError):
             continue  # not a model of this study, or its physics does not hold all over the space
         off = np.abs(stated["force_n"] - force_n) + error_n
-        beyond = points.head(BEYOND).assign(h0_m=1.5 * points["h0_m"].max())
+        beyond = points.head(POINTS_OUTSIDE).assign(h0_m=1.5 * points["h0_m"].max())
         claimed = float(fit.predict_at(beyond)["error_95_n"].notna().sum())
         what = "points outside the space that have an error"
         yield Comparison("predict", what, 0.0, 0.0, claimed, note=fit.name)
-        for level, quantile in NORMAL.items():
+        for level, quantile in NORMAL_QUANTILES.items():
             half = stated[f"error_{100 * level:.0f}_n"].to_numpy()
             # A scan's part comes on top of what the sample measures.
-            scan = interval.profile_uncertainty * quantile / NORMAL[SCAN_LEVEL]
+            scan = interval.profile_uncertainty * quantile / NORMAL_QUANTILES[SCAN_LEVEL]
             inside = int(np.sum(off <= half - scan * np.abs(stated["force_n"])))
             count = interval.calibration_points
             rank = int(np.ceil((count + 1) * level))

@@ -24,12 +24,12 @@ def resolved_second_order(sigma: float, reynolds: float, *, points: int = 60) ->
     slope = -2 * q * np.sinh(turned) / np.cosh(q) / (1j * reynolds)
     inside = (z - (np.sinh(turned) + np.sinh(q)) / (2 * q * np.cosh(q))) / (1j * reynolds)
     decay = np.sqrt(1j * sigma / (12 * inside[-1]))
-    rim = iv(0, decay / 2)
-    p = iv(0, decay * r) / rim - 1
-    dp = decay * iv(1, decay * r) / rim
+    edge_value = iv(0, decay / 2)
+    p = iv(0, decay * r) / edge_value - 1
+    dp = decay * iv(1, decay * r) / edge_value
     u, rate = -12 / sigma * dp * phi, 1j * p
     divergence = -12 / sigma * decay**2 * (p + 1)
-    curl = np.where(r > 0, dp / np.where(r > 0, r, 1), decay**2 / 2 / rim)
+    curl = np.where(r > 0, dp / np.where(r > 0, r, 1), decay**2 / 2 / edge_value)
     du = -12 / sigma * (decay**2 * (p + 1) - curl) * phi
     w = -(rate * z + divergence * inside)
 

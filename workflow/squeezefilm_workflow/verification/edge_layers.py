@@ -2,7 +2,7 @@
 
 Its docstring has the equations. Without inertia the layer's mass is solved for by Newton's method
 with GMRES, with inertia a stream function of ξ and T by dense matrices. Collocation is Chebyshev's
-on 0 ≤ ξ ≤ DEPTH, crowded at the rim: ξ = DEPTH (exp(k z) − 1)/(exp(k) − 1).
+on 0 ≤ ξ ≤ LAYER_DEPTH, crowded at the rim: ξ = LAYER_DEPTH (exp(k z) − 1)/(exp(k) − 1).
 """
 
 import argparse
@@ -25,26 +25,26 @@ from squeezefilm.parallel import say
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.asymptotics.edge_layer import (
     INERTIA_ROWS,
-    LARGEST,
+    LARGEST_EXCURSION,
     MOST_REYNOLDS,
     REYNOLDS_ROWS,
-    ROWS,
+    TABLE_ROWS,
     all_weights,
-    largest,
+    largest_excursion,
 )
 from squeezefilm.reynolds.spectral import axis, period
 
-COLUMNS = ("a", "d_over_a_squared", "g_over_a", "q_over_a")
+LAYER_COLUMNS = ("a", "d_over_a_squared", "g_over_a", "q_over_a")
 INERTIA_COLUMNS = (
     *("reynolds", "a", "rise_over_a_squared"),
     *("d_over_a_squared", "g_over_a", "h_over_a_squared"),
 )
-DEPTH = 60.0
+LAYER_DEPTH = 60.0
 # k of the nodes; with inertia waves reach farther, and it is smaller.
-STRETCH, STRETCH_PER_REYNOLDS = 6.0, 0.2
+NODE_STRETCH, STRETCH_PER_REYNOLDS = 6.0, 0.2
 NODES, NODES_WITH_INERTIA = 112, 88
 # Instants with inertia, from small excursions to the largest.
-INSTANTS = 12, 48
+INSTANTS_RANGE = 12, 48
 MOST_STEPS = 40
 # Share of the shortest waves in time from which on a state is not resolved.
 MOST_UNRESOLVED = 5e-3
@@ -60,12 +60,14 @@ def edge_layers(options: argparse.Namespace) -> None:
     for a in excursions():
         say(f"a {a:.4g}")
         rows.append((a, *layer(a)))
-    write_text(_text(COLUMNS, rows), options.output / edge_layer.TABLE.name)
+    write_text(_text(LAYER_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE.name)
     rows = []
     for reynolds in reynolds_numbers():
         say(f"Re {reynolds:.4g}")
         rows += layers_with_inertia(reynolds, excursions_with_inertia(reynolds))
-    write_text(_text(INERTIA_COLUMNS, rows), options.output / edge_layer.TABLE_WITH_INERTIA.name)
+    write_text(
+        _text(INERTIA_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE_WITH_INERTIA.name
+    )
 
 
 def _text(columns: tuple[str, ...], rows: list[tuple[float, ...]]) -> str:
@@ -73,8 +75,10 @@ def _text(columns: tuple[str, ...], rows: list[tuple[float, ...]]) -> str:
 
 
 def excursions() -> list[float]:
-    """Excursion ratios of the table's rows, rising from 0 to LARGEST."""
-    return _unstretched(edge_layer.stretched(LARGEST) * axis(ROWS - 2, False).all_nodes)
+    """Excursion ratios of the table's rows, rising from 0 to LARGEST_EXCURSION."""
+    return _unstretched(
+        edge_layer.stretched(LARGEST_EXCURSION) * axis(TABLE_ROWS - 2, False).all_nodes
+    )
 
 
 def reynolds_numbers() -> list[float]:
@@ -84,12 +88,12 @@ def reynolds_numbers() -> list[float]:
 
 def excursions_with_inertia(reynolds: float) -> list[float]:
     """Excursion ratios of the table with inertia at one of its Reynolds numbers."""
-    share = (chebyshev.chebpts1(INERTIA_ROWS) + 1) / 2
-    return _unstretched(edge_layer.stretched(largest(reynolds)) * share)
+    fractions = (chebyshev.chebpts1(INERTIA_ROWS) + 1) / 2
+    return _unstretched(edge_layer.stretched(largest_excursion(reynolds)) * fractions)
 
 
-def _unstretched(places: np.ndarray) -> list[float]:
-    return np.sqrt(-np.expm1(-places)).tolist()
+def _unstretched(coordinates: np.ndarray) -> list[float]:
+    return np.sqrt(-np.expm1(-coordinates)).tolist()
 
 
 class HalfLine(NamedTuple):
@@ -103,7 +107,7 @@ class HalfLine(NamedTuple):
 def half_line(nodes: int, stretch: float) -> HalfLine:
     """Collocation on the layer, ends included."""
     line = axis(nodes, False)
-    z, unit = line.all_nodes, DEPTH / np.expm1(stretch)
+    z, unit = line.all_nodes, LAYER_DEPTH / np.expm1(stretch)
     slope = unit * stretch * np.exp(stretch * z)
     return HalfLine(
         xi=unit * np.expm1(stretch * z),
@@ -125,7 +129,7 @@ def layer(a: float) -> tuple[float, float, float]:
     ratio = a / (1 + sqrt(1 - a**2))
     time = period(4 * max(6, round(1.2 * log(1e-14) / log(ratio) / 4)))
     gap, core = 1 + a * np.sin(time.nodes), sqrt(1 + 1.5 * a**2)
-    line = half_line(NODES, STRETCH)
+    line = half_line(NODES, NODE_STRETCH)
     second = (line.first @ line.first)[1:-1]
     inner, shape = second[:, 1:-1], (NODES, time.points)
     mass = np.full((NODES + 2, time.points), core)
@@ -157,10 +161,10 @@ def layer(a: float) -> tuple[float, float, float]:
         operator = LinearOperator((size, size), matvec=linear(gap * mass[1:-1]), dtype=float)
         change, _ = gmres(operator, target, rtol=1e-5, restart=150, maxiter=3)
         change = change.reshape(shape)
-        share = 1.0
-        while np.min(mass[1:-1] + share * change) <= 0.1 * np.min(mass[1:-1]):
-            share /= 2
-        mass[1:-1] += share * change
+        step_fraction = 1.0
+        while np.min(mass[1:-1] + step_fraction * change) <= 0.1 * np.min(mass[1:-1]):
+            step_fraction /= 2
+        mass[1:-1] += step_fraction * change
     else:
         raise RunError(f"the edge layer at a = {a:g} did not converge")
     d = line.weights @ np.mean((mass - core) / gap, axis=1)
@@ -177,12 +181,14 @@ def layers_with_inertia(reynolds: float, rising: list[float]) -> list[tuple[floa
     rows: list[tuple[float, ...]] = []
     last: tuple[InertiaLayer, np.ndarray] | None = None
     for a in rising:
-        share = (a / float(largest(reynolds))) ** 2
-        instants = 2 * round((INSTANTS[0] + (INSTANTS[1] - INSTANTS[0]) * share) / 2)
+        excursion_fraction = (a / float(largest_excursion(reynolds))) ** 2
+        instants = 2 * round(
+            (INSTANTS_RANGE[0] + (INSTANTS_RANGE[1] - INSTANTS_RANGE[0]) * excursion_fraction) / 2
+        )
         state = InertiaLayer(a, reynolds, instants)
         stream, factors = state.solve(last)
         last = state, stream
-        rise, d, g, h = state.rim_values(stream, factors)
+        rise, d, g, h = state.edge_functions(stream, factors)
         rows.append((reynolds, a, rise / a**2, d / a**2, g / a, h / a**2))
     return rows
 
@@ -200,7 +206,7 @@ class InertiaLayer:
 
     @cached_property
     def line(self) -> HalfLine:
-        return half_line(NODES_WITH_INERTIA, STRETCH - STRETCH_PER_REYNOLDS * self.reynolds)
+        return half_line(NODES_WITH_INERTIA, NODE_STRETCH - STRETCH_PER_REYNOLDS * self.reynolds)
 
     @cached_property
     def second(self) -> np.ndarray:
@@ -228,10 +234,10 @@ class InertiaLayer:
         for _ in range(MOST_STEPS):
             factors = lu_factor(self._jacobian(stream), overwrite_a=True, check_finite=False)
             change = self._solved(factors, -self._residual(stream))
-            least, share = self.mass(stream).min(), 1.0
-            while self.mass(stream + share * change).min() <= 0.1 * least:
-                share /= 2
-            stream = stream + share * change
+            least, step_fraction = self.mass(stream).min(), 1.0
+            while self.mass(stream + step_fraction * change).min() <= 0.1 * least:
+                step_fraction /= 2
+            stream = stream + step_fraction * change
             if np.abs(self.line.first @ change).max() < 1e-9:
                 break
         else:
@@ -242,7 +248,9 @@ class InertiaLayer:
             raise RunError(f"a = {self.a:g}, Re = {self.reynolds:g}: the layer is not resolved")
         return stream, factors
 
-    def rim_values(self, stream: np.ndarray, factors: tuple) -> tuple[float, float, float, float]:
+    def edge_functions(
+        self, stream: np.ndarray, factors: tuple
+    ) -> tuple[float, float, float, float]:
         """ψ² − 1, d, g and h of a state."""
         mass, xi = self.mass(stream), self.line.xi[:, None]
         psi = float(mass[-1].mean())
@@ -299,11 +307,11 @@ class InertiaLayer:
         return np.asarray(of_mass * mass + of_slope * slope + changes)
 
     def _jacobian(self, stream: np.ndarray) -> np.ndarray:
-        """For X on all nodes but the last, rim's rows first."""
+        """Jacobian for X on all nodes but the last; the rows of the edge come first."""
         rate, count = self.rate, NODES_WITH_INERTIA + 1
         first, second = self.line.first[:-1, :-1], self.second[:-1, :-1]
         of_mass, of_slope, of_mass_rate, of_flux, of_flux_rate = (
-            each[:-1] for each in self._coefficients(stream)
+            coefficient[:-1] for coefficient in self._coefficients(stream)
         )
         matrix = of_mass_rate[:, :, None, None] * first[:, None, :, None] * rate[None, :, None, :]
         at, now = np.arange(count), np.arange(self.instants)

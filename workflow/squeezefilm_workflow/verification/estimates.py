@@ -18,14 +18,14 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.parallel import progress_of
 from squeezefilm.reynolds import error_estimate, solve
 from squeezefilm.reynolds.periodic import refinement, resolution
-from squeezefilm.reynolds.periodic.launch import SAID
+from squeezefilm.reynolds.periodic.launch import RESULT_ROW
 from squeezefilm.reynolds.periodic.resolution import least_fall
-from squeezefilm.reynolds.terms import terms_of_each
+from squeezefilm.reynolds.terms import distinct_terms
 from squeezefilm_workflow.verification.origin import origin
 from squeezefilm_workflow.verification.random_films import TOLERANCES, RandomFilm, random_film
 
 # Tolerance of a direct solution over that of the film, and the least.
-TIGHTER, TIGHTEST = 0.01, 1e-8
+DIRECT_TOLERANCE_RATIO, LEAST_DIRECT_TOLERANCE = 0.01, 1e-8
 # Unknowns of the finest grids: with more, one film of twenty takes most of the time of all.
 MOST_UNKNOWNS = 20_000
 # Films between two writings of the tables.
@@ -35,7 +35,7 @@ OUTCOMES = ("within", "outside", "no force", "no direct solution")
 NUMBERS = [field.name for field in fields(RandomFilm)]
 # Guards of the error estimate, and the value with which each changes nothing.
 GUARDS: dict[str, tuple[Any, str, float]] = {
-    "SIZE_SHARE": (error_estimate, "SIZE_SHARE", 0.0),
+    "SIZE_FRACTION": (error_estimate, "SIZE_FRACTION", 0.0),
     "FALL_FACTOR": (error_estimate, "FALL_FACTOR", 1.0),
     "UNKNOWN_FALL": (error_estimate, "UNKNOWN_FALL", 0.0),
     "THIN_LAYER_FALL": (resolution, "THIN_LAYER_FALL", 0.0),
@@ -68,12 +68,12 @@ def estimates(options: argparse.Namespace) -> None:
     missing = [number for number in numbers if number not in {*table["film"]}]
     with progress_of(len(missing), unit="film", name="estimates") as bar:
         for start in range(0, len(missing), BATCH):
-            some = missing[start : start + BATCH]
-            rows, grids = examined({n: random_film(n, seed=options.seed) for n in some})
+            film_numbers = missing[start : start + BATCH]
+            rows, grids = examined({n: random_film(n, seed=options.seed) for n in film_numbers})
             if options.grids:
                 _append(pd.DataFrame(grids), Path(options.grids))
             _append(pd.DataFrame(rows).assign(seed=options.seed), output)
-            bar.update(len(some))
+            bar.update(len(film_numbers))
     table = _table_so_far(output, seed=options.seed)
     table = judged(table[table["film"].isin(numbers)])
     shown = summary(table)
@@ -110,9 +110,9 @@ def examined(
     rows = []
     with recorded_grids() as grids, patch.object(refinement, "MOST_UNKNOWNS", MOST_UNKNOWNS):
         for tolerance in sorted({*TOLERANCES, *map(direct_tolerance, TOLERANCES)}, reverse=True):
-            some = [n for n in films if n not in ended and _needed(films[n], tolerance)]
-            forces = _forces([scenes[n] for n in some], tolerance)
-            for number, (force, error) in zip(some, forces, strict=True):
+            film_numbers = [n for n in films if n not in ended and _needed(films[n], tolerance)]
+            forces = _forces([scenes[n] for n in film_numbers], tolerance)
+            for number, (force, error) in zip(film_numbers, forces, strict=True):
                 film = films[number]
                 head = {"film": number, "group": film.group}
                 head |= {"epsilon": film.epsilon, "sigma": film.sigma, "tolerance": tolerance}
@@ -130,11 +130,11 @@ def _needed(film: RandomFilm, tolerance: float) -> bool:
 
 def direct_tolerance(tolerance: float) -> float:
     """Return the tolerance of a direct solution."""
-    return float(f"{max(TIGHTER * tolerance, TIGHTEST):.0e}")
+    return float(f"{max(DIRECT_TOLERANCE_RATIO * tolerance, LEAST_DIRECT_TOLERANCE):.0e}")
 
 
 def direct_forces(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
-    """Mean overpressures over p0 and their errors far within a tolerance, (n, 2)."""
+    """Mean gauge pressures over p0 and their errors far within a tolerance, (n, 2)."""
     return _forces(scenes, direct_tolerance(tolerance))
 
 
@@ -152,13 +152,13 @@ def recorded_grids() -> Iterator[list[dict[str, Any]]]:
     rows: list[dict[str, Any]] = []
     estimate = refinement.estimate
 
-    def recording(said: np.ndarray, before: np.ndarray, **given: Any) -> Any:
+    def recording(results: np.ndarray, before: np.ndarray, **given: Any) -> Any:
         for k, film in enumerate(given["scenes"].point_id):
             row = {"film": int(film), "tolerance": given["tolerance"]}
             row["first"] = bool(np.isnan(before[1, k]))
-            row |= {name: said[name][k].item() for name in SAID.names or ()}
+            row |= {name: results[name][k].item() for name in RESULT_ROW.names or ()}
             rows.append(row | {"of_profile": given["of_profile"][k]})
-        return estimate(said, before, **given)
+        return estimate(results, before, **given)
 
     with patch.object(refinement, "estimate", recording):
         yield rows
@@ -201,7 +201,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
             {
                 "forces": name,
                 "films": part["film"].nunique(),
-                **{each: counts.get(each, 0) for each in OUTCOMES},
+                **{outcome: counts.get(outcome, 0) for outcome in OUTCOMES},
                 **quantiles,
                 **worst,
             }
@@ -223,14 +223,14 @@ class Recorded:
 
     Attributes:
         table: a row for each film, tolerance and pair of grids.
-        place: number of pairs of grids before that one whose changes are known, (n,).
-        said: of ``estimate``, (n,).
+        grids_before: number of pairs of grids before that one whose changes are known, (n,).
+        results: of ``estimate``, (n,).
         scenes: that of each row.
     """
 
     table: pd.DataFrame
-    place: np.ndarray
-    said: np.ndarray
+    grids_before: np.ndarray
+    results: np.ndarray
     scenes: Scenes
 
     @classmethod
@@ -245,21 +245,21 @@ class Recorded:
         columns = ["film", "tolerance", "direct", "direct_error"]
         table = grids.drop_duplicates().merge(known[columns], on=["film", "tolerance"])
         table = table.sort_values(["film", "tolerance"], kind="stable", ignore_index=True)
-        place = np.arange(len(table))
-        place -= np.maximum.accumulate(np.where(table["first"], place, 0))
-        said = np.zeros(len(table), dtype=SAID)
-        for name in SAID.names or ():
-            said[name] = table[name]
+        grids_before = np.arange(len(table))
+        grids_before -= np.maximum.accumulate(np.where(table["first"], grids_before, 0))
+        results = np.zeros(len(table), dtype=RESULT_ROW)
+        for name in RESULT_ROW.names or ():
+            results[name] = table[name]
         seed = known["seed"].iloc[0]
         drawn = {number: random_film(number, seed=seed).scene for number in {*table["film"]}}
         scenes = Scenes.of([drawn[number] for number in table["film"]])
-        return cls(table, place, said, scenes)
+        return cls(table, grids_before, results, scenes)
 
     def accepted(self) -> pd.Series:
         """Return error over estimate on the first grid of each film whose estimate is enough."""
         error, allowed = self._estimates()
-        enough = (error <= allowed) & (self.said["status"] == 0) & (self.said["lowest"] > 0)
-        off = np.abs(self.said["mean"] - self.table["direct"])
+        enough = (error <= allowed) & (self.results["status"] == 0) & (self.results["lowest"] > 0)
+        off = np.abs(self.results["mean"] - self.table["direct"])
         ratio = (off / (error + self.table["direct_error"])).set_axis(
             pd.MultiIndex.from_frame(self.table[["film", "tolerance"]])
         )
@@ -270,15 +270,15 @@ class Recorded:
         """Return the errors that are estimated of all rows, and those that are allowed."""
         error, allowed = np.empty((2, len(self.table)))
         change = np.full((2, len(self.table) + 1), np.nan)
-        kinds, kind = terms_of_each(self.scenes)
-        keys = np.column_stack([self.place, kind, self.table["tolerance"]])
+        kinds, kind = distinct_terms(self.scenes)
+        keys = np.column_stack([self.grids_before, kind, self.table["tolerance"]])
         different, which = np.unique(keys, axis=0, return_inverse=True)
-        for group, (place, of_kind, tolerance) in enumerate(different):
+        for group, (grids_before, of_kind, tolerance) in enumerate(different):
             at = np.flatnonzero(which == group)
             scenes = self.scenes[at]
             error[at], allowed[at], change[:, at] = refinement.estimate(
-                self.said[at],
-                change[:, at - 1] if place else np.full((2, len(at)), np.nan),
+                self.results[at],
+                change[:, at - 1] if grids_before else np.full((2, len(at)), np.nan),
                 scenes=scenes,
                 terms=kinds[int(of_kind)],
                 of_profile=self.table["of_profile"].to_numpy()[at],

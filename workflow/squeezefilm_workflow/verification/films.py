@@ -8,7 +8,7 @@ from itertools import product
 from math import pi
 from typing import Any
 
-from squeezefilm.film.pad import EVEN, GapShape, Pad, Shape
+from squeezefilm.film.pad import UNIFORM_GAP, GapShape, Pad, Shape
 from squeezefilm.film.profiles import Formula, Piston, Profile, Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
@@ -33,7 +33,7 @@ def film(
     aspect: float = 1.0,
     knudsen: float = 0.0,
     reynolds: float = 0.0,
-    gap: GapShape = EVEN,
+    gap: GapShape = UNIFORM_GAP,
     shape: Shape = "rectangle",
 ) -> Scene:
     """A scene with given numbers: gap, frequency and pressure of the paper, a gas to match.
@@ -63,8 +63,8 @@ def film(
     )
     actuator = Actuator(FREQUENCY_HZ, 1.0, profile=profile)
     pad = Pad(LENGTH_M, aspect * LENGTH_M, speed, gap=gap, shape=shape)
-    amplitude_and_place_m = epsilon * H0_M, x * LENGTH_M, y * LENGTH_M
-    return Film(gas, actuator, pad).scene(H0_M, *amplitude_and_place_m, point_id=name)
+    amplitude_and_position_m = epsilon * H0_M, x * LENGTH_M, y * LENGTH_M
+    return Film(gas, actuator, pad).scene(H0_M, *amplitude_and_position_m, point_id=name)
 
 
 def travelling(wavelength: float = 2.0, direction_deg: float = 0.0) -> Profile:

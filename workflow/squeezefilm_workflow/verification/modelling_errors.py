@@ -35,14 +35,19 @@ from squeezefilm_workflow.verification.films import STEEPEST
 
 # Ranges of Re, σ, ε, h0 in m and, of a sliding pad, its speed in m/s.
 REYNOLDS, SIGMA, EPSILON = (0.1, 10.0), (5.0, 2500.0), (0.1, 0.6)
-H0_M, SPEED_M_PER_S = (4e-6, 25e-6), (0.02, 0.5)
+H0_RANGE_M, SPEED_RANGE_M_PER_S = (4e-6, 25e-6), (0.02, 0.5)
 ASPECT, OFF_CENTRE = (0.6, 1.6), 0.25
-SLIDING, OFF, SLIPPING, PLAIN = 0.1, 0.3, 0.2, 0.15
+SLIDING_PROBABILITY, OFF_CENTRE_PROBABILITY, SLIP_PROBABILITY, UNIFORM_GAP_PROBABILITY = (
+    0.1,
+    0.3,
+    0.2,
+    0.15,
+)
 """Probabilities: pad slides; is off the centre; gas slips; has neither inertia nor heat."""
 SHAPES = {"disc": 0.4, "ellipse": 0.25, "rectangle": 0.35}
 PROFILES = {"sinc": 0.35, "bessel": 0.3, "standing-wave": 0.25, "piston": 0.1}
 # Where a node lies: over the distance of the rim from the centre along x.
-NODE = {"rim": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
+NODE_DISTANCE = {"rim": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
 BESSEL_ZERO = 2.404825557695773
 COEFFICIENTS = (1.0, 1.54)
 # Range of Re of the films of which `auto` neglects some effects.
@@ -138,7 +143,7 @@ def comparison(seed: int) -> dict[str, Any]:
     lower, upper = interval_percent(budget)
     row = _row(seed, drawn.point_id, scene)
     row |= {"modelling_error_lower_percent": lower, "modelling_error_upper_percent": upper}
-    effects = [Effects(edge_coefficient=each) for each in COEFFICIENTS]
+    effects = [Effects(edge_coefficient=coefficient) for coefficient in COEFFICIENTS]
     try:
         all_effects = changes_percent(scene, effects)
     except ArithmeticError as reason:
@@ -215,23 +220,23 @@ def random_film(seed: int, *, reynolds: tuple[float, float] = REYNOLDS) -> Scene
 
 
 def _drawn(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
-    reynolds, sigma, h0_m = (_between(random, ends) for ends in (limits, SIGMA, H0_M))
+    reynolds, sigma, h0_m = (_between(random, ends) for ends in (limits, SIGMA, H0_RANGE_M))
     gas = Gas(inertia="auto", thermal="auto")
-    if random.uniform() < PLAIN:
+    if random.uniform() < UNIFORM_GAP_PROBABILITY:
         gas = replace(gas, inertia="none", thermal="none")
-    if random.uniform() < SLIPPING:
+    if random.uniform() < SLIP_PROBABILITY:
         gas = replace(gas, rarefaction="slip")
     omega = reynolds * gas.viscosity_pa_s / (gas.density_kg_per_m3 * h0_m**2)
     pressure_height = gas.ambient_pressure_pa * h0_m**2
     length_m = sqrt(sigma * pressure_height / (12 * gas.viscosity_pa_s * omega))
     shape = str(random.choice(list(SHAPES), p=list(SHAPES.values())))
     aspect = 1.0 if shape == "disc" else _between(random, ASPECT)
-    sliding = shape != "disc" and random.uniform() < SLIDING
-    speed_m_per_s = _between(random, SPEED_M_PER_S) if sliding else 0.0
+    sliding = shape != "disc" and random.uniform() < SLIDING_PROBABILITY
+    speed_m_per_s = _between(random, SPEED_RANGE_M_PER_S) if sliding else 0.0
     kind = str(random.choice(list(PROFILES), p=list(PROFILES.values())))
-    node = str(random.choice(list(NODE)))
-    node_m = length_m / 2 * random.uniform(*NODE[node])
-    off_m = random.uniform(0, OFF_CENTRE) * length_m * (random.uniform() < OFF)
+    node = str(random.choice(list(NODE_DISTANCE)))
+    node_m = length_m / 2 * random.uniform(*NODE_DISTANCE[node])
+    off_m = random.uniform(0, OFF_CENTRE) * length_m * (random.uniform() < OFF_CENTRE_PROBABILITY)
     outline: Shape = "rectangle" if shape == "rectangle" else "ellipse"
     film = Film(
         gas,

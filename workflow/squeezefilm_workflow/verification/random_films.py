@@ -161,9 +161,9 @@ def _between(random: np.random.Generator, limits: tuple[float, float]) -> float:
     return exp(random.uniform(log(low), log(high)))
 
 
-def _drawn(random: np.random.Generator, shares: Mapping[Any, int]) -> str:
-    weights = np.array(list(shares.values())) / sum(shares.values())
-    return str(random.choice(list(shares), p=weights))
+def _drawn(random: np.random.Generator, frequencies: Mapping[Any, int]) -> str:
+    weights = np.array(list(frequencies.values())) / sum(frequencies.values())
+    return str(random.choice(list(frequencies), p=weights))
 
 
 def _shaped(random: np.random.Generator, drawn: RandomFilm) -> RandomFilm:

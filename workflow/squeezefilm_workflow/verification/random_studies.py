@@ -122,7 +122,10 @@ def _campaign(
                 study = random_study(seed, folder=Path(name), kind=kind, **settings)
             except InputError:
                 continue  # drawn outside what a configuration may be
-            rows = [asdict(each) | {"outcome": each.outcome} for each in check(study, seed=seed)]
+            rows = [
+                asdict(comparison) | {"outcome": comparison.outcome}
+                for comparison in check(study, seed=seed)
+            ]
             tables.append(pd.DataFrame(rows).assign(seed=seed, study=str(study)))
             if output is not None:
                 write_table(pd.concat(tables, ignore_index=True), output)

@@ -35,15 +35,15 @@ def poiseuille_flow(inverse_knudsen: float, *, points: int = 60, half_rule: int 
     half = inverse_knudsen / 2
     at, weights = np.polynomial.legendre.leggauss(points)
     spread, step = np.linspace(-3.2, 3.2, 2 * half_rule + 1, retstep=True)
-    share = (1 + np.tanh(np.pi / 2 * np.sinh(spread))) / 2
-    share_weights = step * np.pi / 4 * np.cosh(spread) / np.cosh(np.pi / 2 * np.sinh(spread)) ** 2
+    quadrature_nodes = (1 + np.tanh(np.pi / 2 * np.sinh(spread))) / 2
+    node_weights = step * np.pi / 4 * np.cosh(spread) / np.cosh(np.pi / 2 * np.sinh(spread)) ** 2
     interpolation = BarycentricInterpolator(at, np.eye(points), rng=0)
     equation = np.eye(points)
-    for row, place in enumerate(at.tolist()):
-        for length in (-1 - place, 1 - place):
-            nodes = place + length * share
-            kernel = _abramowitz(half * np.abs(_crowded(nodes) - _crowded(np.array(place))))
-            kernel *= half * _crowding(nodes) * abs(length) * share_weights / np.sqrt(np.pi)
+    for row, point in enumerate(at.tolist()):
+        for length in (-1 - point, 1 - point):
+            nodes = point + length * quadrature_nodes
+            kernel = _abramowitz(half * np.abs(_crowded(nodes) - _crowded(np.array(point))))
+            kernel *= half * _crowding(nodes) * abs(length) * node_weights / np.sqrt(np.pi)
             equation[row] -= kernel @ interpolation(nodes)
     profile = np.linalg.solve(equation, np.ones(points))
     return float((half * weights * _crowding(at) @ profile - 2 * half) / (2 * half) ** 2)

@@ -26,7 +26,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm_workflow.verification.marching import FloatArray, Operator, fold_of, newton_krylov
 
 ROUND_OFF = 1e-13  # of the force, in units of p0 l0^2
-TOLERANCE = 1e-12  # of Newton's method, on a mass perturbation
+NEWTON_TOLERANCE = 1e-12  # of Newton's method, on a mass perturbation
 
 
 class Reference(NamedTuple):
@@ -63,15 +63,15 @@ class _Side:
         nodes, weights, derivative = lobatto(degree)
         widths = np.diff(edges)
         # Of each element's nodes the global ones, the last of an element the first of the next.
-        places = (degree * np.arange(len(widths))[:, None] + np.arange(degree + 1)).ravel()
-        gather, x = np.eye(places[-1] + 1)[places], np.zeros(places[-1] + 1)
+        node_indices = (degree * np.arange(len(widths))[:, None] + np.arange(degree + 1)).ravel()
+        gather, x = np.eye(node_indices[-1] + 1)[node_indices], np.zeros(node_indices[-1] + 1)
         slope = block_diag(*(derivative * 2 / width for width in widths)) @ gather
         self.element_weights = np.outer(widths, weights).ravel() / 2
-        x[places] = (edges[:-1, None] + np.outer(widths, nodes + 1) / 2).ravel()
+        x[node_indices] = (edges[:-1, None] + np.outer(widths, nodes + 1) / 2).ravel()
         free = slice(1, None if folded else -1)
         self.x, self.gather, self.slope = x[free], gather[:, free], slope[:, free]
         self.mass = self.gather.T @ self.element_weights
-        self.element_x = x[places]
+        self.element_x = x[node_indices]
         stiffness = self.slope.T @ (self.element_weights[:, None] * self.slope)
         self.values, self.modes = eigh(stiffness, np.diag(self.mass))
 
@@ -128,6 +128,8 @@ def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
             to_u,
         )
 
-    u = newton_krylov(height.shape, linearised, positive=lambda u: 1 + 2 * u, tolerance=TOLERANCE)
-    overpressure = 2 * u / (1 + np.sqrt(1 + 2 * u))
-    return float(2 ** sum(fold) * np.sum(area[:, :, 0] * overpressure.mean(axis=-1)))
+    u = newton_krylov(
+        height.shape, linearised, positive=lambda u: 1 + 2 * u, tolerance=NEWTON_TOLERANCE
+    )
+    gauge_pressure_ratio = 2 * u / (1 + np.sqrt(1 + 2 * u))
+    return float(2 ** sum(fold) * np.sum(area[:, :, 0] * gauge_pressure_ratio.mean(axis=-1)))

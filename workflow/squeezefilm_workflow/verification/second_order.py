@@ -105,7 +105,9 @@ def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     pressure = poisson(rate * gap, rate * factors.density)
     force = -12 / sigma * gradient(pressure)
     spread = divergence(force)
-    carried = sum(mean(force[k], np.stack([gradient(each)[k] for each in force])) for k in (0, 1))
+    carried = sum(
+        mean(force[k], np.stack([gradient(component)[k] for component in force])) for k in (0, 1)
+    )
 
     drive = np.zeros((2, *gap.shape))
     nodes, weights = np.polynomial.legendre.leggauss(ACROSS)

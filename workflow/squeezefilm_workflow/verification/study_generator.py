@@ -116,7 +116,7 @@ def _pad(random: np.random.Generator) -> dict[str, Any]:
 
 
 def _actuator(
-    random: np.random.Generator, pad: dict[str, Any], shares: tuple[float, ...]
+    random: np.random.Generator, pad: dict[str, Any], probabilities: tuple[float, ...]
 ) -> dict[str, Any]:
     """A disc in a bending mode, a plate with a wave, or one of both that moves as a piston.
 
@@ -125,7 +125,7 @@ def _actuator(
     wavelength_m = _between(random, WAVELENGTH_M)
     reach_m = hypot(pad["length_x"], pad["length_y"]) / 2
     direction_deg = float(random.choice([0.0, random.uniform(0, 180)]))
-    kind = str(random.choice(VIBRATIONS, p=shares))
+    kind = str(random.choice(VIBRATIONS, p=probabilities))
     profile: dict[str, Any] = {"kind": kind}
     if kind == "bessel":
         n = int(random.integers(0, 4))

@@ -13,11 +13,11 @@ from squeezefilm.errors import InputError
 
 # In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity.
 LARGEST = 1e9
-FEWEST_POINTS, PLACES_NAMED = 8, 6
+FEWEST_POINTS, POINTS_NAMED = 8, 6
 # Places closer than this are one.
-SAME_PLACE_M = 1e-6
+SAME_POSITION_M = 1e-6
 # From the frequency, in distances between lines; of a file with one line as a share of it.
-FARTHEST_LINE, FARTHEST_SHARE = 0.6, 0.01
+FARTHEST_LINE, FARTHEST_FRACTION = 0.6, 0.01
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Scan:
 
 def missing_points(places: Sequence[int], *, what: str) -> list[str]:
     """A note that names the points without an amplitude, if there are any."""
-    named = ", ".join(map(str, places[:PLACES_NAMED])) + ", …" * (len(places) > PLACES_NAMED)
+    named = ", ".join(map(str, places[:POINTS_NAMED])) + ", …" * (len(places) > POINTS_NAMED)
     many = "s" * (len(places) > 1)
     return [
         f"{len(places)} point{many} without an amplitude, excluded from profile and noise "
@@ -63,7 +63,7 @@ def nearest_line(lines_hz: np.ndarray, frequency_hz: float) -> tuple[float, str]
     """The line of a spectrum nearest to a frequency, and why it is too far from it, if it is."""
     line_hz = float(lines_hz[np.argmin(np.abs(lines_hz - frequency_hz))])
     steps_hz = np.diff(np.sort(lines_hz))
-    farthest = FARTHEST_LINE * steps_hz.max(initial=0.0) or FARTHEST_SHARE * frequency_hz
+    farthest = FARTHEST_LINE * steps_hz.max(initial=0.0) or FARTHEST_FRACTION * frequency_hz
     far = (
         f"its lines go from {lines_hz.min():.7g} to {lines_hz.max():.7g} Hz, and the actuator "
         f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency)"

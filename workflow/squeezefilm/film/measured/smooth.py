@@ -31,7 +31,7 @@ import numpy as np
 from squeezefilm.errors import InputError, naming, refuse
 from squeezefilm.files import digest, whole_file
 from squeezefilm.film.measured.read import read_scan
-from squeezefilm.film.measured.scan import SAME_PLACE_M, Scan
+from squeezefilm.film.measured.scan import SAME_POSITION_M, Scan
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
@@ -197,7 +197,7 @@ def smoothed(
 
     Raises InputError naming the file, and what its points do not determine.
     """
-    check_places(scan, surface, axisymmetric=axisymmetric, sign=sign)
+    check_points(scan, surface, axisymmetric=axisymmetric, sign=sign)
     scan = thinned(averaged(scan))
     points = Points(surface, axisymmetric, scan.x_m, scan.y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
@@ -331,8 +331,8 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
         raise InputError("the points do not determine a profile")
     best = min(scores, key=scores.__getitem__)
     enough = len(measured) / POINTS_PER_MODE_MORE
-    more = [each for each in scores if best < each <= best + DEGREES_MORE]
-    degree = max([best, *(each for each in more if len(points.orders[each]) <= enough)])
+    more = [higher for higher in scores if best < higher <= best + DEGREES_MORE]
+    degree = max([best, *(higher for higher in more if len(points.orders[higher]) <= enough)])
     count = len(points.orders[degree])
     root = np.linalg.inv(triangle[:count, :count])
     coefficients, misfit_m = root @ along[:count], np.zeros(count, dtype=along.dtype)
@@ -348,16 +348,16 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
 
 def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
     """A note where a profile with angles leaves far less."""
-    some = slice(None, None, -(-len(measured) // MOST_LOOKED_AT))
+    subset = slice(None, None, -(-len(measured) // MOST_LOOKED_AT))
     try:
-        free = best_fit(replace(points.some(some), axisymmetric=False), measured[some])
+        free = best_fit(replace(points.some(subset), axisymmetric=False), measured[subset])
     except InputError:  # too few points for angles
         return []
-    share = free.score / fit.score
+    ratio = free.score / fit.score
     return [
-        f"the scan is not axisymmetric: a profile with angles leaves {share:.2g} of what this one "
+        f"the scan is not axisymmetric: a profile with angles leaves {ratio:.2g} of what this one "
         "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
-    ] * (share <= LESS_WITH_ANGLES)
+    ] * (ratio <= LESS_WITH_ANGLES)
 
 
 def overshoots(fit: Fit, surface: Surface, *, at_points: np.ndarray, noise_m: float) -> list[str]:
@@ -374,7 +374,7 @@ def overshoots(fit: Fit, surface: Surface, *, at_points: np.ndarray, noise_m: fl
     ] * bool(less_known or largest_m > OVERSHOOT * measured_m)
 
 
-def check_places(
+def check_points(
     scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str, scale: str = "surface"
 ) -> None:
     """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
@@ -426,14 +426,14 @@ def averaged(scan: Scan) -> Scan:
     Rows of a place are no independent evidence of a shape between places: cross-validation holds
     them out together, and noise that they share is counted once.
     """
-    steps = np.round(np.stack([scan.x_m, scan.y_m]) / SAME_PLACE_M)
-    _, first, place, rows = np.unique(
+    steps = np.round(np.stack([scan.x_m, scan.y_m]) / SAME_POSITION_M)
+    _, first, position, rows = np.unique(
         steps, axis=1, return_index=True, return_inverse=True, return_counts=True
     )
     if rows.max() == 1:
         return scan
     real, imaginary = (
-        np.bincount(place.ravel(), weights=part) / rows
+        np.bincount(position.ravel(), weights=part) / rows
         for part in (scan.amplitude_m.real, scan.amplitude_m.imag)
     )
     order = np.argsort(first)
@@ -450,9 +450,9 @@ def thinned(scan: Scan) -> Scan:
         return scan
     drawn = np.random.default_rng(DRAW_SEED).choice(points, MOST_FITTED, replace=False)
     columns = ("x_m", "y_m", "amplitude_m", "lines")
-    some = {name: getattr(scan, name)[np.sort(drawn)] for name in columns}
+    kept_columns = {name: getattr(scan, name)[np.sort(drawn)] for name in columns}
     note = f"{MOST_FITTED} of {points} points are fitted, drawn at random"
-    return replace(scan, **some, notes=(*scan.notes, note))
+    return replace(scan, **kept_columns, notes=(*scan.notes, note))
 
 
 def _without_outliers(
@@ -534,16 +534,18 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
 
     scan, surface = smoothed.scan, smoothed.profile.surface
     x_m, y_m, _ = surface.net()
-    measured, places = (scan.x_m + 1j * scan.y_m)[~smoothed.outliers], x_m + 1j * y_m
+    measured, net_points = (scan.x_m + 1j * scan.y_m)[~smoothed.outliers], x_m + 1j * y_m
     if axisymmetric:  # a point stands for the circle through it
-        measured, places = np.abs(measured) + 0j, np.abs(places) + 0j
+        measured, net_points = np.abs(measured) + 0j, np.abs(net_points) + 0j
     tree = cKDTree(np.stack([measured.real, measured.imag], axis=-1))
-    distance, _ = tree.query(np.stack([places.real, places.imag], axis=-1))
+    distance, _ = tree.query(np.stack([net_points.real, net_points.imag], axis=-1))
     error = smoothed.standard_error(x_m=x_m, y_m=y_m) + smoothed.misfit(x_m=x_m, y_m=y_m)
-    hole, worst = (np.unravel_index(np.argmax(each), each.shape) for each in (distance, error))
+    hole, worst = (
+        np.unravel_index(np.argmax(badness), badness.shape) for badness in (distance, error)
+    )
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
     if axisymmetric:
-        named[0] = f"r = {places[hole].real * 1e3:.2f} mm"
+        named[0] = f"r = {net_points[hole].real * 1e3:.2f} mm"
     refuse(
         scan.path,
         {

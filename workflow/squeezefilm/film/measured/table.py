@@ -41,8 +41,8 @@ from squeezefilm.film.measured.columns import (
 )
 from squeezefilm.film.measured.scan import (
     LARGEST,
-    PLACES_NAMED,
-    SAME_PLACE_M,
+    POINTS_NAMED,
+    SAME_POSITION_M,
     Scan,
     angular_frequency,
     missing_points,
@@ -190,7 +190,7 @@ def _one_measurement(
                 raise InputError(f"column {column.name!r}: {far}")
             table = table[values_hz == line_hz]
             notes.append(f"rows at {line_hz:.7g} Hz in {column.name!r}")
-    place = _places_of(table)
+    place = _position_keys(table)
     if not place.duplicated().any():
         return table, notes
     for column in others:
@@ -230,21 +230,21 @@ def _values_in(values: pd.Series) -> str:
     """The values of a column in words, the first of many."""
     counts = values.value_counts(sort=False)
     named = [f"{value} ({count} rows)" for value, count in counts.items()]
-    return "it has " + ", ".join(named[:PLACES_NAMED]) + ", …" * (len(named) > PLACES_NAMED)
+    return "it has " + ", ".join(named[:POINTS_NAMED]) + ", …" * (len(named) > POINTS_NAMED)
 
 
-def _places_of(table: pd.DataFrame) -> pd.Series:
+def _position_keys(table: pd.DataFrame) -> pd.Series:
     """A name of each row's place, which rows at the same place share."""
     r, phi = (table.get(name, pd.Series(0.0, table.index)) for name in ("r", "phi"))
     x = table.get("x", r * np.cos(phi))
     y = table.get("y", r * np.sin(phi))
-    steps = pd.DataFrame({"x": x, "y": y}).div(SAME_PLACE_M).round()
+    steps = pd.DataFrame({"x": x, "y": y}).div(SAME_POSITION_M).round()
     return steps.groupby(["x", "y"], sort=False).ngroup()
 
 
 def _recurs(table: pd.DataFrame, values: pd.Series) -> bool:
     """Tell whether values stand each at many places: those of a setting, no measurement."""
-    return 0 < values.nunique() <= 2 * len(values) / _places_of(table).nunique()
+    return 0 < values.nunique() <= 2 * len(values) / _position_keys(table).nunique()
 
 
 def _complete(known: Collection[str]) -> dict[str, bool]:

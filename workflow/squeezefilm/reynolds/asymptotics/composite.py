@@ -1,6 +1,6 @@
 """Mean forces without a single time step: expansions of the film equation, with their errors.
 
-Every function takes a batch of B films (films.py) and returns mean overpressures, each with an
+Every function takes a batch of B films (films.py) and returns mean gauge pressures, each with an
 estimate of its absolute error:
 
     high_squeeze_limit         σ → ∞: one Poisson solve
@@ -9,7 +9,7 @@ estimate of its absolute error:
     composite_expansion        the last two together: exact in σ to ε², exact in ε to 1/√σ
 
 An error has two parts: that of the expansion, estimated from the profile's slopes, its values on
-the rim and at the corners, ε and σ; and that of the grid, the change against every other of its
+the edge and at the corners, ε and σ; and that of the grid, the change against every other of its
 nodes. Where an expansion does not apply the error is infinite.
 
 The constants of the first part were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ
@@ -28,7 +28,7 @@ from math import isfinite, log10
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene, Scenes, rows_alike
+from squeezefilm.film.scene import Scene, Scenes, rows_by_value
 from squeezefilm.reynolds.asymptotics import core
 from squeezefilm.reynolds.asymptotics.core import Expansion, SecondOrder
 from squeezefilm.reynolds.asymptotics.films import (
@@ -42,7 +42,7 @@ from squeezefilm.reynolds.asymptotics.films import (
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
 from squeezefilm.reynolds.plan import Plan
 from squeezefilm.reynolds.terms import Terms
-from squeezefilm.reynolds.terms.gap import AnyGap
+from squeezefilm.reynolds.terms.gap import NonuniformGap
 
 # Layers of width √(2/σ) must leave room on the shorter side: σ min(1, aspect)² at least this.
 LEAST_SIGMA = 10.0
@@ -54,14 +54,14 @@ BATCH = 256
 # 1e-4; it goes with the root of a closer one. Of 24 random films (ε 0.05-0.7, sinc and piston) they
 # hold 1e-4 at σ 1e4-1e5 in all, for 1.4 ms each instead of 16; 1e-6 at σ 1e5-1e6 in 12, and 1e6-1e7
 # in 21, for 21 and 9 ms instead of 210 and 980.
-THIN_LAYER_SIGMA, AT_TOLERANCE = 1e4, 1e-4
+THIN_LAYER_SIGMA, THIN_LAYER_TOLERANCE = 1e4, 1e-4
 # Motion so small, in ε² over the tolerance, that rounding hides a periodic state's force.
-TINY = 1e-3
+TINY_MOTION = 1e-3
 
 
 @dataclass(frozen=True)
 class AsymptoticForces:
-    """Mean overpressures over film and period in units of p0, and their errors; shape (B,).
+    """Mean gauge pressures over film and period in units of p0, and their errors; shape (B,).
 
     The force is p0 × area × ``mean``.
     """
@@ -77,7 +77,7 @@ def expansion_points(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
 
     Args:
         tolerance: relative error of the mean.
-        sigma: squeeze number, times aspect² along y, where the method resolves the rim's layers
+        sigma: squeeze number, times aspect² along y, where the method resolves the edge's layers
             (``small_amplitude_expansion`` and ``composite_expansion``); 1 for the others.
     """
     digits = log10(1 / tolerance)
@@ -100,16 +100,16 @@ def _with_slip_and_inertia(expand: Expand) -> Expand:
         if not np.any((films.slip != 0) & (films.reynolds != 0)):
             return expand(films)
         none = np.zeros_like(films.slip)
-        alike = replace(
+        equivalent = replace(
             films,
             sigma=films.layer_number,
             slip=none,
             reynolds=films.reynolds * (1 + 2 / 3 * films.slip),
         )
         slipping = expand(replace(films, reynolds=none))
-        moving, still = expand(alike), expand(replace(alike, reynolds=none))
+        moving, still = expand(equivalent), expand(replace(equivalent, reynolds=none))
         change = moving.mean - still.mean
-        error = np.maximum(slipping.error, moving.error) + films.slip_share * np.abs(change)
+        error = np.maximum(slipping.error, moving.error) + films.slip_fraction * np.abs(change)
         return AsymptoticForces(mean=slipping.mean + change, error=_known(error))
 
     return together
@@ -117,14 +117,14 @@ def _with_slip_and_inertia(expand: Expand) -> Expand:
 
 @_with_slip_and_inertia
 def high_squeeze_limit(films: Films) -> AsymptoticForces:
-    """The film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the rim.
+    """Film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the edge.
 
     Under a gap G that is shaped at rest ∇·(G³ ∇(ψ²/G²)) = 0, and all else by the local ε s/G.
-    With inertia core and rim are others (core.py). The error is the edge layer's correction
+    With inertia core and edge are others (core.py). The error is the edge layer's correction
     and that one's error.
     """
     fine, coarse = _expand(films), _expand(films.coarser)
-    error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_share * fine.gross
+    error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_fraction * fine.gross
     error = error + grid_error(films, fine.density, coarse.density)
     return _forces(films, mean=films.mean(fine.density), error=error)
 
@@ -139,7 +139,7 @@ def edge_layer_expansion(films: Films) -> AsymptoticForces:
     inertia the next order is ε²/σ (edge_layer.py), without it ε²/σ^(3/2).
     """
     fine, coarse = _expand(films), _expand(films.coarser)
-    error = films.layer_remainder + films.slip_share * fine.gross
+    error = films.layer_remainder + films.slip_fraction * fine.gross
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, rest=rest)
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
@@ -150,15 +150,18 @@ def small_amplitude_expansion(films: Films) -> AsymptoticForces:
     """Second order in ε at any σ: linear pressure p̂, then the mean flow that it drives.
 
     (1 + slip)∇²p̂ − iσp̂ = iσs and ∇²v = −(3/2)(1 + 2 slip/3)/(1 + slip) ∇·(s ∇Re p̂), zero on the
-    rim; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)). With inertia, see core.py.
+    edge; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)). With inertia, see core.py.
     """
     fine, coarse = _second_order(films), _second_order(films.coarser)
     square = films.epsilon**2
     error = films.amplitude_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss))
     error = error + grid_error(
-        films, fine.flow - fine.loss, coarse.flow - coarse.loss, rest=fine.rim - coarse.rim
+        films,
+        fine.flow - fine.loss,
+        coarse.flow - coarse.loss,
+        rest=fine.edge_mean - coarse.edge_mean,
     )
-    mean = films.mean(fine.flow - fine.loss) + fine.rim
+    mean = films.mean(fine.flow - fine.loss) + fine.edge_mean
     return AsymptoticForces(mean=square * mean, error=_known(square * error))
 
 
@@ -176,7 +179,7 @@ def composite_expansion(films: Films) -> AsymptoticForces:
         + films.corner_remainder
         + square * films.depth * films.streaming_remainder
         + INERTIA_SQUARE * square * films.depth * films.inertia_remainder
-        + square * films.depth * films.slip_share * fine.gross
+        + square * films.depth * films.slip_fraction * fine.gross
     )
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, rest=rest)
@@ -188,7 +191,7 @@ def _exchanged(films: Films) -> tuple[Expansion, np.ndarray]:
     full, exact, square = _expand(films), _second_order(films), films.epsilon**2
     second = _expand(replace(films, epsilon=np.full_like(films.epsilon, TINY_EPSILON)))
     density = exact.flow - exact.loss - second.density / TINY_EPSILON**2
-    layer = exact.rim - second.layer / TINY_EPSILON**2
+    layer = exact.edge_mean - second.layer / TINY_EPSILON**2
     changed = Expansion(
         full.density + wide(square) * density, full.layer + square * layer, full.gross
     )
@@ -219,7 +222,7 @@ def _known(error: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Expanded:
-    """Mean overpressures of scenes by an expansion, error estimates, and the grids behind them.
+    """Mean gauge pressures of scenes by an expansion, error estimates, and the grids behind them.
 
     Attributes:
         rows: which of the scenes they are, (k,), as all others.
@@ -295,7 +298,7 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
     unknown = [term.label for term in terms if not term.IN_EXPANSIONS]
     if unknown:
         return f"the composite expansion is not derived with {' and '.join(unknown)}"
-    others = [term.label for term in terms if not isinstance(term, AnyGap)]
+    others = [term.label for term in terms if not isinstance(term, NonuniformGap)]
     if not scene.pad.gap.flat and others:
         return f"{what} a gap that is uniform at rest with {' and '.join(others)}"
     if scene.actuator.profile.is_complex and scene.gas.inertia == "included":
@@ -316,21 +319,21 @@ def composite(plan: Plan, *, tolerance: float, auto: bool, but: Collection[int] 
     known = np.ones(len(scenes), dtype=bool)
     if auto:
         shorter = scenes.sigma * np.minimum(1.0, scenes.aspect) ** 2
-        thin = THIN_LAYER_SIGMA * max(1.0, AT_TOLERANCE / tolerance) ** 0.5
-        known = (shorter >= thin) | (scenes.epsilon**2 <= TINY * tolerance)
+        thin = THIN_LAYER_SIGMA * max(1.0, THIN_LAYER_TOLERANCE / tolerance) ** 0.5
+        known = (shorter >= thin) | (scenes.epsilon**2 <= TINY_MOTION * tolerance)
         if not known.any():
             return NOT_EXPANDED
     known[[*but, *not_derived_for(plan)]] = False
     rows = np.flatnonzero(known)
-    found = expanded(edge_layer_expansion, plan, rows, tolerance=tolerance)
+    by_layer = expanded(edge_layer_expansion, plan, rows, tolerance=tolerance)
     flat = np.broadcast_to(scenes.column(lambda film: film.pad.gap.flat), len(scenes))
-    more = np.flatnonzero(flat[rows] & ~found.holds(tolerance))
+    more = np.flatnonzero(flat[rows] & ~by_layer.holds(tolerance))
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
     # grid's error was twice the tolerance (σ 1e5, 1e-6).
     joined = expanded(_with_second_order, plan, rows[more], tolerance=tolerance / 10, layers=True)
-    better = joined.error < found.error[more]
-    found.put(more[better], joined[better])
-    return found[found.holds(tolerance)] if auto else found
+    better = joined.error < by_layer.error[more]
+    by_layer.put(more[better], joined[better])
+    return by_layer[by_layer.holds(tolerance)] if auto else by_layer
 
 
 def _with_second_order(films: Films) -> AsymptoticForces:
@@ -374,11 +377,11 @@ def expanded(
         scenes.column(lambda film: film.pad.gap.flat),
     ]
     columns = [np.broadcast_to(each, len(scenes)) for each in (found.nx, found.ny, *kinds)]
-    for group in rows_alike(*columns):
+    for group in rows_by_value(*columns):
         for start in range(0, len(group), BATCH):
-            some = group[start : start + BATCH]
-            forces = expand(_films(scenes[some], nx=found.nx[some[0]], ny=found.ny[some[0]]))
-            found.mean[some], found.error[some] = forces.mean, forces.error
+            batch = group[start : start + BATCH]
+            forces = expand(_films(scenes[batch], nx=found.nx[batch[0]], ny=found.ny[batch[0]]))
+            found.mean[batch], found.error[batch] = forces.mean, forces.error
     return found
 
 
@@ -390,7 +393,9 @@ def _reynolds(scenes: Scenes) -> np.ndarray:
 def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
     like = scenes.films[scenes.film_index[0]]
-    amplitudes, which = scenes.at_places(lambda places: places.amplitude(x.ravel(), y.ravel()))
+    amplitudes, which = scenes.at_places(
+        lambda pad_positions: pad_positions.amplitude(x.ravel(), y.ravel())
+    )
     rise_m = scenes.column(lambda film: film.pad.gap.rise_m(x, y))
     return films_of(
         scenes.epsilon,

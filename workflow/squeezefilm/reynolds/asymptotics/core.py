@@ -1,4 +1,4 @@
-"""Expansions of the mean overpressure in 1/√σ and in ε: core, edge layer, and second order.
+"""Expansions of the mean gauge pressure in 1/√σ and in ε: core, edge layer, and second order.
 
 At σ → ∞ the mass HP = ψ(x, y) rests but in a layer at the pad's edge. Without inertia ψ²/2 + slip ψ
 exceeds its value at rest by what is harmonic with its value on the edge.
@@ -25,12 +25,12 @@ from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.asymptotics.films import Films, fixed_point, wide
 
 # Of the sums over harmonics.
-PRECISION, MOST_HARMONICS = 1e-10, 200
+SUM_PRECISION, MOST_HARMONICS = 1e-10, 200
 
 
 @dataclass(frozen=True)
 class Expansion:
-    """A mean overpressure to order 1/√σ: the mean of ``density`` over the pad and ``layer``.
+    """A mean gauge pressure to order 1/√σ: the mean of ``density`` over the pad and ``layer``.
 
     ``gross`` is what ``layer`` is made of without cancellation. Shapes (B, nx + 2, ny + 2), (B,)
     and (B,).
@@ -43,53 +43,55 @@ class Expansion:
 
 @dataclass(frozen=True)
 class SecondOrder:
-    """The mean overpressure over ε² for ε → 0: that of ``flow`` − ``loss``, and ``rim``.
+    """The mean gauge pressure over ε² for ε → 0: that of ``flow`` − ``loss``, and ``edge_mean``.
 
-    ``rim``, shape (B,), is what the rim drives by itself.
+    ``edge_mean``, shape (B,), is what the edge drives by itself.
     """
 
     flow: np.ndarray
     loss: np.ndarray
-    rim: np.ndarray
+    edge_mean: np.ndarray
 
 
 def layer_correction(
     films: Films, *, d: np.ndarray, change: np.ndarray, influence: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(∮ d dl + ∫ u weight dA) / (√σ area), u with ``change`` on the rim; net and gross.
+    """(∮ d dl + ∫ u weight dA) / (√σ area), u with ``change`` on the edge; net and gross.
 
     u jumps at corners, so it is never computed. With χ the solution of the adjoint equation with
-    the source weight that is zero on the rim, Green's identity turns ∫ u weight dA into
+    the source weight that is zero on the edge, Green's identity turns ∫ u weight dA into
     −∮ u ∂χ/∂n dl, n inward: ``influence`` is −∂χ/∂n. Under a gap G at rest the layer is G times as
     thick, and Green's identity is that of ∇·(G³∇).
     """
-    gap = films.rest_on_rim
+    gap = films.static_gap_on_edge
     thick = gap / np.sqrt(films.sigma / (1 + films.slip))[:, None]
     by_core = gap**3 * influence * change
-    net = films.rim_integral(thick * (d + by_core))
-    return net, films.rim_integral(thick * (np.abs(d) + np.abs(by_core)))
+    net = films.edge_integral(thick * (d + by_core))
+    return net, films.edge_integral(thick * (np.abs(d) + np.abs(by_core)))
 
 
 def expand(films: Films) -> Expansion:
     """The high-squeeze limit and its edge layer's correction, without inertia."""
     square, thick = wide(films.epsilon) ** 2, 1 + wide(films.slip)
-    gap_square = square * films.square
+    gap_square = square * films.profile_squared
     # ψ²/2 + slip ψ exceeds its value at rest by rise/2, of which `inner` is the part that makes it
     # harmonic.
     # Under a gap G at rest that is so of ψ²/G², and harmonic is what ∇·(G³∇) maps to zero.
-    inner = films.solve_diffusion(-(0.25 + 0.5 * thick) * square * films.diffusion(films.square))
+    inner = films.solve_diffusion(
+        -(0.25 + 0.5 * thick) * square * films.diffusion(films.profile_squared)
+    )
     rise = (0.5 + thick) * gap_square + 2 * inner
     total = np.sqrt(thick**2 + rise)
     root = np.sqrt(1 - gap_square)
     # ψ/√(1 − ε²s²) − 1, free of cancellation.
     density = (rise / (total + thick) + gap_square / (1 + root)) / root
     epsilon = films.epsilon[:, None]
-    d, g, q = epsilon**2 * edge_layer.ratios(epsilon * np.abs(films.rim))
+    d, g, q = epsilon**2 * edge_layer.ratios(epsilon * np.abs(films.edge_profile))
     # With s as its phase, the slope's part in phase goes by g, else by q.
-    turned = films.rim.conj() * films.slope
+    turned = films.edge_profile.conj() * films.slope
     layer, gross = layer_correction(
         films,
-        d=d * np.abs(films.rim) ** 2,
+        d=d * np.abs(films.edge_profile) ** 2,
         change=g * turned.real + q * turned.imag,
         influence=-films.inward(films.solve_diffusion(1 / (2 * total * root))),
     )
@@ -107,24 +109,24 @@ def second_order(films: Films) -> SecondOrder:
     drive = 0.75 * (1 + 2 * thick) / (3 * thick)
     flow = -drive * (along.real + rest)
     loss = np.abs(linear) ** 2 / (4 * thick)
-    return SecondOrder(flow=flow, loss=loss, rim=np.zeros_like(films.epsilon))
+    return SecondOrder(flow=flow, loss=loss, edge_mean=np.zeros_like(films.epsilon))
 
 
 def core_coefficient(
     gap_square: np.ndarray, rate_square: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """β and ∂β/∂c² at a² and c², of one shape."""
+    """Return the core coefficient β(a², c²) and ∂β/∂c², shaped as the arguments."""
     kappa = np.sqrt(1 - gap_square)
     rho_square = (1 - kappa) / (1 + kappa)
     most = float(rho_square.max())
-    harmonics = ceil(log(PRECISION) / log(most)) if 0 < most < 1 else 1
+    harmonics = ceil(log(SUM_PRECISION) / log(most)) if 0 < most < 1 else 1
     scaled = kappa**2 * rate_square
     beta, change = np.zeros_like(scaled), np.zeros_like(scaled)
     power = 2 * kappa / (1 + kappa) ** 2
     for k in range(1, min(harmonics, MOST_HARMONICS) + 1):
-        share = power * k**2 / (1 + k**2 * scaled)
-        beta += share * scaled
-        change += share * kappa**2 / (1 + k**2 * scaled)
+        addend = power * k**2 / (1 + k**2 * scaled)
+        beta += addend * scaled
+        change += addend * kappa**2 / (1 + k**2 * scaled)
         power = power * rho_square
     return beta, change
 
@@ -133,9 +135,11 @@ def expand_with_inertia(films: Films) -> Expansion:
     """The high-squeeze limit and its edge layer's correction, with inertia and without slip."""
     gap_square = wide(films.epsilon) ** 2 * films.s**2
     over_gap = films.gradient(gap_square)
-    at_rim, d, g, h = edge_layer.rim_values(films.epsilon[:, None] * films.rim, films.reynolds)
-    at_rim = films.from_rim(at_rim)
-    curvature = films.laplacian(at_rim)
+    at_edge, d, g, h = edge_layer.edge_functions(
+        films.epsilon[:, None] * films.edge_profile, films.reynolds
+    )
+    at_edge = films.from_edge(at_edge)
+    curvature = films.laplacian(at_edge)
     rate_square = wide(films.reynolds / 10) ** 2
 
     def from_rise(rise: np.ndarray) -> np.ndarray:
@@ -144,9 +148,9 @@ def expand_with_inertia(films: Films) -> Expansion:
             beta * (gap_square * along - (1 + rise) * slope)
             for along, slope in zip(films.gradient(rise), over_gap, strict=True)
         )
-        return at_rim + films.solve(films.divergence(*flux) - curvature)
+        return at_edge + films.solve(films.divergence(*flux) - curvature)
 
-    rise = fixed_point(from_rise, at_rim)
+    rise = fixed_point(from_rise, at_edge)
     total, root = np.sqrt(1 + rise), np.sqrt(1 - gap_square)
     density = (rise / (total + 1) + gap_square / (1 + root)) / root
 
@@ -160,7 +164,7 @@ def expand_with_inertia(films: Films) -> Expansion:
 
     def from_adjoint(chi: np.ndarray) -> np.ndarray:
         along = films.gradient(chi)
-        flux = films.divergence(*(gap_square * beta * each for each in along))
+        flux = films.divergence(*(gap_square * beta * gradient for gradient in along))
         return films.solve(weight + flux + drift[0] * along[0] + drift[1] * along[1])
 
     chi = fixed_point(from_adjoint, films.solve(weight))
@@ -168,7 +172,7 @@ def expand_with_inertia(films: Films) -> Expansion:
         films,
         d=d,
         change=g * films.epsilon[:, None] * films.slope + h * films.inward(rise),
-        influence=-films.on_rim(1 - gap_square * beta) * films.inward(chi),
+        influence=-films.on_edge(1 - gap_square * beta) * films.inward(chi),
     )
     return Expansion(density=density, layer=layer, gross=gross)
 
@@ -176,7 +180,8 @@ def expand_with_inertia(films: Films) -> Expansion:
 def second_order_with_inertia(films: Films) -> SecondOrder:
     """The mean over ε² for ε → 0, any σ (see ``composite.small_amplitude_expansion``).
 
-    With m = 1/(1 + i Re/10) and λ = iσ/m the linear pressure obeys ∇²p̂ = λ(p̂ + s) and the mean one
+    With m = 1/(1 + i Re/10) and λ = iσ/m the linear pressure obeys ∇²p̂ = λ(p̂ + s) and the mean
+    one
 
         ∇²v = −∇·(s ∇Re p̂) + ½ ∇·Re((C p̂* + E s) ∇p̂) − K ∇²|∇p̂|²,
         C = 8/7 − 15 m/7,   E = 15/7 − 22 m/7,   K = (9/28) (Re/10) |m|²/σ.
@@ -198,5 +203,5 @@ def second_order_with_inertia(films: Films) -> SecondOrder:
     flow = direct + films.solve(source) + kinetic * crossed.real
     loss = -0.25 * square_factor.real * np.abs(linear) ** 2
     influence = -films.inward(films.solve(np.ones(films.s.shape)))
-    at_rim = kinetic[:, 0] * np.abs(films.inward(linear)) ** 2
-    return SecondOrder(flow=flow, loss=loss, rim=films.rim_integral(influence * at_rim))
+    at_edge = kinetic[:, 0] * np.abs(films.inward(linear)) ** 2
+    return SecondOrder(flow=flow, loss=loss, edge_mean=films.edge_integral(influence * at_edge))

@@ -1,11 +1,11 @@
 """The edge's boundary layer at large squeeze number: two functions of the local excursion ratio.
 
-Within √(1/σ) of the pad's rim the film exchanges gas with the surroundings. With ξ = n√σ, n the
-distance from the rim, the mass M = HP of the layer obeys
+Within √(1/σ) of the pad's edge the film exchanges gas with the surroundings. With ξ = n√σ, n the
+distance from the edge, the mass M = HP of the layer obeys
 
     ∂²/∂ξ² (H M²/2) = ∂M/∂T,   H = 1 + a sin T,   M = H at ξ = 0,   M → ψ = √(1 + 3a²/2) inside,
 
-where a = ε s is the excursion ratio at that point of the rim. What the force sees of the layer is
+where a = ε s is the excursion ratio at that point of the edge. What the force sees of the layer is
 
     d(a) = ∫₀^∞ ⟨P − ψ/H⟩ dξ, even in a,     g(a) = 3 ∫₀^∞ ⟨sin T M²⟩ dξ, odd in a.
 
@@ -16,18 +16,18 @@ period from the motion itself, whose effect on the force is q(a) = 3 ∫₀^∞ 
 ``squeezefilm-verification edge-layers`` computes them. They are stored as d/a², g/a and q/a at
 Chebyshev nodes in −ln(1 − a²), from where Chebyshev series give them.
 
-With the gas' inertia the core sees ψ² on the rim, the layer's own overpressure d, and the changes g
-and h of the rim's ψ² with the slopes of the profile and of the core.
+With the gas' inertia the core sees ψ² on the edge, the layer's own gauge pressure d, and the
+changes g and h of the edge's ψ² with the slopes of the profile and of the core.
 
 The same command computes them. They are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev
 points: in Re up to MOST_REYNOLDS and, for each Re, in −ln(1 − a²) up to a = ``largest(Re)``.
 Somewhere beyond, waves steepen to a shock in the layer, and no periodic state was found that a
 finer grid would not change.
 
-Within √(1/σ) of the pad's rim, with ξ = n√σ, n the distance from the rim, and ū = v/√σ the mean
+Within √(1/σ) of the pad's edge, with ξ = n√σ, n the distance from the edge, and ū = v/√σ the mean
 velocity over the gap, mass w = HP and flux q = wv obey
 
-    ∂w/∂T + ∂q/∂ξ = 0,    H = 1 + a sin T at the rim point, a = ε s,
+    ∂w/∂T + ∂q/∂ξ = 0,    H = 1 + a sin T at the edge point, a = ε s,
     q + (Re/10) H {w ∂q/∂T − (17/7) q ∂w/∂T − (9/7)(q²/w) ∂w/∂ξ} + H w ∂w/∂ξ − w² ∂H/∂ξ = 0,
 
 which is w times the one-mode momentum equation (terms/inertia.py)
@@ -52,28 +52,32 @@ from numpy.polynomial import chebyshev
 
 from squeezefilm.reynolds.spectral import Axis
 
-TABLE = Path(__file__).with_name("edge_layer.csv")
-TABLE_WITH_INERTIA = Path(__file__).with_name("edge_layer_with_inertia.csv")
+LAYER_TABLE = Path(__file__).with_name("edge_layer.csv")
+LAYER_TABLE_WITH_INERTIA = Path(__file__).with_name("edge_layer_with_inertia.csv")
 MOST_REYNOLDS = 10.0
 REYNOLDS_ROWS, INERTIA_ROWS = 14, 18
-LARGEST = 0.98
-ROWS = 41
+LARGEST_EXCURSION = 0.98
+TABLE_ROWS = 41
 
 
 def integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """d and g at excursion ratios |a| ≤ LARGEST, any shape; beyond, both are NaN."""
+    """d and g at excursion ratios |a| ≤ LARGEST_EXCURSION, any shape; beyond, both are NaN."""
     d, g, _ = ratios(a)
     return np.square(a) * d, a * g
 
 
 def ratios(a: np.ndarray) -> np.ndarray:
-    """d/a², g/a and q/a at excursion ratios |a| ≤ LARGEST, shape (3, …); NaN beyond."""
+    """d/a², g/a and q/a at excursion ratios |a| ≤ LARGEST_EXCURSION, shape (3, …); NaN beyond."""
     size = np.abs(np.asarray(a, dtype=float))
-    place = 2 * stretched(np.minimum(size, LARGEST)) / stretched(LARGEST) - 1
+    table_coordinate = (
+        2 * stretched(np.minimum(size, LARGEST_EXCURSION)) / stretched(LARGEST_EXCURSION) - 1
+    )
     # All polynomials at once: chebval goes through them one by one.
-    polynomials = np.cos(np.multiply.outer(np.arange(ROWS), np.arccos(np.clip(place, -1, 1))))
+    polynomials = np.cos(
+        np.multiply.outer(np.arange(TABLE_ROWS), np.arccos(np.clip(table_coordinate, -1, 1)))
+    )
     values = np.tensordot(_series().T, polynomials, axes=1)
-    return np.where(size > LARGEST * (1 + 1e-12), np.nan, values)
+    return np.where(size > LARGEST_EXCURSION * (1 + 1e-12), np.nan, values)
 
 
 @lru_cache(maxsize=256)
@@ -91,18 +95,18 @@ def stretched(a: np.ndarray | float) -> np.ndarray:
 
 @lru_cache(maxsize=1)
 def _series() -> np.ndarray:
-    """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (ROWS, 3)."""
-    rows = np.loadtxt(TABLE, delimiter=",", skiprows=1)
-    nodes = 2 * stretched(rows[:, 0]) / stretched(LARGEST) - 1
-    return np.linalg.solve(chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
+    """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (TABLE_ROWS, 3)."""
+    rows = np.loadtxt(LAYER_TABLE, delimiter=",", skiprows=1)
+    nodes = 2 * stretched(rows[:, 0]) / stretched(LARGEST_EXCURSION) - 1
+    return np.linalg.solve(chebyshev.chebvander(nodes, TABLE_ROWS - 1), rows[:, 1:])
 
 
-def largest(reynolds: np.ndarray | float) -> np.ndarray:
+def largest_excursion(reynolds: np.ndarray | float) -> np.ndarray:
     """The largest excursion ratio of the table: 0.9 without inertia, 0.4 at Re = 10."""
     return 0.9 / (1 + np.asarray(reynolds, dtype=float) / 8)
 
 
-def rim_values(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
+def edge_functions(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
     """ψ² − 1, d, g and h at excursion ratios ``a``, (B, …), of films with ``reynolds``, (B,).
 
     They have the shape (4, B, …) and are NaN beyond the table. ψ² is changed by
@@ -110,10 +114,10 @@ def rim_values(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
     """
     reynolds = np.asarray(reynolds, dtype=float)
     films = a.reshape(len(reynolds), -1)
-    most = largest(reynolds)[:, None]
+    most = largest_excursion(reynolds)[:, None]
     inside = (np.abs(films) <= most) & (reynolds[:, None] <= MOST_REYNOLDS)
-    place = 2 * stretched(np.minimum(np.abs(films), most)) / stretched(most) - 1
-    powers = chebyshev.chebvander(place, INERTIA_ROWS - 1)
+    table_coordinate = 2 * stretched(np.minimum(np.abs(films), most)) / stretched(most) - 1
+    powers = chebyshev.chebvander(table_coordinate, INERTIA_ROWS - 1)
     of_film = chebyshev.chebvander(
         2 * np.minimum(reynolds, MOST_REYNOLDS) / MOST_REYNOLDS - 1, REYNOLDS_ROWS - 1
     )
@@ -128,7 +132,7 @@ def rim_values(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
 def _series_with_inertia() -> np.ndarray:
     """Chebyshev coefficients of the functions in Re and a, (4, REYNOLDS_ROWS, INERTIA_ROWS)."""
     # Rows Re, a, (ψ² − 1)/a², d/a², g/a, h/a².
-    rows = np.loadtxt(TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
+    rows = np.loadtxt(LAYER_TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
     values = np.moveaxis(rows[:, 2:].reshape(REYNOLDS_ROWS, INERTIA_ROWS, 4), 2, 0)
     of_reynolds, of_a = (
         np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts1(count), count - 1))

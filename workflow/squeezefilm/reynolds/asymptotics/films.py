@@ -12,14 +12,14 @@ from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
 from squeezefilm.reynolds.spectral import Axis, axis
 
 # The error estimates' constants.
-RIM_SLOPES, INNER_CURVATURE, CORNERS, MEETING = 4.5, 3.0, 0.9, 4.5
-STIFF, FREE, FREE_SIGMA = 0.8, 6.0, 6.0
-STREAMING = 1.5
-SHAPE = 0.02
-SLIP_SHARE = 0.5
+EDGE_SLOPES, INNER_CURVATURE, CORNER_FACTOR, MEETING_LAYERS_FACTOR = 4.5, 3.0, 0.9, 4.5
+STIFF_FACTOR, FREE_FLOW_FACTOR, FREE_FLOW_SIGMA = 0.8, 6.0, 6.0
+STREAMING_FACTOR = 1.5
+SHAPE_FACTOR = 0.02
+SLIP_FRACTION = 0.5
 INERTIA_SLOPES, INERTIA_CORNERS, INERTIA_SQUARE = 1.8, 1.2, 2.0
 # Forces on two grids can agree by cancellation where the densities do not.
-DENSITY_SHARE = 0.1
+DENSITY_FRACTION = 0.1
 
 # Of the rounds that solve for the core with inertia, or under a gap that is shaped at rest.
 ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
@@ -38,7 +38,7 @@ def expansion_axis(points: int) -> Axis:
 class Films:
     """A batch on one grid: its operators, and the features that the error estimates need.
 
-    Fields have shape (B, nx + 2, ny + 2); values on the rim (B, 2 (nx + ny + 4)), side after side:
+    Fields have shape (B, nx + 2, ny + 2); values on the edge (B, 2 (nx + ny + 4)), side after side:
     x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. Two quadrature
     components have s₁ + i s₂ for s. For a non-uniform gap at rest s is over that gap, which is
     ``rest``, in units of h0; None for a uniform one.
@@ -89,7 +89,7 @@ class Films:
         return _second_derivative(self.x.points) @ field + along_y
 
     def solve(self, source: np.ndarray, *, shift: np.ndarray | float = 0.0) -> np.ndarray:
-        """The u with ∇²u − shift u = source that is zero on the rim; by fast diagonalisation."""
+        """The u with ∇²u − shift u = source that is zero on the edge; by fast diagonalisation."""
         values_x, vectors_x, inverse_x = self.x.modes
         values_y, vectors_y, inverse_y = self.y.modes
         divisor = values_x[:, None] + values_y / wide(self.aspect) ** 2 - shift
@@ -106,7 +106,7 @@ class Films:
         return self.divergence(self.rest**3 * along_x, self.rest**3 * along_y)
 
     def solve_diffusion(self, source: np.ndarray) -> np.ndarray:
-        """The u with ∇·(G³∇u) = source that is zero on the rim; NaN where none is found.
+        """The u with ∇·(G³∇u) = source that is zero on the edge; NaN where none is found.
 
         With v = G^(3/2) u that is Δv − q v = source/G^(3/2), q = Δ(G^(3/2))/G^(3/2) (Liouville),
         where q is nearly the same everywhere: in rounds by Δ less its middle.
@@ -122,18 +122,18 @@ class Films:
 
         return fixed_point(closer, np.zeros_like(half)) / half
 
-    def on_rim(self, field: np.ndarray) -> np.ndarray:
+    def on_edge(self, field: np.ndarray) -> np.ndarray:
         sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
         return np.concatenate(sides, axis=1)
 
-    def from_rim(self, values: np.ndarray) -> np.ndarray:
-        """A smooth field with these values on the rim, blended between opposite sides (Coons)."""
+    def from_edge(self, values: np.ndarray) -> np.ndarray:
+        """A smooth field with these values on the edge, blended between opposite sides (Coons)."""
         nx, ny = self.x.points + 2, self.y.points + 2
         left, right, low, high = np.split(values, [ny, 2 * ny, 2 * ny + nx], axis=1)
         x, y = self.x.all_nodes[:, None], self.y.all_nodes
         ends = [(1 - x, left[:, None]), (x, right[:, None])]
         corners = sum(
-            share * (side[..., :1] * (1 - y) + side[..., -1:] * y) for share, side in ends
+            blend * (side[..., :1] * (1 - y) + side[..., -1:] * y) for blend, side in ends
         )
         between_x = (1 - x) * left[:, None] + x * right[:, None]
         between_y = (1 - y) * low[:, :, None] + y * high[:, :, None]
@@ -141,39 +141,41 @@ class Films:
         return field
 
     def inward(self, field: np.ndarray) -> np.ndarray:
-        """Derivative along the inward normal, on the rim."""
+        """Derivative along the inward normal, on the edge."""
         ends_x, ends_y = self.x.derivative[[0, -1]], self.y.derivative[[0, -1]]
         across_x = ends_x @ field
         across_y = field @ ends_y.T / wide(self.aspect)
         sides = [across_x[:, 0], -across_x[:, 1], across_y[:, :, 0], -across_y[:, :, 1]]
         return np.concatenate(sides, axis=1)
 
-    def rim_integral(self, values: np.ndarray) -> np.ndarray:
-        """Integral along the rim over the pad's area, shape (B,)."""
+    def edge_integral(self, values: np.ndarray) -> np.ndarray:
+        """Integral along the edge over the pad's area, shape (B,)."""
         sides = np.split(values, [2 * (self.y.points + 2)], axis=1)
         weights = (np.tile(all_weights(line), 2) for line in (self.y, self.x))
-        along_y, along_x = (side @ each for side, each in zip(sides, weights, strict=True))
+        along_y, along_x = (
+            side @ weights_of_side for side, weights_of_side in zip(sides, weights, strict=True)
+        )
         integral: np.ndarray = along_y + along_x / self.aspect
         return integral
 
     @cached_property
-    def rest_on_rim(self) -> np.ndarray | float:
-        """The gap at rest there."""
-        return 1.0 if self.rest is None else self.on_rim(self.rest)
+    def static_gap_on_edge(self) -> np.ndarray | float:
+        """The static gap over h0 on the film edge."""
+        return 1.0 if self.rest is None else self.on_edge(self.rest)
 
     @cached_property
-    def square(self) -> np.ndarray:
-        """|s|², all that films see of the motion where they need no time."""
+    def profile_squared(self) -> np.ndarray:
+        """|s|², the profile's squared magnitude."""
         return np.square(np.abs(self.s))
 
     @cached_property
-    def rim(self) -> np.ndarray:
-        """The profile on the rim."""
-        return self.on_rim(self.s)
+    def edge_profile(self) -> np.ndarray:
+        """The profile on the edge."""
+        return self.on_edge(self.s)
 
     @cached_property
     def slope(self) -> np.ndarray:
-        """The profile's inward derivative on the rim."""
+        """The profile's inward derivative on the edge."""
         return self.inward(self.s)
 
     @cached_property
@@ -202,15 +204,21 @@ class Films:
         return self.layer_number * (np.hypot(1, ratio) - ratio)
 
     @property
-    def slip_share(self) -> np.ndarray:
-        """Share of the layer by which slip may change it beyond its thickness."""
-        return SLIP_SHARE * self.slip
+    def slip_fraction(self) -> np.ndarray:
+        """Relative change of the layer by slip beyond the change of its thickness, at most."""
+        return SLIP_FRACTION * self.slip
 
     @property
     def corner_remainder(self) -> np.ndarray:
         """Error from the corners, where two layers meet: of order ε⁴/σ."""
-        corners = self.square[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1)
-        return CORNERS * self.epsilon**4 * self.depth * corners / (self.layer_number * self.aspect)
+        corners = self.profile_squared[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1)
+        return (
+            CORNER_FACTOR
+            * self.epsilon**4
+            * self.depth
+            * corners
+            / (self.layer_number * self.aspect)
+        )
 
     @property
     def layer_remainder(self) -> np.ndarray:
@@ -225,9 +233,12 @@ class Films:
             + self.shape_remainder
             + self.epsilon**2
             * (
-                RIM_SLOPES * np.sqrt(self.depth) * self.rim_unevenness / sigma**1.5
+                EDGE_SLOPES * np.sqrt(self.depth) * self.edge_unevenness / sigma**1.5
                 + INNER_CURVATURE * np.sqrt(self.depth) * curvature / sigma**2
-                + MEETING * self.rim_integral(np.abs(self.rim) ** 2) * meeting / np.sqrt(sigma)
+                + MEETING_LAYERS_FACTOR
+                * self.edge_integral(np.abs(self.edge_profile) ** 2)
+                * meeting
+                / np.sqrt(sigma)
             )
         )
 
@@ -237,7 +248,7 @@ class Films:
         if not np.iscomplexobj(self.s):
             return 0.0
         uneven = self.mean(self.unevenness)
-        return STREAMING * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+        return STREAMING_FACTOR * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
 
     @property
     def shape_remainder(self) -> np.ndarray | float:
@@ -245,25 +256,25 @@ class Films:
         if self.rest is None:
             return 0.0
         along_x, along_y = self.gradient(self.rest)
-        steep = self.on_rim((along_x**2 + along_y**2) / self.rest**2)
-        bent = self.on_rim(np.abs(self.laplacian(self.rest)) / self.rest)
-        uneven = self.rim_integral((steep + bent) * np.abs(self.rim) ** 2)
-        return SHAPE * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+        steep = self.on_edge((along_x**2 + along_y**2) / self.rest**2)
+        bent = self.on_edge(np.abs(self.laplacian(self.rest)) / self.rest)
+        uneven = self.edge_integral((steep + bent) * np.abs(self.edge_profile) ** 2)
+        return SHAPE_FACTOR * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
 
     @property
     def inertia_remainder(self) -> np.ndarray | float:
         """Error of the edge layer's expansion by inertia: of order ε²/σ, at corners ε² ln σ/σ."""
         if not self.reynolds.any():
             return 0.0
-        corners = self.square[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1) / self.aspect
+        corners = self.profile_squared[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1) / self.aspect
         spread = np.maximum(np.log(self.sigma) - 2.2, 0.5)
-        uneven = INERTIA_SLOPES * self.rim_unevenness + INERTIA_CORNERS * spread * corners
+        uneven = INERTIA_SLOPES * self.edge_unevenness + INERTIA_CORNERS * spread * corners
         return self.epsilon**2 * uneven * self.reynolds / 10 / self.decay_number
 
     @cached_property
-    def rim_unevenness(self) -> np.ndarray:
-        """Integral of the unevenness along the rim, over the area."""
-        return self.rim_integral(self.on_rim(self.unevenness))
+    def edge_unevenness(self) -> np.ndarray:
+        """Integral of the unevenness along the edge, over the area."""
+        return self.edge_integral(self.on_edge(self.unevenness))
 
     @cached_property
     def unevenness(self) -> np.ndarray:
@@ -280,9 +291,14 @@ class Films:
         two quadrature components twice that.
         """
         effective = self.decay_number / (1 + self.aspect**-2.0)
-        free = 1 / (1 + (effective / FREE_SIGMA) ** 2)
+        free = 1 / (1 + (effective / FREE_FLOW_SIGMA) ** 2)
         phases = 2 if np.iscomplexobj(self.s) else 1
-        return phases * self.epsilon**2 * (STIFF + FREE * free) * self.depth ** (1 + 3.5 * free)
+        return (
+            phases
+            * self.epsilon**2
+            * (STIFF_FACTOR + FREE_FLOW_FACTOR * free)
+            * self.depth ** (1 + 3.5 * free)
+        )
 
 
 def films_of(
@@ -313,7 +329,7 @@ def films_of(
         expansion_axis(points - 2)
     given = (epsilon, sigma, aspect, slip, reynolds)
     epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(
-        *(np.asarray(each, dtype=float) for each in given)
+        *(np.asarray(number, dtype=float) for number in given)
     )
     local = amplitude if rest is None else amplitude / rest
     return Films(epsilon, sigma, local, aspect, slip, reynolds, rest)
@@ -322,7 +338,7 @@ def films_of(
 def grid_error(
     films: Films, fine: np.ndarray, coarse: np.ndarray, *, rest: np.ndarray | float = 0.0
 ) -> np.ndarray:
-    """Change of the mean against every other node, or a share of the density's where it is larger.
+    """Difference of the mean from that on every second node, or a part of the density's.
 
     Args:
         fine, coarse: densities whose means over the pad are compared, on the two grids.
@@ -330,11 +346,13 @@ def grid_error(
     """
     half = films.coarser
     change = films.mean(fine) - half.mean(coarse) + rest
-    return np.maximum(np.abs(change), DENSITY_SHARE * half.mean(np.abs(fine[:, ::2, ::2] - coarse)))
+    return np.maximum(
+        np.abs(change), DENSITY_FRACTION * half.mean(np.abs(fine[:, ::2, ::2] - coarse))
+    )
 
 
 def fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> np.ndarray:
-    """The field that ``step`` leaves as it is; NaN for films whose rounds do not settle."""
+    """Return the fixed point of ``step``; NaN for films whose iteration does not converge."""
     field = start
     for _ in range(MOST_ROUNDS):
         last, field = field, step(field)

@@ -1,6 +1,6 @@
 /* The film over one period: the Reynolds equation collocated in space and time.
  *
- * Unknown: the overpressure p = P − 1, zero on the rim. The mass flux is a sum of one or two terms
+ * Unknown: the gauge pressure p = P − 1, zero on the edge. The mass flux is a sum of one or two terms
  * c_k H^a grad g_k with a = 3 − k and dg_k/dP = ρ^(1−k): the viscous flow, and that by slip of a
  * rarefied gas, or as rarefaction_over_period.cl has them. With v = H^(a/2) g each term needs second
  * derivatives only (Liouville's transformation),
@@ -182,7 +182,7 @@ static double4 flow_from(const Grid *whole_grid, const Film *whole_film, int k, 
 }
 
 /* r = Σ_k H^(a/2) (Δv − q v) − σ ∂H/∂T, one term: v is given, `work` is overwritten. The last leaves
- * in v's place the mass that the overpressure adds. */
+ * in v's place the mass that the gauge pressure adds. */
 static void add_flow(const Grid *whole_grid, const Film *whole_film, int k, field v, field work, field r)
 {
     AS_COPIES(whole_grid, whole_film)

@@ -13,16 +13,16 @@ import numpy as np
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.lazy import cl
-from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING, Device, kernel
+from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING_DOUBLES, Device, kernel
 from squeezefilm.reynolds.grid import (
-    CARRYING,
+    INTERPOLATION_NAMES,
     Grid,
     carrying_matrices,
     grid_matrices,
     iteration_flops,
 )
 from squeezefilm.reynolds.layout import (
-    ABSENT,
+    ABSENT_INDEX,
     Columns,
     Packed,
     c_struct,
@@ -54,7 +54,7 @@ from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 
 MOST_NEWTON = 40
 # The kernel's arguments (periodic.cl): types of numbers, None for buffers.
-ARGUMENTS = (np.int32, np.int32, *[None] * 6, np.uint64, None)
+KERNEL_ARGUMENT_TYPES = (np.int32, np.int32, *[None] * 6, np.uint64, None)
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
 # Operations that a scene may take; half of them on one grid. One core does 4e9 to 2e10 a second. Of
@@ -62,16 +62,16 @@ LARGEST_WORKSPACE_BYTES = 256 * 2**20
 MOST_WORK = 5e11
 
 # How an iteration ends: the kernel's names, and what is said of it.
-ENDINGS = {
+STATUS_OF_ENDING = {
     "CONVERGED": "ok",
     "STALLED": "not converged: Newton's method",
     "NOT_FINITE": "not converged: the pressure became infinite",
     "OVER_LIMIT": f"not converged: no state within {MOST_WORK:.0e} operations",
 }
-STATUS = tuple(ENDINGS.values())
+STATUS_TEXTS = tuple(STATUS_OF_ENDING.values())
 
-# What the device says of a scene on a grid beside its overpressure: a row of its results.
-SAID = np.dtype(
+# What the device says of a scene on a grid beside its gauge pressure: a row of its results.
+RESULT_ROW = np.dtype(
     [
         *((name, np.float64) for name in ("mean", "residual", "largest", "lowest")),
         *((name, np.float64) for name in ("moment", "size")),
@@ -80,7 +80,7 @@ SAID = np.dtype(
 )
 
 # Where the means in time of a batch's scenes on a grid begin, one behind the other, and the size of
-# each; and their states, ABSENT and 0 where these do not come back.
+# each; and their states, ABSENT_INDEX and 0 where these do not come back.
 SPAN = np.dtype([(name, np.int64) for name in ("means", "means_size", "state", "state_size")])
 
 
@@ -92,34 +92,34 @@ class States:
         unknowns: p = P − 1 in units of the ambient pressure and the terms' own unknowns, shape
             (scenes, fields, nx, ny, nt), of one scene (fields, nx, ny, nt); without fields where
             the batch does not ask for them.
-        said: rows of what the device says of the scenes, SAID.
+        results: rows of what the device says of the scenes, RESULT_ROW.
     """
 
     grid: Grid
     unknowns: np.ndarray
-    said: np.ndarray
+    results: np.ndarray
 
     def __getitem__(self, rows: Any) -> States:
-        return States(self.grid, self.unknowns[rows], self.said[rows])
+        return States(self.grid, self.unknowns[rows], self.results[rows])
 
     def copy(self) -> States:
         """The same in memory of their own, for the arrays of a launch are used again."""
-        return States(self.grid, self.unknowns.copy(), self.said.copy())
+        return States(self.grid, self.unknowns.copy(), self.results.copy())
 
     @property
-    def overpressure(self) -> np.ndarray:
+    def gauge_pressure_ratio(self) -> np.ndarray:
         """p, shape (scenes, nx, ny, nt)."""
         return self.unknowns[:, 0]
 
     @property
     def mean(self) -> np.ndarray:
         """Mean of p over film and period, the force in units of p0 × area."""
-        return self.said["mean"]
+        return self.results["mean"]
 
     @property
     def status(self) -> np.ndarray:
-        """Index into STATUS."""
-        return self.said["status"]
+        """Index into STATUS_TEXTS."""
+        return self.results["status"]
 
 
 @lru_cache(maxsize=256)
@@ -292,8 +292,10 @@ class Launch:
     def states(self, device: Device) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
         device.fetch(self.results, self.buffer, after=self.done)
-        numbers = SAID.itemsize // 8
-        said = self.results[: len(self.rows) * numbers].reshape(-1, numbers).view(SAID)[:, 0]
+        numbers = RESULT_ROW.itemsize // 8
+        rows_of_results = (
+            self.results[: len(self.rows) * numbers].reshape(-1, numbers).view(RESULT_ROW)[:, 0]
+        )
         states: list[list[States]] = []
         first = 0
         for batch, spans in zip(self.batches, self.spans, strict=True):
@@ -302,7 +304,7 @@ class Launch:
             for stage, (grid, span) in enumerate(zip(batch.grids, spans.tolist(), strict=True)):
                 _, _, state, size = span
                 unknowns = self.results[state : state + count * size]
-                of_scenes = said[first + stage : first + count * stages : stages]
+                of_scenes = rows_of_results[first + stage : first + count * stages : stages]
                 of_batch.append(States(grid, unknowns.reshape(count, -1, *grid.shape), of_scenes))
             states.append(of_batch)
             first += count * stages
@@ -355,7 +357,7 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
         "periodic_state",
         sources=sources_of(compiled, single=single),
         header=_header(compiled, launched.kind, single=single),
-        numbers=ARGUMENTS,
+        numbers=KERNEL_ARGUMENT_TYPES,
     )
     (flow_terms,) = launched.kind["flow"].shape
     sizes = [_workspace_size(grid, terms, flow_terms) for batch in batches for grid in batch.grids]
@@ -386,14 +388,14 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = [len(batch.grids) for batch in batches for _ in range(len(batch.scenes))]
     begins = np.array([0, *accumulate(stages)], dtype=np.int32)
-    end = -(-int(begins[-1]) * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+    end = -(-int(begins[-1]) * RESULT_ROW.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
     spans, rows, parts, size = [], [], [], 0
     for batch in batches:
         of_batch, end = _spans(batch, end)
         compiled = compiled_terms(batch.terms)
         numbers = numbers_table(batch.scenes, batch.terms)
         columns = [
-            (tuple(name for term in compiled for name in term.OPERATORS), np.array(ABSENT)),
+            (tuple(name for term in compiled for name in term.OPERATORS), np.array(ABSENT_INDEX)),
             _sizes(batch.grids, batch.terms, batch.guess is not None),
         ]
         for name in ("means", "state"):
@@ -412,8 +414,8 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
         kind, table = rows_of(columns, numbers=numbers, tolerance=tolerance)
         spans.append(of_batch)
         rows.append(table)
-    arrays = device.host_array(end + PADDING), device.host_array(size + PADDING)
-    results, values = arrays[0][: end + PADDING], arrays[1][: size + PADDING]
+    arrays = device.host_array(end + PADDING_DOUBLES), device.host_array(size + PADDING_DOUBLES)
+    results, values = arrays[0][: end + PADDING_DOUBLES], arrays[1][: size + PADDING_DOUBLES]
     np.concatenate(parts, out=values[:size])
     for batch, of_batch in zip(batches, spans, strict=True):
         if batch.guess is not None:
@@ -433,7 +435,7 @@ def _spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
         means, state = grid.nx * grid.ny, unknown_fields(batch.terms) * grid.count * returns
         # States begin where kernels can read four numbers at once.
         behind = -(-(end + len(batch.scenes) * means) // 4) * 4
-        spans.append((end, means, behind if returns else ABSENT, state))
+        spans.append((end, means, behind if returns else ABSENT_INDEX, state))
         end = behind + len(batch.scenes) * state
     return np.array(spans, dtype=SPAN), end
 
@@ -461,7 +463,10 @@ def _matrices(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
         carrying = carrying_matrices(coarse, grid, terms=terms) if coarse else {}
         matrices = {**carrying, **grid_matrices(grid, aspect=aspect, terms=terms)}
         stages.append({name: matrix[None] for name, matrix in matrices.items()})
-    absent = [*CARRYING, *(name for term in compiled_terms(terms) for name in term.CARRYING)]
+    absent = [
+        *INTERPOLATION_NAMES,
+        *(name for term in compiled_terms(terms) for name in term.CARRYING),
+    ]
     return packed(stages, absent=absent)
 
 
@@ -481,8 +486,8 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
             "#define SINGLE" if single else "",
             *(f"#define HAS_{term.NAME}" for term in terms),
             c_struct("Row", row),
-            c_struct("Said", SAID),
-            f"enum {{ {', '.join(ENDINGS)} }};",
+            c_struct("Said", RESULT_ROW),
+            f"enum {{ {', '.join(STATUS_OF_ENDING)} }};",
             c_terms(terms),
         ]
     )

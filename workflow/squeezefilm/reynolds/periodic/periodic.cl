@@ -2,7 +2,7 @@
  * film_over_period.cl, which has the equation, and krylov.cl. Row, Said and how an iteration ends
  * are defined by launch.py. */
 
-/* Mean overpressure over film and period, in units of ambient pressure, and the largest |p|; the means
+/* Mean gauge pressure over film and period, in units of ambient pressure, and the largest |p|; the means
  * over the period are kept. Before that p takes a share of a step, if there is one. */
 static double2 size_after(const Grid *whole_grid, const Film *whole_film, matrix4 step, double share,
                           __local double *scratch)
@@ -81,7 +81,7 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
     TERMS_CARRY(g, film, coarser, coarse)
 }
 
-/* The iteration's rounding error of the mass, relative to the largest overpressure. */
+/* The iteration's rounding error of the mass, relative to the largest gauge pressure. */
 #define ROUNDING 1e-14
 /* What a Newton step leaves beside what GMRES is asked for: the rounding of its linear system,
  * relative to the residual before, and what the flow's curvature adds, relative to the step times its

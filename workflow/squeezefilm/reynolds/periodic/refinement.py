@@ -14,9 +14,9 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import error_text, estimate
 from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.periodic.launch import (
-    ENDINGS,
     MOST_WORK,
-    STATUS,
+    STATUS_OF_ENDING,
+    STATUS_TEXTS,
     Batch,
     Launch,
     States,
@@ -37,11 +37,11 @@ from squeezefilm.solution import Solutions
 START_TOLERANCE = 1e-2
 # Share of the allowed error that the iteration may leave where the estimate counts it once; and of
 # that on grids that go on from a known state.
-LEFT_SHARE = 0.5
-GOING_ON = 0.04
+ITERATION_FRACTION_OF_ONE = 0.5
+CONTINUATION_FACTOR = 0.04
 # And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
 # error alone.
-KEPT = 0.04
+KEPT_STATE_FACTOR = 0.04
 # Launches under way at a time: the host looks at one while the device is at the other.
 IN_FLIGHT = 2
 # Scenes of a launch.
@@ -50,13 +50,13 @@ LEAST_BATCH, MOST_BATCH = 16, 128
 LAUNCH_BYTES = 256 * 2**20
 # Fields of a grid that a work-group needs at least, and the part of the device's memory, one in so
 # many, that they may take: devices give no more in one piece.
-LEAST_FIELDS = 36
+LEAST_GRID_FIELDS = 36
 MEMORY_PARTS = 4
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
 MOST_FAILURES = 3
 # Iterations that a state takes at least on a first grid.
 LEAST_ITERATIONS = 4
-OVER_LIMIT = ENDINGS["OVER_LIMIT"]
+OVER_LIMIT = STATUS_OF_ENDING["OVER_LIMIT"]
 # What becomes of a scene after a launch: its force is good, it goes on, or it ends without one.
 ACCEPTED, REFINED, BEGUN_AGAIN, NO_STATE, NEGATIVE, EXHAUSTED = range(6)
 
@@ -88,10 +88,14 @@ class Refinement:
         guess: np.ndarray | None = None,
     ) -> None:
         """Let scenes go through some grids, from rest or from a guess, with one of the launches."""
-        left = (KEPT if self.keep_states else 1.0) * LEFT_SHARE * self.tolerance
+        left = (
+            (KEPT_STATE_FACTOR if self.keep_states else 1.0)
+            * ITERATION_FRACTION_OF_ONE
+            * self.tolerance
+        )
         tolerances = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
         if guess is not None:  # so that the finer grid does not take the state over as it is
-            tolerances = [GOING_ON * left] * len(grids)
+            tolerances = [CONTINUATION_FACTOR * left] * len(grids)
         batch = Batch(
             self.plan.scenes, rows, terms, grids, tolerances, guess, every=self.keep_states
         )
@@ -132,7 +136,7 @@ class Refinement:
         last, grid, finer = stages[-1], grids[-1], finer_grid(grids[-1], room=self.room)
         nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate(
-            last.said,
+            last.results,
             self.change[:, at],
             scenes=batch.scenes,
             terms=terms,
@@ -143,11 +147,11 @@ class Refinement:
         if len(grids) == 1:  # a single grid tells no error
             error[:], change[:] = np.inf, np.nan
         for states in stages:
-            newton, krylov = states.said["newton_steps"], states.said["krylov_iterations"]
+            newton, krylov = states.results["newton_steps"], states.results["krylov_iterations"]
             solutions.newton_steps[at] += newton
             solutions.krylov_iterations[at] += krylov
             solutions.work[at] += iteration_flops(states.grid, terms) * (newton + krylov)
-        solutions.residual[at] = last.said["residual"]
+        solutions.residual[at] = last.results["residual"]
         self.write_grid(at, grid)
 
         # A finer grid takes about as many iterations as the last one did.
@@ -155,7 +159,7 @@ class Refinement:
         too_dear = solutions.work[at] + next_work > MOST_WORK
         no_state = last.status != 0
         unknown = np.logical_or.reduce([states.status != 0 for states in stages[-2:]])
-        negative = ~(last.said["lowest"] > 0)
+        negative = ~(last.results["lowest"] > 0)
         outcome = np.where(error <= allowed, ACCEPTED, REFINED)
         if unknown.any() or negative.any():
             # What no coarser grid describes, a finer one may.
@@ -171,7 +175,7 @@ class Refinement:
         accepted = np.flatnonzero(outcome == ACCEPTED)
         scale_n = batch.scenes.force_scale_n
         solutions.status[rows[accepted]] = "ok"
-        solutions.force_n[rows[accepted]] = (last.said["mean"] * scale_n)[accepted]
+        solutions.force_n[rows[accepted]] = (last.results["mean"] * scale_n)[accepted]
         solutions.force_error_n[rows[accepted]] = (error * scale_n)[accepted]
         for k in accepted.tolist() if self.keep_states else ():
             solutions.states[rows[k]] = tuple(states[k].copy() for states in stages[-2:])
@@ -210,7 +214,7 @@ class Refinement:
         for states in stages[-2:]:  # of two that failed the last one's reason counts
             failed = (outcome == NO_STATE) & (states.status != 0)
             for k in np.flatnonzero(failed).tolist():
-                ending = STATUS[states.status[k]]
+                ending = STATUS_TEXTS[states.status[k]]
                 advice = fewer_operations(batch.terms) if ending == OVER_LIMIT else ""
                 status[rows[k]] = f"{ending} ({_size(states.grid)}){advice}"
         before = stages[-2:][0]
@@ -249,7 +253,7 @@ def solve_periodic(
         plan=plan,
         solutions=solutions,
         tolerance=tolerance,
-        room=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS)),
+        room=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_GRID_FIELDS * MEMORY_PARTS)),
         keep_states=keep_states,
         change=np.full((2, len(plan.scenes)), np.nan),
         failures=np.zeros(len(plan.scenes), dtype=np.int64),
@@ -274,7 +278,9 @@ def solve_periodic(
             landing = flying.popleft()
             progress.doing = _size(landing.batches[0].grids[-1])
             landed = zip(landing.batches, landing.states(device), strict=True)
-            finished = sum(refinement.accept_or_refine(*each) for each in landed)
+            finished = sum(
+                refinement.accept_or_refine(*finished_launch) for finished_launch in landed
+            )
             progress.update(finished)
             report(finished)
             # Other launches may have the arrays, as no one looks at the states any more.

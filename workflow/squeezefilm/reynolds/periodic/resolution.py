@@ -15,9 +15,9 @@ import numpy as np
 
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scenes, rows_alike
+from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scenes, rows_by_value
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL
-from squeezefilm.reynolds.grid import MOST_SPACE, Grid
+from squeezefilm.reynolds.grid import MOST_NODES, Grid
 from squeezefilm.reynolds.plan import Plan, plan_of
 from squeezefilm.reynolds.terms import (
     Terms,
@@ -29,35 +29,35 @@ from squeezefilm.reynolds.terms import (
 )
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
-MOST_TIME = 192
+MOST_INSTANTS = 192
 # Unknowns beyond which a scene takes minutes.
 MOST_UNKNOWNS = 5_000_000
-LEAST_TIME = 8
+LEAST_INSTANTS = 8
 # Share of the tolerance that the first of two grids is to leave: with all of it, twice the change
 # to the second would be above the tolerance, and a third grid be needed.
-FIRST_SHARE = 1 / 3
+FIRST_GRID_FRACTION = 1 / 3
 # The start grid's points per direction, as a share of the first grid's.
-START_SHARE = 0.6
-TIME_SHARE = 0.15
+START_GRID_FRACTION = 0.6
+TIME_ERROR_FRACTION = 0.15
 # What the instants may leave of a force that is of second order in the amplitude, over its square:
 # a change of 1.3 ρ^nt/ε² was seen from 8 instants to 12 (ε 0.2–0.25, σ 700–2300).
-TIME_FORCE = 0.3
+TIME_FORCE_FACTOR = 0.3
 # Of which unknowns along an axis are multiples: kernels are fastest at four, two are the least.
-FOURS, TWOS = 4, 2
+MULTIPLE_FAST, MULTIPLE_LEAST = 4, 2
 # Share of the tolerance that a grid may miss of the profile without a look at how fast that falls.
-NEXT_TO_NOTHING = 0.1
-# A sliding surface makes a layer at the trailing rim, as thin as that of a squeeze number of so
+NEGLIGIBLE_MISSED = 0.1
+# A sliding surface makes a layer at the trailing edge, as thin as that of a squeeze number of so
 # many times (Λ/(1 − ε))² (fitted to pistons, Λ 46–250).
-SLIDING_LAYER = 24.0
+SLIDING_LAYER_FACTOR = 24.0
 # Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,
 # with stronger harmonics than the gas spring's 1/H.
-INCOMPRESSIBLE = 10.0
+INCOMPRESSIBLE_SIGMA = 10.0
 
 # A profile is seen by a grid that misses no more of it than this or the root of the tolerance: a
 # force is a mean, good to about the square of what the interpolant misses.
-LARGEST_MISSED = 1e-2
+LARGEST_MISSED_FRACTION = 1e-2
 # Tolerance below which a plain film's first grid is to leave less: there too many wanted a third.
-TIGHT_BELOW, TIGHT_SHARE = 4e-7, 0.2
+TIGHT_BELOW, TIGHT_GRID_FRACTION = 4e-7, 0.2
 # Above this errors may go up and down from grid to grid; below 1e4 none of 996 films was beyond its
 # estimate, but one at 9963 came to 0.9 of it.
 UNEVEN_SIGMA = 5e3
@@ -65,10 +65,10 @@ UNEVEN_SIGMA = 5e3
 # thin again: 60 such films of a draw (1e-4) took half of the time, for fewer went on to more grids.
 THIN_SIGMA = 1e4
 # The most points along an axis, whole or folded, and instants, from which the next finer grid,
-# which tells the error, has room within MOST_SPACE and MOST_TIME.
-MOST_FIRST, MOST_FIRST_FOLDED, MOST_FIRST_TIME = 268, 132, 160
+# which tells the error, has room within MOST_NODES and MOST_INSTANTS.
+MOST_FIRST_NODES, MOST_FIRST_FOLDED, MOST_FIRST_INSTANTS = 268, 132, 160
 # Stands for zero in a denominator.
-TINY = 1e-300
+NONZERO = 1e-300
 
 
 def first_grids(
@@ -89,19 +89,29 @@ def first_grids(
         room: most unknowns of a grid that the device has memory for.
         kept: whether states are, of which quantities ask for more than the force does.
     """
-    for kind, film, alike in _alike(plan, rows):
+    for kind, film, rows_of_group in _groups_of_equal_terms(plan, rows):
         terms, pad = plan.kinds[kind], film.pad
         outline = _outline_of(pad, terms)
-        share, step = FIRST_SHARE, FOURS
+        part_of_tolerance, step = FIRST_GRID_FRACTION, MULTIPLE_FAST
         if pad.smooth_outline is None and not with_velocities(terms) and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
-            share, step = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
-        columns = _points(plan, alike, film, tolerance=tolerance, share=share, step=step)
-        numbers = np.arange(len(plan.scenes))[alike]
-        for some in rows_alike(*columns):
-            grids = _sequence(tuple(columns[:, some[0]].tolist()), outline, room, step)
-            yield numbers[some], terms, grids
+            part_of_tolerance, step = (
+                1.0 if tolerance > TIGHT_BELOW else TIGHT_GRID_FRACTION,
+                MULTIPLE_LEAST,
+            )
+        columns = _points(
+            plan,
+            rows_of_group,
+            film,
+            tolerance=tolerance,
+            part_of_tolerance=part_of_tolerance,
+            step=step,
+        )
+        numbers = np.arange(len(plan.scenes))[rows_of_group]
+        for rows_on_grids in rows_by_value(*columns):
+            grids = _sequence(tuple(columns[:, rows_on_grids[0]].tolist()), outline, room, step)
+            yield numbers[rows_on_grids], terms, grids
 
 
 def _outline_of(pad: Pad, terms: Terms) -> Outline | None:
@@ -109,44 +119,49 @@ def _outline_of(pad: Pad, terms: Terms) -> Outline | None:
     return None if is_radial(terms) else pad.smooth_outline
 
 
-def share_of(tolerance: float) -> float:
-    """Share of a profile that a grid may miss at a tolerance."""
-    return min(LARGEST_MISSED, sqrt(tolerance))
+def missed_profile_fraction(tolerance: float) -> float:
+    """Largest fraction of a profile that a grid may leave unresolved, min(0.01, √tolerance)."""
+    return min(LARGEST_MISSED_FRACTION, sqrt(tolerance))
 
 
 def nodes_for_profile(plan: Plan, *, tolerance: float) -> np.ndarray:
-    """Nodes along x and y without which a grid would not see the profile, (n, 2)."""
-    share = share_of(tolerance)
-    return plan.once("nodes", lambda share: plan.samples(share).nodes(share), share)
+    """Least nodes along x and y that resolve the profile, (n, 2)."""
+    missed_fraction = missed_profile_fraction(tolerance)
+    return plan.once(
+        "nodes",
+        lambda missed_fraction: plan.samples(missed_fraction).nodes(missed_fraction),
+        missed_fraction,
+    )
 
 
 def unseen_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
-    """The scenes whose profile under the pad no grid sees, and why."""
-    share = share_of(tolerance)
+    """Return the reasons for scenes whose profile no grid resolves, by row."""
+    share = missed_profile_fraction(tolerance)
     missed = plan.samples(share).missed
-    most = np.where(plan.fold_x & plan.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST)
+    most = np.where(plan.fold_x & plan.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST_NODES)
     nodes = nodes_for_profile(plan, tolerance=tolerance).max(axis=1)
     rows = np.flatnonzero(~((missed <= share) & (nodes <= most))).tolist()
     return {row: _unseen(plan, row, float(missed[row]), share) for row in rows}
 
 
-def _unseen(plan: Plan, row: int, missed: float, share: float) -> str:
+def _unseen(plan: Plan, row: int, missed: float, missed_fraction: float) -> str:
     if not missed < inf:
         return "the profile has no finite value at some place under the pad"
     ((_, sampled, _),) = plan_of(plan.scenes[row]).profiles
     pad = sampled.places.under.pad
     side_m = max(pad.length_x_m, pad.length_y_m)
-    apart_m = pi / 2 * side_m / (MOST_SPACE + 1)
+    apart_m = pi / 2 * side_m / (MOST_NODES + 1)
     return (
         f"the profile has a feature about {1e6 * sampled.feature_m():.2g} µm wide under "
-        f"the pad: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
-        f"{1e6 * apart_m:.2g} µm apart, does not resolve it to {share:.1g} of the largest "
+        f"the pad: the finest grid, {MOST_NODES} points across {1e3 * side_m:g} mm, up to "
+        f"{1e6 * apart_m:.2g} µm apart, does not resolve it to {missed_fraction:.1g} of the "
+        "largest "
         "amplitude, as this tolerance needs"
     )
 
 
-def _alike(plan: Plan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
-    """Some scenes by like terms, outlines and aspects, and the film of one of them."""
+def _groups_of_equal_terms(plan: Plan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
+    """Group the scenes by terms, outline and aspect ratio; yield kind, a film and rows."""
     films = plan.scenes.films
     if len(plan.kinds) == len(films) == 1:
         yield 0, films[0], rows
@@ -154,13 +169,13 @@ def _alike(plan: Plan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
     pads = [(film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m) for film in films]
     first_alike = np.array([pads.index(pad) for pad in pads])[plan.scenes.film_index]
     numbers = np.arange(len(plan.scenes))[rows]
-    for some in rows_alike(plan.kind[rows], first_alike[rows]):
-        first = numbers[some[0]]
-        yield int(plan.kind[first]), films[plan.scenes.film_index[first]], numbers[some]
+    for rows_of_group in rows_by_value(plan.kind[rows], first_alike[rows]):
+        first = numbers[rows_of_group[0]]
+        yield int(plan.kind[first]), films[plan.scenes.film_index[first]], numbers[rows_of_group]
 
 
 def _points(
-    plan: Plan, rows: Rows, film: Film, *, tolerance: float, share: float, step: int
+    plan: Plan, rows: Rows, film: Film, *, tolerance: float, part_of_tolerance: float, step: int
 ) -> np.ndarray:
     """Unknowns nx, ny and instants nt of scenes like a film's that leave a share of the tolerance.
 
@@ -170,20 +185,20 @@ def _points(
     Time: powers of 1/(1 + ε sin T) have harmonics that decay like ρ^k, ρ = ε / (1 + √(1 − ε²)).
 
     Args:
-        step: of which unknowns along the axes are multiples, FOURS or TWOS.
+        step: of which unknowns along the axes are multiples, MULTIPLE_FAST or MULTIPLE_LEAST.
     """
     scenes = plan.scenes if isinstance(rows, slice) else plan.scenes[rows]
-    terms, digits = plan.kinds[plan.kind[rows][0]], log10(1 / (share * tolerance))
+    terms, digits = plan.kinds[plan.kind[rows][0]], log10(1 / (part_of_tolerance * tolerance))
     outline, aspect = _outline_of(film.pad, terms), film.pad.length_y_m / film.pad.length_x_m
     nodes = nodes_for_profile(plan, tolerance=tolerance)[rows].T
-    curvature = plan.samples(share_of(tolerance)).curvature[rows].T
+    curvature = plan.samples(missed_profile_fraction(tolerance)).curvature[rows].T
     folds = np.array([plan.fold_x[rows], plan.fold_y[rows]])
     epsilon, sigma, bend = gap_numbers(scenes)
-    moving = np.maximum(epsilon, TINY)  # of films at rest, too, there are logarithms
+    moving = np.maximum(epsilon, NONZERO)  # of films at rest, too, there are logarithms
     ratio = moving / (1 + np.sqrt(1 - epsilon**2))
-    left = np.minimum(log(TIME_SHARE / 3), log(TIME_FORCE) + 2 * np.log(moving))
-    instants = np.where(epsilon > 0, (log(tolerance) + left) / np.log(ratio), LEAST_TIME)
-    instants += 4.0 * (sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE)
+    left = np.minimum(log(TIME_ERROR_FRACTION / 3), log(TIME_FORCE_FACTOR) + 2 * np.log(moving))
+    instants = np.where(epsilon > 0, (log(tolerance) + left) / np.log(ratio), LEAST_INSTANTS)
+    instants += 4.0 * (sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE_SIGMA)
     slow: Any = 1.0
     layers = sigma
     layer_x = layers
@@ -192,27 +207,29 @@ def _points(
             slow = np.minimum(numbers_of(scenes, terms)["slow"], 1.0)
         layers = layer_stiffness_of(scenes, terms, sigma=sigma) * sigma
         sliding = (np.abs(scenes.bearing_number) / (1 - epsilon)) ** 2
-        layer_x = np.maximum(layers, SLIDING_LAYER * sliding)
-    nt = np.minimum(4 * np.ceil(np.maximum(LEAST_TIME / slow, instants) / 4), MOST_FIRST_TIME)
-    layer_y, shares = layers * aspect**2, 1.0 + folds
+        layer_x = np.maximum(layers, SLIDING_LAYER_FACTOR * sliding)
+    nt = np.minimum(
+        4 * np.ceil(np.maximum(LEAST_INSTANTS / slow, instants) / 4), MOST_FIRST_INSTANTS
+    )
+    layer_y, fold_factors = layers * aspect**2, 1.0 + folds
     # Zeros of the gap at its narrowest, 1 − ε + ε c X²/2, off the middle.
-    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), TINY))
+    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), NONZERO))
     if outline:
-        layer_x = layer_x * outline.rim_stretch[1] * (2 * outline.rim) ** 2
+        layer_x = layer_x * outline.edge_stretch[1] * (2 * outline.edge_mu) ** 2
         along, across = folds if outline.turned else folds[::-1]
-        shares = np.array([1.0 + along, (1 + along) * (1 + across)])
+        fold_factors = np.array([1.0 + along, (1 + along) * (1 + across)])
     wanted = _nodes(digits, sigma=np.array([layer_x, layer_y]), width=width)
     if outline:
         wanted[1] = _nodes_around(digits, width[1], outline)
-    most = np.where(shares > 1, MOST_FIRST_FOLDED, MOST_FIRST)
-    unknowns = np.minimum(step * np.ceil(np.maximum(nodes, wanted) / shares / step), most)
+    most = np.where(fold_factors > 1, MOST_FIRST_FOLDED, MOST_FIRST_NODES)
+    unknowns = np.minimum(step * np.ceil(np.maximum(nodes, wanted) / fold_factors / step), most)
     if is_radial(terms):
         unknowns[1] = 1  # which stands for all around
     return np.concatenate([unknowns, nt[None], folds, nodes])
 
 
 def _nodes(digits: float, *, sigma: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """Nodes across the pad for a rim layer and for a narrow gap, whichever wants more.
+    """Nodes across the pad for a edge layer and for a narrow gap, whichever wants more.
 
     A Chebyshev grid resolves a layer of width √(2/σ) with a number of nodes proportional to
     σ^(1/4), the factor growing with the wanted digits (fitted to the centred sinc's errors). The
@@ -227,11 +244,11 @@ def _nodes(digits: float, *, sigma: np.ndarray, width: np.ndarray) -> np.ndarray
 def _nodes_around(digits: float, width: np.ndarray, outline: Outline) -> np.ndarray:
     """Nodes around an outline.
 
-    The layer's width along the rim goes with the area behind a point, which has no zero nearer to
-    real ν than about the rim's μ; the gap has those of ``_nodes``. Coefficients fall by as much for
-    each of half the nodes.
+    The layer's width along the edge goes with the area behind a point, which has no zero nearer to
+    real ν than about the edge's μ; the gap has those of ``_nodes``. Coefficients fall by as much
+    for each of half the nodes.
     """
-    return 8 + digits * log(10) / (0.8 * np.minimum(outline.strip, width))
+    return 8 + digits * log(10) / (0.8 * np.minimum(outline.analyticity_width, width))
 
 
 @lru_cache(maxsize=4096)
@@ -249,7 +266,7 @@ def _sequence(
         if not first.sees(*nodes):
             break
         nx, ny = (step * (5 * points // (6 * step)) for points in (first.nx, first.ny))
-        first = _resized(first, nx=nx, ny=ny, nt=max(LEAST_TIME, 4 * (5 * first.nt // 24)))
+        first = _resized(first, nx=nx, ny=ny, nt=max(LEAST_INSTANTS, 4 * (5 * first.nt // 24)))
     start = start_grid(first, step)
     # What does not see the profile is no guess.
     starts = [start] if start and start.sees(*nodes) else []
@@ -265,7 +282,7 @@ def start_grid(grid: Grid, step: int) -> Grid | None:
         grid,
         nx=_fewer(grid.nx, step, fold=grid.fold_x),
         ny=_fewer(grid.ny, step, fold=grid.fold_y),
-        nt=max(LEAST_TIME, 4 * ceil(START_SHARE * grid.nt / 4)),
+        nt=max(LEAST_INSTANTS, 4 * ceil(START_GRID_FRACTION * grid.nt / 4)),
     )
     return start if start.count < 0.5 * grid.count else None
 
@@ -276,7 +293,7 @@ def _resized(grid: Grid, *, nx: int, ny: int, nt: int) -> Grid:
 
 
 def _fewer(points: int, step: int, *, fold: bool) -> int:
-    return max(4 if fold else 8, step * round(START_SHARE * points / step))
+    return max(4 if fold else 8, step * round(START_GRID_FRACTION * points / step))
 
 
 def profile_fall(
@@ -297,7 +314,7 @@ def profile_fall(
     """
 
     def fall(rows: Rows) -> np.ndarray:
-        least = NEXT_TO_NOTHING * tolerance
+        least = NEGLIGIBLE_MISSED * tolerance
         samples = plan.samples(least)
         missed, before = samples.missed_by(fine, rows), samples.missed_by(coarse, rows)
         falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
@@ -309,7 +326,9 @@ def profile_fall(
 
 
 @lru_cache(maxsize=4096)
-def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS) -> Grid | None:
+def finer_grid(
+    grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = MULTIPLE_FAST
+) -> Grid | None:
     """The next grid of a scene's sequence, finer in every direction; None past the limits.
 
     In every direction, because the difference between two grids shows no error that both share.
@@ -318,16 +337,16 @@ def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS) ->
         grid,
         nx=grid.nx + _part(grid.nx, step, fold=grid.fold_x),
         ny=grid.ny + _part(grid.ny, step, fold=grid.fold_y),
-        nt=grid.nt + _part(grid.nt, FOURS, fold=False),
+        nt=grid.nt + _part(grid.nt, MULTIPLE_FAST, fold=False),
     )
-    if max(finer.x.full_points, finer.y.full_points) > MOST_SPACE or finer.nt > MOST_TIME:
+    if max(finer.x.full_points, finer.y.full_points) > MOST_NODES or finer.nt > MOST_INSTANTS:
         return None
     return finer if finer.count <= room else None
 
 
 def _part(points: int, step: int, *, fold: bool) -> int:
     """About a fifth of the points, in steps; never less than four nodes across the pad."""
-    least = 1 if fold else FOURS // step
+    least = 1 if fold else MULTIPLE_FAST // step
     return step * max(least, round(points / 5 / step))
 
 
@@ -340,8 +359,8 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
         return scenes.epsilon, scenes.sigma, 0.0
     flat = scenes.column(lambda film: film.pad.gap.flat)
     crown_m = scenes.column(lambda film: abs(film.pad.gap.crown_m))
-    bend = 8 * crown_m / scenes.h0_m / np.maximum(scenes.epsilon, TINY) * (scenes.epsilon > 0)
-    least = np.minimum(1.0, scenes.rest_range[0])
+    bend = 8 * crown_m / scenes.h0_m / np.maximum(scenes.epsilon, NONZERO) * (scenes.epsilon > 0)
+    least = np.minimum(1.0, scenes.static_gap_range[0])
     sigma = scenes.sigma / least**2
     sigma = np.where(sigma < THIN_SIGMA, sigma, sigma / least**2)
     return np.where(flat, scenes.epsilon, scenes.closure), sigma, bend

@@ -29,11 +29,11 @@ from squeezefilm.reynolds.spectral import period
 VARIATION_STEP = 0.05
 MOST_VARIATION = round(1 / VARIATION_STEP) - 1
 LAGS_PER_DECADE = 20
-SLOW_STEP = 1 / 32
+SLOW_FRACTION_STEP = 1 / 32
 # What a film without inertia has for a lag.
 LEAST_LAG = 1e-12
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.
-SLOWEST = 1e-3
+LEAST_SPEED = 1e-3
 
 
 def modes_of(
@@ -52,7 +52,7 @@ def modes_of(
         across = [max(grid.nodes_per_length(aspect)) for grid in grids]
         waves = np.multiply.outer(across, numbers["waves_per_node"])
         half = np.array([[grid.nt / 2] for grid in grids])
-        slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_STEP)
+        slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_FRACTION_STEP)
         slows = np.maximum(slows, 1.0)
         steps += [lags, *slows]
     first, which = distinct(*steps)
@@ -68,7 +68,7 @@ def _packed_modes(
     """The arrays of one kind of films, on each of some grids."""
     stages = []
     shrunk = MOST_VARIATION / max(hypot(variation, lagging), MOST_VARIATION)
-    for nt, slow in zip(instants, slows or [1 / SLOW_STEP] * len(instants), strict=True):
+    for nt, slow in zip(instants, slows or [1 / SLOW_FRACTION_STEP] * len(instants), strict=True):
         arrays = _time_modes(nt, shrunk * variation, shrunk * lagging, lag, slow)
         stages.append({name: array[None] for name, array in arrays.items()})
     return packed(stages)
@@ -97,7 +97,7 @@ def _time_modes(
     mean_gap = (
         1 + VARIATION_STEP * variation * np.sin(nodes) + VARIATION_STEP * lagging * np.cos(nodes)
     )
-    inert = period(instants).harmonics_up_to(SLOW_STEP * slow * instants / 2)
+    inert = period(instants).harmonics_up_to(SLOW_FRACTION_STEP * slow * instants / 2)
     lag_of_rate = 10 ** (lag / LAGS_PER_DECADE) * inert
     resistance = np.diag(1 / mean_gap) + lag_of_rate @ rate
     pairs = _pairs(resistance @ rate, mean_gap)
@@ -126,7 +126,7 @@ def _pairs(operator: np.ndarray, mean_gap: np.ndarray) -> tuple[np.ndarray, ...]
     half = instants // 2
     values, complex_vectors = np.linalg.eig(operator)
     turning = np.argsort(values.imag)[half + 1 :]
-    if not (values[turning].imag > SLOWEST).all():
+    if not (values[turning].imag > LEAST_SPEED).all():
         return None
     vectors = np.empty((instants, instants))
     vectors[:, 0] = 1.0

@@ -15,7 +15,7 @@ from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.film.symmetry import axisymmetric
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
-from squeezefilm.reynolds.terms.gap import AnyGap
+from squeezefilm.reynolds.terms.gap import NonuniformGap
 from squeezefilm.reynolds.terms.inertia import Inertia, VelocityTerm
 from squeezefilm.reynolds.terms.outline import Radius, SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
@@ -26,7 +26,7 @@ from squeezefilm.reynolds.terms.thermal import Thermal
 __all__ = ["HOOKS", "TERMS", "AbsentTerm", "Arrays", "Term", "Terms"]
 
 TERMS: tuple[type[Term], ...] = (
-    AnyGap,
+    NonuniformGap,
     SmoothOutline,
     Bearing,
     Rarefaction,
@@ -68,22 +68,24 @@ def _place(term: Term) -> int:
 
 
 def absent_terms(terms: Terms) -> tuple[AbsentTerm, ...]:
-    """Return the terms that are none of some, with the reasons."""
+    """Return the terms that are not among ``terms``, with the reasons."""
     absent = [kind for kind in TERMS if not any(isinstance(term, kind) for term in terms)]
     return tuple(kind.ABSENT for kind in absent if kind.ABSENT)
 
 
-def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
-    """The terms that scenes have, and which of these each scene has, (n,)."""
+def distinct_terms(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
+    """Return the distinct combinations of terms, and each scene's index into them, (n,)."""
     known: dict[Terms, int] = {}
     which = np.empty(len(scenes), dtype=np.int64)
-    for film, rows, some in scenes.of_each_film():
-        places, at = some.places
-        kind = axisymmetric(places)[at] + 2 * (not film.pad.gap.flat and AnyGap.is_wide(some))
-        of_film = np.empty(len(some), dtype=np.int64)
-        for each in {*kind.tolist()}:
-            terms = terms_of(some[int(np.argmax(kind == each))])
-            of_film[kind == each] = known.setdefault(terms, len(known))
+    for film, rows, scenes_of_film in scenes.split_by_film():
+        pad_positions, at = scenes_of_film.pad_positions
+        kind = axisymmetric(pad_positions)[at] + 2 * (
+            not film.pad.gap.flat and NonuniformGap.is_wide(scenes_of_film)
+        )
+        of_film = np.empty(len(scenes_of_film), dtype=np.int64)
+        for kind_of_row in {*kind.tolist()}:
+            terms = terms_of(scenes_of_film[int(np.argmax(kind == kind_of_row))])
+            of_film[kind == kind_of_row] = known.setdefault(terms, len(known))
         which[rows] = of_film
     return list(known), which
 
@@ -109,7 +111,7 @@ def numbers_of(scene: Scenes, terms: Terms) -> Numbers:
 
 
 def layer_stiffness_of(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> Any:
-    """Factor of σ where it chooses a first grid for the layers at the rim."""
+    """Factor of σ in the choice of the first grid for the edge's boundary layers."""
     return reduce(np.maximum, (term.layer_stiffness(scene, sigma=sigma) for term in terms), 1.0)
 
 
@@ -132,7 +134,7 @@ def with_velocities(terms: Terms) -> bool:
 
 @lru_cache(maxsize=64)
 def unknown_fields(terms: Terms) -> int:
-    """Fields that the periodic state solves for."""
+    """Return the number of fields that the periodic state solves for."""
     return 1 + axes_of(terms) * sum(term.VELOCITIES for term in terms)
 
 
@@ -143,11 +145,11 @@ def flow_terms_of(terms: Terms) -> int:
 
 def parts_of(terms: Terms) -> int:
     """Preconditioners that share the rows of the linear system; 0 if there is one for all."""
-    return max((term.parts for term in terms if isinstance(term, AnyGap)), default=0)
+    return max((term.parts for term in terms if isinstance(term, NonuniformGap)), default=0)
 
 
 def own_fields(terms: Terms) -> int:
-    """Fields that terms need room for beside the unknowns."""
+    """Return the number of work fields that the terms need beside the unknowns."""
     return sum(term.OWN_FIELDS for term in terms)
 
 

@@ -19,16 +19,18 @@ NON_UNIFORM, TWO_COMPONENTS = "non-uniform gap", "two quadrature components"
 # else has a share in the film: they were no better for pads that slide or are no rectangles, and
 # worse with inertia. They are for diffusivities inside of those, by this share of the way from the
 # geometric mean, as Chebyshev's points lie inside an interval.
-TWO_FROM = 1.75
-INSIDE = 0.65
+TWO_PRECONDITIONERS_RATIO = 1.75
+INSIDE_FRACTION = 0.65
 # Least gap at rest over the largest that they know of; kernels are compiled with gaps that are
 # closed somewhere, too.
-LEAST_REST = 1e-3
+LEAST_STATIC_GAP = 1e-3
 
 
 @dataclass(frozen=True)
-class AnyGap(Term):
-    """``label`` names in which ways the film differs from a uniform gap that moves in phase.
+class NonuniformGap(Term):
+    """A static gap that is not uniform, or a motion with two quadrature components.
+
+    ``label`` names which of the two the film has.
 
     Its numbers: the least gap over h0 in a period, and what the gap at rest is over h0 more than 1
     for each metre that it is wider than h0; of its preconditioners where it is shaped at rest.
@@ -47,7 +49,7 @@ class AnyGap(Term):
     ABSENT = AbsentTerm(NON_UNIFORM, "the gap is uniform at rest and moves in phase")
 
     @classmethod
-    def of(cls, scene: Scene) -> AnyGap | None:
+    def of(cls, scene: Scene) -> NonuniformGap | None:
         shaped, complex_ = not scene.pad.gap.flat, scene.actuator.profile.is_complex
         if not (shaped or complex_):
             return None
@@ -61,9 +63,9 @@ class AnyGap(Term):
 
     @staticmethod
     def is_wide(scenes: Scenes) -> np.ndarray:
-        """Return where gaps at rest vary so much that two preconditioners are cheaper, (n,)."""
-        least, most = scenes.rest_range
-        return np.asarray(most > TWO_FROM * least)
+        """Return where the static gap varies enough for two preconditioners to be cheaper, (n,)."""
+        least, most = scenes.static_gap_range
+        return np.asarray(most > TWO_PRECONDITIONERS_RATIO * least)
 
     def numbers(self, scenes: Scenes) -> Numbers:
         numbers: Numbers = {"narrowest": scenes.narrowest, "per_rise": 1 / scenes.h0_m}
@@ -76,14 +78,14 @@ def _preconditioners(scenes: Scenes, count: int) -> Numbers:
     The part in numbers a and b: a + b/G² where the gap at rest is G. That of a single one is the
     typical G over G where that is least and where it is largest.
     """
-    least, most = scenes.rest_range
-    least = np.maximum(least, LEAST_REST * most)
+    least, most = scenes.static_gap_range
+    least = np.maximum(least, LEAST_STATIC_GAP * most)
     middle = least * most
     if count == 1:
-        typical = scenes.typical_rest
+        typical = scenes.static_gap_mean
         per_square = typical / (1 / least + 1 / most)
         return {"diffusivities": (typical**2,), "part": (per_square / middle, per_square)}
-    spread = (most / least) ** INSIDE
+    spread = (most / least) ** INSIDE_FRACTION
     small, large = middle / spread, middle * spread
     per_square = 1 / (1 / small - 1 / large)
     return {"diffusivities": (small, large), "part": (-per_square / large, per_square)}

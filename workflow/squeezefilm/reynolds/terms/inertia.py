@@ -9,7 +9,7 @@ with Re = ρ₀ ω h₀²/μ; beside it ∂(ρH)/∂T + ∇·(ρ H ū) = 0. Ruye
 15, 2000) have the same numbers for a liquid film. Solved for beside the pressure is the deficit
 b = V − ū, whose divergence joins the Reynolds equation: + σ ∇·(ρ H b).
 
-At the rim gas comes in with no velocity along it, and carries out the one that it has.
+At the edge gas comes in with no velocity along it, and carries out the one that it has.
 
 With first-order slip V has the factor 1 + 6 Kn/(ρH), and the parabola with slip makes the factor
 Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
@@ -34,22 +34,22 @@ if TYPE_CHECKING:
 LAG_PER_REYNOLDS = 0.1
 # Where waves steepen this share of a grid's harmonics has inertia, elsewhere practically all: of
 # the products of the others a grid sees little.
-LEAST_SLOW, MOST_SLOW, STEEP = 0.5, 2.0, 0.45
+LEAST_SLOW_FACTOR, MOST_SLOW_FACTOR, STEEP_WAVES = 0.5, 2.0, 0.45
 # And no more than so many whose waves have nodes enough, for each node and wave of the first
 # harmonic, fewer where the gas runs against them at a share of their own speed; or that are damped
 # within a part of a wave. With more the linear system is all but singular, for Newton's steps go
 # along waves that the grid does not resolve: 17 of 200 random scenes had no
 # state on their first grids.
-RESOLVED, AGAINST_THEM, DAMPED = 3.0, 0.8, 0.1
-# Share of a velocity at the rim, about, within which gas is neither coming in nor going out: with a
-# fifth or five times as much a force (Re 4.3, ε 0.65, σ 17) changed by 1e-6.
-REVERSING = 0.1
+NODES_PER_WAVE, COUNTERFLOW_FACTOR, DAMPED_WAVE_FACTOR = 3.0, 0.8, 0.1
+# Share of a velocity at the edge, about, within which gas is neither coming in nor going out: with
+# a fifth or five times as much a force (Re 4.3, ε 0.65, σ 17) changed by 1e-6.
+REVERSING_SPEED = 0.1
 # By so much a first grid takes layers to be thinner than σ says, where they are thinner than in a
-# film of this σ, or waves steeper than STIFF: without it two grids agreed by chance at σ 1e5,
-# ε 0.5, Re 0.5, on a force that was off by four times its estimate, and a quarter of the paper's
-# scenes needed a third grid.
-LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF = 2.5, 1e4, 0.05
-# A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
+# film of this σ, or waves steeper than STIFF_STEEPNESS: without it two grids agreed by chance at σ
+# 1e5, ε 0.5, Re 0.5, on a force that was off by four times its estimate, and a quarter of the
+# paper's scenes needed a third grid.
+LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF_STEEPNESS = 2.5, 1e4, 0.05
+# A velocity at the edge is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
 # Stands for zero in a denominator.
 NEGLIGIBLE = 1e-14
@@ -99,20 +99,20 @@ class Inertia(VelocityTerm):
         reynolds = scene.modified_reynolds
         lag = LAG_PER_REYNOLDS * reynolds
         steep = np.maximum(steepness(scene), NEGLIGIBLE)
-        slow = LEAST_SLOW * np.maximum(1.0, STEEP / steep) ** 3
+        slow = LEAST_SLOW_FACTOR * np.maximum(1.0, STEEP_WAVES / steep) ** 3
         thinness = np.maximum(scene.sigma**0.5, LEAST_ROOT_SIGMA)
         # Waves travel at 1/√(lag σ), in units of the pad's length times ω.
-        waves = (lag * scene.sigma) ** 0.5 * (1 + AGAINST_THEM * steepness(scene))
+        waves = (lag * scene.sigma) ** 0.5 * (1 + COUNTERFLOW_FACTOR * steepness(scene))
         return {
             "reynolds": reynolds,
             "lag": lag,
-            "reversing": REVERSING * np.maximum(scene.epsilon, NEGLIGIBLE) / thinness,
-            "slow": np.minimum(slow, MOST_SLOW),
-            "waves_per_node": np.maximum(RESOLVED / waves, DAMPED / lag),
+            "reversing": REVERSING_SPEED * np.maximum(scene.epsilon, NEGLIGIBLE) / thinness,
+            "slow": np.minimum(slow, MOST_SLOW_FACTOR),
+            "waves_per_node": np.maximum(NODES_PER_WAVE / waves, DAMPED_WAVE_FACTOR / lag),
         }
 
     def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
-        layered = (sigma > THIN_LAYER_SIGMA) | (steepness(scene) > STIFF)
+        layered = (sigma > THIN_LAYER_SIGMA) | (steepness(scene) > STIFF_STEEPNESS)
         return np.where(layered, LAYER_STIFFNESS, 1.0)
 
     def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
@@ -121,7 +121,7 @@ class Inertia(VelocityTerm):
 
 
 def steepness(scene: OperatingPoints) -> Any:
-    """A velocity in a thick layer, about, over that of sound."""
+    """Steepness of waves: a velocity in a thick film over the speed of sound, roughly."""
     return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
 
 
@@ -132,7 +132,10 @@ def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
         for points, length in zip(_points(grid), grid.lengths(aspect), strict=True)
     ]
     if grid.outline:
-        matrices = [each | bent for each, bent in zip(matrices, _bends(grid), strict=True)]
+        matrices = [
+            matrices_of_axis | bent
+            for matrices_of_axis, bent in zip(matrices, _bends(grid), strict=True)
+        ]
     return {
         f"flux_{name}_{axis}": matrix
         for axis, of_axis in zip("xy", matrices, strict=True)
@@ -142,7 +145,7 @@ def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
 
 def _points(grid: Grid) -> list[Any]:
     """FluxPoints of x and y; of an outline AroundPoints of y."""
-    return [flux_points(each) for each in (grid.x, grid.y)]
+    return [flux_points(axis) for axis in (grid.x, grid.y)]
 
 
 def _bends(grid: Grid) -> list[Arrays]:
@@ -152,8 +155,8 @@ def _bends(grid: Grid) -> list[Arrays]:
 
         ((W·∇)W − |W|² (z″/z′)*)/J.
     """
-    places = (FluxPoints(grid.x).all_points[: grid.nx], -1.0), (grid.x.nodes, -1j)
+    points = (FluxPoints(grid.x).all_points[: grid.nx], -1.0), (grid.x.nodes, -1j)
     return [
         {"over_area": 1 / np.asarray(grid.area(at)), "bend": np.real(part * grid.bend(at))}
-        for at, part in places
+        for at, part in points
     ]

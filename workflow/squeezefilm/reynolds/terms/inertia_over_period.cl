@@ -6,7 +6,7 @@
  * is unknown of both hardly depends on one another. What beta adds to the balance of mass is taken
  * off its residual before that is preconditioned. */
 
-/* Fields of a direction that the state has: overpressure and its slope at its flux points, velocity
+/* Fields of a direction that the state has: gauge pressure and its slope at its flux points, velocity
  * along and across, the first's derivatives along and across, d ln(ρH)/dT, and what is in braces in
  * inertia.py. Then those of a change: of the density, of the deficit, of the velocity. */
 enum { PRESSURE, SLOPE, ALONG, ACROSS, ALONG_RATE, ACROSS_RATE, FILLING, FORCES, STATE_FIELDS };
@@ -16,7 +16,7 @@ static double4 density_rise(const Film *film, double4 p);
 static double4 density_slope(const Film *film, double4 p);
 
 typedef struct {
-    matrix values, slope, along, nodes, divergence, across, rim, to_end, amplitude;
+    matrix values, slope, along, nodes, divergence, across, edge, to_end, amplitude;
 #ifdef HAS_outline
     matrix over_area, bend;
 #endif
@@ -31,7 +31,7 @@ static Direction direction_of(const Film *film, int axis)
     d.nodes = ON_AXIS(axis, flux_nodes);
     d.divergence = ON_AXIS(axis, flux_divergence);
     d.across = ON_AXIS(1 - axis, flux_across);
-    d.rim = ON_AXIS(1 - axis, flux_rim);
+    d.edge = ON_AXIS(1 - axis, flux_edge);
     d.to_end = ON_AXIS(1 - axis, flux_to_end);
     d.amplitude = ON_AXIS(axis, flux_amplitude);
 #ifdef HAS_outline
@@ -76,7 +76,7 @@ static void add_carried_out(const Grid *g, const Film *film, const Direction *d,
 {
     const int n = axis == 0 ? g->ny : g->nx, whole = axis == 0 ? g->whole_y : g->whole_x;
     const int apart = (axis == 0 ? 1 : g->ny) * g->nt4;
-    matrix first_rim = d->rim, last_rim = d->rim + n, to_end = d->to_end;
+    matrix first_edge = d->edge, last_edge = d->edge + n, to_end = d->to_end;
     const double reversing = 1.0 / film->row->reversing;
     FOR_EACH(i, g->rows / n * g->nt4)
     {
@@ -93,7 +93,7 @@ static void add_carried_out(const Grid *g, const Film *film, const Direction *d,
         }
         for (int place = 0; place < n; place++)
             derivative[first + place * apart] +=
-                first_rim[place] * carried[0] + last_rim[place] * carried[1];
+                first_edge[place] * carried[0] + last_edge[place] * carried[1];
     }
     SYNC;
 }

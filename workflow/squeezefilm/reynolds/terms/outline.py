@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
 
 # How far points may lie off an outline that is exact, over its length.
-EXACT = 1e-9
+EXACT_OUTLINE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -37,12 +37,12 @@ class SmoothOutline(Term):
     def of(cls, scene: Scene) -> SmoothOutline | None:
         if not scene.pad.smooth_outline:
             return None
-        return Radius() if axisymmetric(scene.places)[0] else cls()
+        return Radius() if axisymmetric(scene.pad_positions)[0] else cls()
 
     @classmethod
     def note(cls, scene: Scene) -> str:
         contour = scene.pad.contour
-        if contour is None or contour.scatter < EXACT:
+        if contour is None or contour.scatter < EXACT_OUTLINE:
             return ""
         off_um = contour.scatter * scene.pad.length_x_m * 1e6
         return (
@@ -113,15 +113,15 @@ def _symmetric_modes(
 
 
 def _modes(operators: np.ndarray, *, in_halves: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the same of others, real as those of the second derivative.
+    """Return eigenvalues, vectors and their inverse of operators with real eigenvalues.
 
     Args:
         in_halves: modes of all of x, the even ones, then the odd ones.
     """
     parts = even_and_odd(operators) if in_halves else operators[None]
-    values, vectors = (each.real for each in np.linalg.eig(parts))
+    values, vectors = (array.real for array in np.linalg.eig(parts))
     near = np.concatenate(vectors, axis=-1)
-    mirrored = [sign * each[:, ::-1] for sign, each in zip((1, -1), vectors, strict=False)]
+    mirrored = [sign * array[:, ::-1] for sign, array in zip((1, -1), vectors, strict=False)]
     far = [np.concatenate(mirrored, axis=-1)] * in_halves
     vectors = np.concatenate([near, *far], axis=1)
     return np.concatenate(values, axis=-1), vectors, np.linalg.inv(vectors)

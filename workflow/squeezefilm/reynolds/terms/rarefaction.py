@@ -19,9 +19,9 @@ from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
 
 # Poiseuille flow Q by x, from the linearised BGK equation (verification/rarefied_flow.py).
-TABLE = Path(__file__).with_name("rarefied_flow.csv")
+FLOW_TABLE = Path(__file__).with_name("rarefied_flow.csv")
 # F for x → ∞, and the number of powers of u that interpolate the table to 1e-6.
-SLIP, POWERS = 1.016191418, 16
+SLIP_LIMIT, SERIES_TERMS = 1.016191418, 16
 # Above this Q counts as that in the fit: slip is a small part of a dense gas' flow.
 LARGE_FLOW = 3.0
 
@@ -30,14 +30,14 @@ LARGE_FLOW = 3.0
 def slip_series() -> tuple[float, ...]:
     """Return s_k of F = ln(1 + 1/x)/√π + Σ s_k u^k, where u = (√x − 2)/(√x + 2).
 
-    The logarithm is that of free molecules, x → 0, and the sum is SLIP for x → ∞.
+    The logarithm is that of free molecules, x → 0, and the sum is SLIP_LIMIT for x → ∞.
     """
-    inverse, flow = np.loadtxt(TABLE, delimiter=",", skiprows=1, unpack=True)
-    powers = np.vander(_mapped(inverse), POWERS, increasing=True)
+    inverse, flow = np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1, unpack=True)
+    powers = np.vander(_mapped(inverse), SERIES_TERMS, increasing=True)
     falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, LARGE_FLOW)
-    rest = flow - inverse / 6 - np.log1p(1 / inverse) / np.sqrt(np.pi) - SLIP
+    rest = flow - inverse / 6 - np.log1p(1 / inverse) / np.sqrt(np.pi) - SLIP_LIMIT
     series, *_ = np.linalg.lstsq(falling * weights[:, None], rest * weights, rcond=None)
-    return tuple((np.append(series, 0.0) - np.append(-SLIP, series)).tolist())
+    return tuple((np.append(series, 0.0) - np.append(-SLIP_LIMIT, series)).tolist())
 
 
 def _mapped(inverse: Any) -> Any:
@@ -108,7 +108,11 @@ class FlowFactor(Rarefaction):
     """Flow by the linearised Boltzmann equation, as of Fukui and Kaneko, J. Tribology 110, 1988."""
 
     NAME = "flow_factor"
-    NUMBERS: ClassVar[Mapping[str, int]] = {"flow": 2, "inverse_knudsen": 0, "slip_series": POWERS}
+    NUMBERS: ClassVar[Mapping[str, int]] = {
+        "flow": 2,
+        "inverse_knudsen": 0,
+        "slip_series": SERIES_TERMS,
+    }
     OVER_PERIOD = "terms/rarefaction_over_period.cl"
     IN_EXPANSIONS = False
 

@@ -100,11 +100,11 @@ class Term:
         return {}
 
     def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
-        """Factor of σ, at its largest, where it chooses a first grid for the layers at the rim."""
+        """Largest factor of σ in the choice of the first grid for the edge's boundary layers."""
         return 1.0
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
-        """Return the matrices of a grid for its lines, beside those that all have.
+        """Return the term's own matrices of a grid, by their names in the kernels.
 
         ``aspect`` is the pad's length along y over that along x, the unit of lengths.
         """

@@ -15,7 +15,7 @@ from squeezefilm import __version__
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import POLAR, as_in
-from squeezefilm.models.data import POSITION, Factors, factors_of
+from squeezefilm.models.data import POSITION_COLUMNS, Factors, factors_of
 from squeezefilm.models.fit_file import FORMAT, FittedModel, fit_of
 from squeezefilm.models.fitting import (
     RANGES_NOTE,
@@ -46,7 +46,7 @@ from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, rea
 
 FOLDS, FOLD_SEED = 5, 1
 """Of the cross-validation that gives a fit's error at points it was not fitted to."""
-TABLE_SHARE = 0.1
+TABLE_ERROR_FRACTION = 0.1
 """Largest error of a table of asymptotic forces over that of a model that uses it."""
 
 
@@ -127,10 +127,10 @@ def fit_to_forces(
     about["parameter_notes"] += bound_notes
     if model.column_names and limit_table and "not_supported" not in limit_table:
         about["limit_table"] = limit_table
-    fit = fit_of(about, place=f"{config.study}: {model.name}")
+    fit = fit_of(about, source=f"{config.study}: {model.name}")
     if sample is not None:
         fit = validated(fit, config, sample=sample)
-    return fit, pd.DataFrame([_row(run, model) for run in runs])
+    return fit, pd.DataFrame([_run_row(run, model) for run in runs])
 
 
 def fit_values(
@@ -145,7 +145,7 @@ def fit_values(
 ) -> dict[str, Any]:
     """A fit as its file holds it: formula, units, ranges, errors, and the study's film."""
     # A model that knows no position was fitted at some all the same.
-    position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
+    position = () if set(model.factor_names) & set(POSITION_COLUMNS) else POLAR[:1]
     folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
     held_out = held_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
     known = bool(np.isfinite(held_out).all())
@@ -160,7 +160,7 @@ def fit_values(
         "constants": dict(model.constants),
         "parameters": list(model.parameter_names),
         "parameter_units": list(model.parameter_units),
-        "parameter_ranges": [each.to_dict() for each in ranges],
+        "parameter_ranges": [parameter.to_dict() for parameter in ranges],
         "parameter_ranges_note": RANGES_NOTE,
         "parameter_notes": notes,
         "ranges": {
@@ -204,7 +204,7 @@ def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> Fitte
         errors = exact_n - np.stack([force, model_n])
         errors = errors[:, np.isfinite(errors).all(axis=0)]
         own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
-        if table > TABLE_SHARE * own:
+        if table > TABLE_ERROR_FRACTION * own:
             raise InputError(
                 f"the table of asymptotic forces is too coarse for the study's space: it errs "
                 f"by {table:.2g} N (root mean square over the validation sample) and the model "
@@ -222,7 +222,7 @@ def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> Fitte
     return fit.model_copy(update={"interval": interval})
 
 
-def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
+def _run_row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
     """A run as a table's row, a column for each parameter."""
     row = asdict(fit)
     theta = zip(model.parameter_names, row.pop("theta"), strict=True)

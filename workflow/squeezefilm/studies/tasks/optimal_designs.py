@@ -24,7 +24,7 @@ from squeezefilm.designs.optimal import (
 from squeezefilm.designs.space import coordinates
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN
-from squeezefilm.models.data import SLACK, factors_of
+from squeezefilm.models.data import RANGE_SLACK, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
@@ -57,8 +57,8 @@ class FittedSpace:
         force_n = forces["force_n"].to_numpy()
         theta = local_fit(self.model, factors, force_n, np.array(fit.theta))
         ranges = parameter_ranges(self.model, factors, force_n, theta)
-        lower = [each.theta_lower for each in ranges if np.isfinite(each.lower)]
-        upper = [each.theta_upper for each in ranges if np.isfinite(each.upper)]
+        lower = [parameter.theta_lower for parameter in ranges if np.isfinite(parameter.lower)]
+        upper = [parameter.theta_upper for parameter in ranges if np.isfinite(parameter.upper)]
         self.thetas = np.array([theta, *lower, *upper])
         self.space = space_of(config, centred=self.model.is_centred)
         self.coordinates = coordinates("scene", self.space)
@@ -76,7 +76,7 @@ class FittedSpace:
 
     def outside(self, points: np.ndarray) -> np.ndarray:
         """Mask of the points, shape (n, k), that lie outside the ranges, shape (n,)."""
-        return np.any(np.abs(self.space.to_unit(points) - 0.5) > 0.5 + SLACK, axis=1)
+        return np.any(np.abs(self.space.to_unit(points) - 0.5) > 0.5 + RANGE_SLACK, axis=1)
 
 
 def optimal_designs(
@@ -90,8 +90,8 @@ def optimal_designs(
     """
     maximin = maximin_design(study.derivatives(study.everywhere, every=True))
     designs = {
-        "local": _anywhere(study, study.derivatives),
-        "bayesian": _anywhere(study, partial(study.derivatives, every=True)),
+        "local": _box_design(study, study.derivatives),
+        "bayesian": _box_design(study, partial(study.derivatives, every=True)),
         "maximin": maximin.on(study.everywhere),
     }
     derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
@@ -118,7 +118,7 @@ def optimal_designs(
     return designs
 
 
-def _anywhere(study: FittedSpace, gradients: Gradients) -> ContinuousDesign:
+def _box_design(study: FittedSpace, gradients: Gradients) -> ContinuousDesign:
     """The best weights on the grid; and off it, where derivatives cost no physics and the whole
     space can be simulated.
     """
@@ -236,14 +236,14 @@ def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame
         level = sensitivity(own, study.derivatives(points), weights=local.weights)
         at = factors_of(table_of(points, space))
         micrometres = {"h0_um": 1e6 * at.h0_m, "hv_um": 1e6 * at.hv_m}
-        place = {"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m}
-        part = pd.DataFrame({"layer": layer, **micrometres, **place}).round(9)
+        position_mm = {"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m}
+        part = pd.DataFrame({"layer": layer, **micrometres, **position_mm}).round(9)
         part["sensitivity"] = level
         if layer == "design":
             part["weight"] = local.weights
         else:
             # A panel shows the largest value over what it does not show.
-            seen = ["layer", *(micrometres if layer == "gap" else place)]
+            seen = ["layer", *(micrometres if layer == "gap" else position_mm)]
             part = part.groupby(seen)[["sensitivity"]].max().reset_index()
         parts.append(part)
     return pd.concat(parts, ignore_index=True)
@@ -274,8 +274,8 @@ def designs_of_fit(
     study = FittedSpace(fit, config, forces=forces)
     others = {name: points_of(scenes, study.space) for name, scenes in (plans or {}).items()}
     for kind in ("scalings", "forms"):
-        for search, found in (patterns or {}).get(kind, {}).items():
-            for pattern in found:
+        for search, patterns_found in (patterns or {}).get(kind, {}).items():
+            for pattern in patterns_found:
                 table = pd.DataFrame(pattern["points"])[list(study.space.names)]
                 others[f"pattern {pattern['pattern']} ({search})"] = table.to_numpy()
     designs = optimal_designs(study, config.optimal, existing=existing)
@@ -287,7 +287,7 @@ def designs_of_fit(
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
         "notes": _notes(study, config.optimal.points, existing),
     }
-    points = [_table(study, *each, existing) for each in designs.items()]
+    points = [_table(study, *named_design, existing) for named_design in designs.items()]
     return {
         "designs": pd.concat(points, ignore_index=True),
         "efficiencies": table,

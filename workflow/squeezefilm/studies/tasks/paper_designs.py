@@ -52,8 +52,8 @@ def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> Pa
     design = plan(_factors(points, space), position=fit.position)
     design["origin"] = [" and ".join(region.origins) for region in regions]
     about = {"scaling": settings.scaling, "searches": settings.searches, "scalings": summary}
-    found = pd.concat(searches, ignore_index=True)
-    return {"design": design, "searches": found, "summary": about}
+    search_table = pd.concat(searches, ignore_index=True)
+    return {"design": design, "searches": search_table, "summary": about}
 
 
 def four_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
@@ -61,9 +61,14 @@ def four_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> P
     criterion, scene = _criterion(fit, space), coordinates("scene", space)
     distinct = replace(criterion, apart=scene, separation=settings.separation)
     designs, summary = {}, {}
-    for form, each in {"paper": criterion, "distinct": distinct}.items():
+    for form, criterion_of_form in {"paper": criterion, "distinct": distinct}.items():
         patterns, _, summary[form] = _patterns(
-            form, each, len(fit.theta), settings, ratio=("h0_m", "hv_m"), processes=processes
+            form,
+            criterion_of_form,
+            len(fit.theta),
+            settings,
+            ratio=("h0_m", "hv_m"),
+            processes=processes,
         )
         designs[form] = plan(_factors(patterns[0].design.points, space)).assign(origin=form)
     return designs | {"summary": {"searches": settings.searches, "forms": summary}}

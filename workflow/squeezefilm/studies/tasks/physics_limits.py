@@ -17,7 +17,7 @@ from numpy.polynomial import chebyshev
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
-from squeezefilm.models.data import COLUMNS, factors_of
+from squeezefilm.models.data import PHYSICS_COLUMNS, factors_of
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.reynolds.asymptotics.composite import (
@@ -31,13 +31,13 @@ from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.studies.space import plan, space_of
 from squeezefilm.studies.study import scenes_in
 
-TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
+LIMIT_TOLERANCE, LIMIT_TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below the error of the limits."""
 EXPANSIONS = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansion}
 EXPANSIONS_WITH_INERTIA = EXPANSIONS | {"limit_n": composite_expansion}
 DOES_NOT_HOLD = "not supported: the asymptotic force for large squeeze numbers does not hold"
 CHECK_POINTS, CHECK_SEED = 500, 3
-LINES, LINE_POINTS = 3, 65
+CHECK_LINES, POINTS_PER_LINE = 3, 65
 """Along each axis of a table, at random places of the others, to choose its points, and Chebyshev
 points of a line, by which the decay of coefficients is measured."""
 LEAST_POINTS, MOST_NODES = 3, 15_000
@@ -65,7 +65,7 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
             expand,
             films,
             np.flatnonzero(derived & (has == inertia)),
-            tolerance=TOLERANCE_WITH_INERTIA if inertia else TOLERANCE,
+            tolerance=LIMIT_TOLERANCE_WITH_INERTIA if inertia else LIMIT_TOLERANCE,
             layers=expand is composite_expansion,
         )
         found = found[np.isfinite(found.error)]
@@ -84,7 +84,7 @@ def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Study) ->
     if not set(model.column_names) - set(points):
         return points
     limits = with_limits(points, scenes_in(points, config))
-    return points.assign(**limits[[*COLUMNS.values()]])
+    return points.assign(**limits[[*PHYSICS_COLUMNS.values()]])
 
 
 def limit_table_of(config: Study) -> LimitTable:
@@ -121,8 +121,8 @@ def limit_table_of(config: Study) -> LimitTable:
     drawn = {axis: random.uniform(*ranges[axis], CHECK_POINTS) for axis in ranges}
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
     checked, _ = _limits(config, drawn)
-    found = table.complete(factors_of(checked))
-    errors = [np.abs(found.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
+    interpolated = table.complete(factors_of(checked))
+    errors = [np.abs(interpolated.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
     return table.model_copy(update={"largest_relative_error": float(max(errors))})
 
 
@@ -139,11 +139,11 @@ def _counts(
         if low == high:
             continue
         at = {
-            axis: np.repeat(random.uniform(*limits, LINES), LINE_POINTS)
+            axis: np.repeat(random.uniform(*limits, CHECK_LINES), POINTS_PER_LINE)
             for axis, limits in ranges.items()
         }
-        at[along] = np.tile(_nodes(ranges[along], LINE_POINTS), LINES)
-        lines = _limits(config, at)[1].reshape(-1, LINE_POINTS)
+        at[along] = np.tile(_nodes(ranges[along], POINTS_PER_LINE), CHECK_LINES)
+        lines = _limits(config, at)[1].reshape(-1, POINTS_PER_LINE)
         sizes = np.abs(_transformed(lines, axis=1)) / np.abs(lines).mean(axis=1, keepdims=True)
         tail = np.flip(np.cumsum(np.flip(sizes, axis=1), axis=1), axis=1).max(axis=0)
         tails[along] = np.append(tail, 0.0)

@@ -29,13 +29,13 @@ from squeezefilm.tables import (
     ROUND_COLUMNS,
 )
 
-TYPICAL = 1000
+SAMPLE_POINTS = 1000
 """Points of the fair sample of the space at which nothing is simulated."""
-CLOSE = 0.3
+UNEXPLAINED_FRACTION = 0.3
 """The expansion maps a model's error if it leaves less than this share of it unexplained."""
 
 
-TABLES = ("rounds", "forces", "limits", "where")
+TABLE_NAMES = ("rounds", "forces", "limits", "where")
 """What a refinement leaves as tables."""
 
 
@@ -48,7 +48,7 @@ class SimulatedSpace:
         kinds = [
             space.grid(settings.candidates, distinct=True),
             space.sample(settings.verification, seed=settings.seed),
-            space.sample(TYPICAL, seed=settings.seed + 1),
+            space.sample(SAMPLE_POINTS, seed=settings.seed + 1),
         ]
         self.config = config
         self.table = table_of(np.concatenate(kinds), space)
@@ -65,12 +65,12 @@ class SimulatedSpace:
         """Forces and their errors; raises RunError for a scene that has no force."""
         settings = solver_settings(self.config, outputs=())
         scenes = settings.resolved(self.scenes[points])
-        found = solve(scenes, **settings.how).to_frame(pd.Index(points))
-        for point, status in found["status"][found["status"] != "ok"].items():
+        forces = solve(scenes, **settings.how).to_frame(pd.Index(points))
+        for point, status in forces["status"][forces["status"] != "ok"].items():
             (factors,) = self.rows(self.table, [point], FACTOR_COLUMNS).to_dict("records")
             raise RunError(f"no force at {factors}: {status}")
-        self.solved = pd.concat([self.solved, found])
-        return found["force_n"].to_numpy(), found["force_error_n"].to_numpy()
+        self.solved = pd.concat([self.solved, forces])
+        return forces["force_n"].to_numpy(), forces["force_error_n"].to_numpy()
 
     def rows(self, table: pd.DataFrame, points: Any, columns: Sequence[str]) -> pd.DataFrame:
         """Columns of points in one of the tables, in the form that positions have there."""
@@ -95,7 +95,7 @@ def refine(
         sample: forces of a validation sample.
         uncertainty: fraction of a force, uncertainty by the scan of a measured profile.
 
-    Returns: tables by their names (TABLES), the last fit, and the verdict.
+    Returns: tables by their names (TABLE_NAMES), the last fit, and the verdict.
 
     Raises InputError where the section allows too few simulations to begin with, and RunError for a
     scene that has no force.
@@ -107,17 +107,17 @@ def refine(
     except InputError as error:
         print(error)
         reason = about | {"not_supported": str(error)}
-        return dict.fromkeys(TABLES, pd.DataFrame(columns=["status"])), reason, reason
+        return dict.fromkeys(TABLE_NAMES, pd.DataFrame(columns=["status"])), reason, reason
     bound = config.fit.bounds[-1]
     outcome = Sequential(model, pool, settings, simulated.simulate, bound=bound).run(_print_round)
     print(f"{outcome.verdict}: {outcome.reason}")
     values = _fit_values(model, simulated, outcome, uncertainty=uncertainty)
-    fit = fit_of(values, place=f"{config.study}: {model.name}")
+    fit = fit_of(values, source=f"{config.study}: {model.name}")
     fit = validated(fit, config, sample=sample)
     print(fit.statement)
     last, points = outcome.rounds[-1], outcome.simulated
     where, source = _map(model, simulated, outcome)
-    by_region = error_by_region(pool.factors.take(pool.typical), where["error_n"][-TYPICAL:])
+    by_region = error_by_region(pool.factors.take(pool.typical), where["error_n"][-SAMPLE_POINTS:])
     labels = _labels(outcome, settings.verification)
     known, forces = (
         table.assign(point_id=pd.Series(labels, index=points))
@@ -173,20 +173,22 @@ def _map(
     from scipy.interpolate import RBFInterpolator  # slow to import, and only needed here
 
     pool, points = space.pool, outcome.simulated
-    places = np.concatenate([pool.candidates, pool.typical])
+    rows = np.concatenate([pool.candidates, pool.typical])
     own = model.evaluate(outcome.hindsight, pool.factors)
     seen = own[points] - outcome.force_n
     limit = space.known["limit_n"].to_numpy()
     left = outcome.force_n - limit[points]
-    if not model.column_names and np.linalg.norm(left) < CLOSE * np.linalg.norm(seen):
-        error, source = own[places] - limit[places], "asymptotic expansion"
+    if not model.column_names and np.linalg.norm(left) < UNEXPLAINED_FRACTION * np.linalg.norm(
+        seen
+    ):
+        error, source = own[rows] - limit[rows], "asymptotic expansion"
     else:
         at = pool.coordinates
         degree = 1 if len(points) > at.shape[1] + 1 else 0
         surface = RBFInterpolator(at[points], seen, kernel="linear", degree=degree)
-        error, source = surface(at[places]), "interpolation"
-    layer = np.where(np.isin(places, pool.candidates), "candidate", "sample")
-    where = space.rows(space.table, places, FACTOR_COLUMNS)
+        error, source = surface(at[rows]), "interpolation"
+    layer = np.where(np.isin(rows, pool.candidates), "candidate", "sample")
+    where = space.rows(space.table, rows, FACTOR_COLUMNS)
     return where.assign(layer=layer, error_n=error), source
 
 
@@ -196,8 +198,8 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
     rounds = rounds.rename(columns={"number": "round", "design": "fitted_points"})
     worst = space.rows(space.table, rounds.pop("worst_at"), FACTOR_COLUMNS).add_prefix("worst_")
     theta = pd.DataFrame(rounds.pop("theta").tolist(), columns=list(model.parameter_names))
-    estimated, shares = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_fraction":]
-    return pd.concat([estimated, worst, shares, theta.add_prefix("parameter_")], axis=1)
+    estimated, fractions = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_fraction":]
+    return pd.concat([estimated, worst, fractions, theta.add_prefix("parameter_")], axis=1)
 
 
 def _fit_values(

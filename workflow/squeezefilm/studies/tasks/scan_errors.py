@@ -26,8 +26,8 @@ from squeezefilm.studies.space import plan
 from squeezefilm.studies.study import scenes_in
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
-TOLERANCE = 1e-3
-DRAWS, SEED = 50, 1
+SCAN_FORCE_TOLERANCE = 1e-3
+DRAWS, DRAW_SEED = 50, 1
 COVERAGE = 0.95
 
 
@@ -45,14 +45,14 @@ def scan_errors(
         solved: solves scenes as ``solve``, with the quantities beside the force that are wanted.
 
     Returns:
-        In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
-        the standard deviation over profiles with other noise;
+        In newtons, a row for each scene: ``force_n`` with the profile, to SCAN_FORCE_TOLERANCE;
+        ``spread_n``, the standard deviation over profiles with other noise;
         ``measurement_noise_n``, half of the interval that holds the noise's part with COVERAGE: the
-        spread's, and all that was taken off the profile's maximum as the noise's;
-        ``misfit_n``, by modes that the points do not determine;
-        ``quadrature_n``, by what the force is low without motion out of phase that was neglected;
-        ``scan_error_n``, the sum of all. The same noise, with the misfit, of each other quantity,
-        in its unit: ``thrust_x_measurement_noise_n`` of ``thrust_x_n``.
+        spread's, and all that was taken off the profile's maximum as the noise's; ``misfit_n``, by
+        modes that the points do not determine; ``quadrature_n``, by what the force is low without
+        motion out of phase that was neglected; ``scan_error_n``, the sum of all. The same noise,
+        with the misfit, of each other quantity, in its unit: ``thrust_x_measurement_noise_n`` of
+        ``thrust_x_n``.
 
     Raises:
         RunError: naming a scene that has no force.
@@ -60,17 +60,17 @@ def scan_errors(
     from scipy.special import stdtrit
 
     scenes = resolve_auto_terms(scenes, device=device)
-    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=SEED)]
+    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=DRAW_SEED)]
     profiles += smoothed.misfitting
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
         for profile in profiles
         for scene in scenes
     ]
-    found = solved(every, tolerance=TOLERANCE, device=device)
-    for row in np.flatnonzero(found.status != "ok").tolist():
-        raise RunError(f"point {every[row].point_id}: {found.status[row]}")
-    values = found.to_frame().drop(columns=[*SOLUTION_COLUMNS[1:]])
+    solutions = solved(every, tolerance=SCAN_FORCE_TOLERANCE, device=device)
+    for row in np.flatnonzero(solutions.status != "ok").tolist():
+        raise RunError(f"point {every[row].point_id}: {solutions.status[row]}")
+    values = solutions.to_frame().drop(columns=[*SOLUTION_COLUMNS[1:]])
     count = len(scenes)
     own, numbers = values.iloc[:count], values.select_dtypes("number")
     noisy, misfitting = (
@@ -132,7 +132,7 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
         kind = config.actuator.profile.kind
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
     forces = errors_in_study(config, smoothed)
-    noise, error = (float(forces[f"{each}_fraction"].max()) for each in ("noise", "scan_error"))
+    noise, error = (float(forces[f"{part}_fraction"].max()) for part in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net()
     unsure = percent(100 * float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()), sign="")
     misfit = percent(100 * float(smoothed.misfit(x_m=x_m, y_m=y_m).max()), sign="")
@@ -150,7 +150,7 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
         "points": len(smoothed.measured_m),
         "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
         "degree of the modes": smoothed.fit.degree,
-        "notes": [each.removeprefix("note: ") for each in smoothed.warnings],
+        "notes": [warning.removeprefix("note: ") for warning in smoothed.warnings],
     }
     row |= {} if outliers else {"outliers": ""}
     row |= {} if smoothed.misfitting else {"misfit of the profile": ""}
@@ -191,11 +191,11 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
 def _points(config: Study) -> pd.DataFrame:
     """The largest amplitude over the smallest and the largest gap, and farthest from the centre."""
     gaps, amplitude = config.screen.h0_m, config.screen.hv_m.stop
-    found, positions = config.symmetry(), config.positions
-    places = found.places(positions)[1:]
-    if isinstance(found, Directions):
+    symmetry, positions = config.symmetry(), config.positions
+    pad_positions = symmetry.pad_positions(positions)[1:]
+    if isinstance(symmetry, Directions):
         farthest = max(positions.phi_r_m)
-        places = [place for place in places if place[0] == farthest]
+        pad_positions = [position for position in pad_positions if position[0] == farthest]
     rows = [(gaps.start, 0.0, 0.0), (gaps.stop, 0.0, 0.0)]
-    rows += [(gaps.start, *place) for place in places]
-    return plan(pd.DataFrame(rows, columns=["h0_m", *found.position]).assign(hv_m=amplitude))
+    rows += [(gaps.start, *position) for position in pad_positions]
+    return plan(pd.DataFrame(rows, columns=["h0_m", *symmetry.position]).assign(hv_m=amplitude))

@@ -35,7 +35,7 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
     parts.dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
     for angle in data["phi_deg"][data["phi_r_mm"] == 0]:
         text = "centre: the same at every angle"
-        parts.beside(axes, text, (angle, 0), (8, 0), va="center", fontsize=7)
+        parts.annotate_at(axes, text, (angle, 0), (8, 0), va="center", fontsize=7)
     top = 1.15 * max(data["phi_r_mm"].max(), limit_mm)
     axes.set_ylim(-0.06 * top, top)
     parts.set_up_positions(axes, data["phi_deg"], margin=1 / 15)
@@ -83,10 +83,10 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
 
 def _number(axes: Axes, points: pd.DataFrame, *, x: str, y: str, above: bool, colour: str) -> None:
     """Write the points' numbers, together where points coincide in this projection."""
-    places = points.assign(x=points[x].round(2), y=points[y].round(2)).groupby(["x", "y"])
-    for (at_x, at_y), here in places:
+    groups = points.assign(x=points[x].round(2), y=points[y].round(2)).groupby(["x", "y"])
+    for (at_x, at_y), here in groups:
         text = ", ".join(here["point"].astype(str))
         look = {"va": "bottom" if above else "top", "color": colour}
-        parts.beside(
+        parts.annotate_at(
             axes, text, (at_x, at_y), (0, 6 if above else -6), ha="center", fontsize=7, **look
         )

@@ -41,13 +41,16 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
 
 def _draw_searches(axes: Axes, data: pd.DataFrame) -> None:
     searches = data["search"].nunique()
-    for order, (pattern, found) in enumerate(data.groupby("pattern", sort=True)):
+    for order, (pattern, searches_of_pattern) in enumerate(data.groupby("pattern", sort=True)):
         colour, marker = _LOOKS[order % len(_LOOKS)]
 
-        triplets = [pd.concat([each, each.iloc[:1]]) for _, each in found.groupby("search")]
+        triplets = [
+            pd.concat([triplet, triplet.iloc[:1]])
+            for _, triplet in searches_of_pattern.groupby("search")
+        ]
         lines = axes.plot(
-            np.column_stack([each["h0_um"] for each in triplets]),
-            np.column_stack([each["hv_um"] for each in triplets]),
+            np.column_stack([triplet["h0_um"] for triplet in triplets]),
+            np.column_stack([triplet["hv_um"] for triplet in triplets]),
             color=colour,
             linewidth=0.5,
             linestyle=style.DASHES if order else "-",
@@ -57,7 +60,9 @@ def _draw_searches(axes: Axes, data: pd.DataFrame) -> None:
             markeredgewidth=0.8,
             zorder=2 + order,
         )
-        lines[0].set_label(f"{pattern}: {found['search'].nunique()} of {searches} searches")
+        lines[0].set_label(
+            f"{pattern}: {searches_of_pattern['search'].nunique()} of {searches} searches"
+        )
     axes.legend(loc="lower left", handlelength=1.6, labelspacing=0.3)
 
 
@@ -82,8 +87,10 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     figure, axes = style.subplots()
     parts.set_up_plane(axes, screen, headroom=0.3)
     if order >= len(patterns):
-        found = ", ".join(f"{each['pattern']} ({each['count']})" for each in patterns)
-        note = f"All {number} searches ended in other patterns: {found}."
+        other_patterns = ", ".join(
+            f"{pattern_row['pattern']} ({pattern_row['count']})" for pattern_row in patterns
+        )
+        note = f"All {number} searches ended in other patterns: {other_patterns}."
         style.add_note(figure, note, results.beyond)
         text = "no such pattern:\nall searches ended in the\npatterns shown before"
         axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")

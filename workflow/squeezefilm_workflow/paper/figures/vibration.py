@@ -19,8 +19,8 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The profile seen from above; layers surface, centre_limit (dashed) and pad."""
     config = results.config
     pad, limit_mm = config.read_pad(), centre_limit_mm(config)
-    rim = 1e3 * pad.edge_m()
-    outline = pd.DataFrame(np.vstack([rim, rim[:1]]), columns=["x_mm", "y_mm"])
+    edge_mm = 1e3 * pad.edge_m()
+    outline = pd.DataFrame(np.vstack([edge_mm, edge_mm[:1]]), columns=["x_mm", "y_mm"])
     circle = _polar_table(np.array([limit_mm]), np.linspace(0, 360, 121))
     surface = profile_table(config, radii=41, angles=61)
     layers = {"surface": surface, "centre_limit": circle, "pad": outline}
@@ -76,13 +76,15 @@ def profile_table(config: Study, *, radii: int, angles: int) -> pd.DataFrame:
     """The profile on a polar grid over the disc."""
     radius_m = np.linspace(0, config.actuator.surface_radius_m, radii)
     table = _polar_table(1e3 * radius_m, np.linspace(0, 360, angles))
-    places = {f"{name}_m": table[f"{name}_mm"].to_numpy() / 1e3 for name in "xy"}
-    s = config.read_profile().amplitude(**places)
+    positions_m = {f"{name}_m": table[f"{name}_mm"].to_numpy() / 1e3 for name in "xy"}
+    s = config.read_profile().amplitude(**positions_m)
     return table.assign(amplitude_ratio=np.abs(s) if np.iscomplexobj(s) else s)
 
 
 def _polar_table(radius_mm: np.ndarray, angle_deg: np.ndarray) -> pd.DataFrame:
-    radius, angle = (each.ravel() for each in np.meshgrid(radius_mm, angle_deg, indexing="ij"))
+    radius, angle = (
+        coordinate.ravel() for coordinate in np.meshgrid(radius_mm, angle_deg, indexing="ij")
+    )
     x_mm, y_mm = radius * np.cos(np.radians(angle)), radius * np.sin(np.radians(angle))
     return pd.DataFrame({"radius_mm": radius, "angle_deg": angle, "x_mm": x_mm, "y_mm": y_mm})
 

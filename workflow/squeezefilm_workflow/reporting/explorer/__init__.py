@@ -51,7 +51,7 @@ def explorer_page(
         if "not_supported" in values:
             not_available[name] = str(values["not_supported"])
         else:
-            models[f"{name} on four_factor"] = fit_of(values, place=path), "four_factor"
+            models[f"{name} on four_factor"] = fit_of(values, source=path), "four_factor"
     data = {
         "fits": [_fit(name, fit, plan) for name, (fit, plan) in models.items()],
         "not_available": not_available,

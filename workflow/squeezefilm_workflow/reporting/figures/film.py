@@ -24,7 +24,7 @@ EFFECTS = {
 }
 EDGE = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
-LABEL_SHARE = 0.065
+LABEL_HEIGHT_FRACTION = 0.065
 """Height of a label, as a share of the axes."""
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
 MOST_ERROR = 0.03
@@ -97,8 +97,10 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     low, high = axes.get_ylim()
     last = -np.inf
     for value, text, colour in sorted(ends):
-        last = max(value, last + LABEL_SHARE * (high - low))
-        parts.beside(axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6)
+        last = max(value, last + LABEL_HEIGHT_FRACTION * (high - low))
+        parts.annotate_at(
+            axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6
+        )
     axes.set_xlim(least - 0.05 * farthest, farthest + 0.7 * (farthest - least) or 1.0)
     axes.axhline(0, color="black", linewidth=0.5)
     label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
@@ -145,7 +147,7 @@ def _draw_map(
     parts.show_grid(axes, grid)
     known = maps[maps[name].notna()]
     if known.empty:
-        parts.not_known(axes)
+        parts.write_not_known(axes)
         return
     if min(known["h0_um"].nunique(), known["hv_um"].nunique()) < 2:  # no lines between films
         axes.plot(known["h0_um"], known["hv_um"], "k.", markersize=3)
@@ -164,7 +166,7 @@ def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
     axes.set_title(title)
     gaps = sorted(lines["h0_um"].unique())
     if not gaps:
-        parts.not_known(axes)
+        parts.write_not_known(axes)
         return
     axes.set(xscale="log", xlabel="frequency of modulation (Hz)")
     axes.grid(True)

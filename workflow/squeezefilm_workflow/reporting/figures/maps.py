@@ -17,13 +17,13 @@ from squeezefilm_workflow.reporting.results import Results
 
 DECADE = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
-FEW = 100
+FEW_POINTS = 100
 """Simulations of a map, at most, that are drawn as dots."""
 MARKERS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
 """Of positions: whether a model has an amplitude there, and whether it is validated."""
 PROFILE_COLUMNS = ("layer", "amplitude_um", "residual_um", "noise_um")
 """Of a table of a profile, among others."""
-LINES = 101
+MAP_LINES = 101
 """Of the grid along each side on which a vibration is drawn."""
 
 
@@ -62,7 +62,7 @@ def forces(results: Results) -> Figure:
     norm = "log" if wide else None
     drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm, extend="both")
     axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
-    if len(rows) <= FEW:
+    if len(rows) <= FEW_POINTS:
         parts.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
     parts.show_grid(axes, grid)
     axes.set(**parts.PLANE)
@@ -86,7 +86,7 @@ def amplitudes(results: Results) -> Figure:
     table = table[table["model"].notna()]
     figure, axes = style.subplots(height_in=3.2)
     if table.empty:
-        parts.not_known(axes)
+        parts.write_not_known(axes)
         return figure
     table = table[table["space"] == table["space"].iloc[-1]]
     at = factors_of(table.assign(hv_m=0.0))
@@ -98,9 +98,9 @@ def amplitudes(results: Results) -> Figure:
     norm.autoscale_None(rows.loc[known, "hv_um"])
     look: dict[str, Any] = {"norm": norm, "cmap": cmap, "plotnonfinite": True, "s": 26}
     look |= {"edgecolors": "black", "linewidths": 0.6, "x": "x_mm", "y": "y_mm"}
-    for mark, some in rows.groupby("mark"):
+    for mark, rows_marked in rows.groupby("mark"):
         look |= {"marker": MARKERS[str(mark)], "label": mark}
-        dots = parts.coloured_dots(axes, some, "hv_um", **look)
+        dots = parts.coloured_dots(axes, rows_marked, "hv_um", **look)
     if known.any():
         figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE["ylabel"])
     axes.margins(0.15)
@@ -117,15 +117,15 @@ def amplitudes(results: Results) -> Figure:
 def vibration(results: Results) -> Figure:
     """Amplitude of the vibration over the surface, as a fraction of its maximum, and the pad."""
     surface, pad = results.config.actuator.surface, results.config.read_pad()
-    x_m, y_m = np.meshgrid(*(np.linspace(-half, half, LINES) for half in surface.half_m))
+    x_m, y_m = np.meshgrid(*(np.linspace(-half, half, MAP_LINES) for half in surface.half_m))
     s = np.minimum(np.abs(results.config.read_profile().amplitude(x_m=x_m, y_m=y_m)), 1.0)
     figure, axes = style.subplots(height_in=3.2)
     look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL}
     filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, **look)
     outside = surface.reach(x_m, y_m)
     axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")
-    rim_mm = 1e3 * pad.edge_m()
-    axes.fill(*rim_mm.T, fill=False, edgecolor="black", label="pad, centred")
+    edge_mm = 1e3 * pad.edge_m()
+    axes.fill(*edge_mm.T, fill=False, edgecolor="black", label="pad, centred")
     axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
     label = "amplitude over its maximum (–)"
     figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)

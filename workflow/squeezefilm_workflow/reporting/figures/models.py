@@ -82,7 +82,7 @@ def model_and_points(
 
 
 def _without_anything(text: str) -> Figure:
-    """A figure of words alone."""
+    """Return a figure that shows a text alone."""
     figure = style.new_figure(wide=True, height_in=1.0)
     figure.text(0.5, 0.6, text, ha="center")
     return figure

@@ -14,8 +14,8 @@ from squeezefilm_workflow.reporting.results import Results
 
 FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "pad_um", "gauge_pressure_kpa")
 # Left edge and width of each step's axes, as shares of the figure's width.
-PLACES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
-TOP = 0.82
+STEP_AXES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
+AXES_TOP = 0.82
 Rectangle = tuple[float, float, float, float]
 """Left, bottom, width and height, as shares of the figure's."""
 LABEL_SIZE, TICK_SIZE = 6.5, 6
@@ -49,11 +49,13 @@ def overview(results: Results) -> Figure:
         f"points, interpolated linearly; thick line, if any: ±{100 * errors['band']:g} %.",
     )
     bottom = style.add_note(figure, *notes, results.beyond) + 0.135
-    for order, ((left, width), step) in enumerate(zip(PLACES, captions, strict=True), start=1):
+    for order, ((left, width), step) in enumerate(zip(STEP_AXES, captions, strict=True), start=1):
         middle = left + width / 2
         figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
         figure.text(middle, 0.87, captions[step], ha="center", fontsize=LABEL_SIZE, color="0.25")
-    first, second, third, fourth = ((left, bottom, width, TOP - bottom) for left, width in PLACES)
+    first, second, third, fourth = (
+        (left, bottom, width, AXES_TOP - bottom) for left, width in STEP_AXES
+    )
     points, few = (parts.plane_table(table, layer="") for table in (screen, design))
     _film(figure, film, first)
     _model(figure, parts.model_mesh(fit, screen), points, second)
@@ -117,11 +119,11 @@ def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
     _label(below, "position under the pad (mm)", "height (µm)")
 
 
-def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, place: Rectangle) -> None:
+def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, rectangle: Rectangle) -> None:
     """The model's mesh and the simulations, without room for the name of the force's axis."""
     labels = (r"$h_0$ (µm)", r"$h_v$ (µm)", "")
     axes = parts.add_space(figure, labels=labels, pads=(-9, -4), ticks=3)
-    left, bottom, width, height = place
+    left, bottom, width, height = rectangle
     axes.set_position((left, bottom - 0.12, width, height + 0.14))
     axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
     axes.tick_params(labelsize=TICK_SIZE)

@@ -128,14 +128,14 @@ def show_grid(axes: Axes, grid: Any) -> None:
     axes.set(xlim=grid[0][[0, -1]], ylim=grid[1][[0, -1]])
 
 
-def beside(
-    axes: Axes, text: str, place: tuple[Any, Any], offset_pt: tuple[float, float], **look: Any
+def annotate_at(
+    axes: Axes, text: str, point: tuple[Any, Any], offset_pt: tuple[float, float], **look: Any
 ) -> Annotation:
     """Write a text at a distance from a place; ``look`` as matplotlib has it."""
-    return axes.annotate(text, place, xytext=offset_pt, textcoords="offset points", **look)
+    return axes.annotate(text, point, xytext=offset_pt, textcoords="offset points", **look)
 
 
-def not_known(axes: Axes) -> None:
+def write_not_known(axes: Axes) -> None:
     """Say so in the middle of the axes: an empty scale would look like a result."""
     axes.text(0.5, 0.5, "not available", transform=axes.transAxes, ha="center")
     axes.set(xticks=[], yticks=[])
@@ -179,7 +179,7 @@ def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> No
         va, up = ("top", -4) if below else ("bottom", 4)
         look: dict[str, Any] = {"ha": ha, "va": va, "fontsize": 7, "zorder": 4}
         look["path_effects"] = [withStroke(linewidth=2, foreground="white")]
-        beside(axes, label, (h0_um, hv_um), (right, up), **look)
+        annotate_at(axes, label, (h0_um, hv_um), (right, up), **look)
 
 
 def add_space(

@@ -147,8 +147,8 @@ def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
     return data[data["layer"] == layer]
 
 
-def settle(figure: Figure) -> None:
-    """Lay the figure out once, in places of nine digits: the last ones differ from run to run.
+def freeze_layout(figure: Figure) -> None:
+    """Run the layout engine once and freeze axes positions at nine digits, equal in each run.
 
     Without an engine it is drawn once for a file, not twice.
     """
@@ -160,8 +160,8 @@ def settle(figure: Figure) -> None:
         for part in figure.subfigs:
             part.bbox_relative.set_points(part.bbox_relative.get_points().round(9))
         for axes in figure.axes:
-            places = axes.get_position(original=True).bounds
-            axes.set_position((*(round(place, 9) for place in places),), which="both")
+            bounds = axes.get_position(original=True).bounds
+            axes.set_position((*(round(bound, 9) for bound in bounds),), which="both")
 
 
 def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
@@ -177,7 +177,7 @@ def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
 
 def save(figure: Figure, paths: Iterable[Path | str], *, dpi: float = PNG_DPI) -> None:
     """Save in the formats that the names ask for, byte for byte the same each time."""
-    settle(figure)
+    freeze_layout(figure)
     for path in map(Path, paths):
         with whole_file(path) as part:
             kind = path.suffix.removeprefix(".")

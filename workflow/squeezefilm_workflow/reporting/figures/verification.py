@@ -25,7 +25,7 @@ STYLES = {
 MARKERS = {"solved": "o", "unchecked": "D", "not supported": "s", "failed": "X"}
 EPSILON_TICKS = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99)
 LARGEST_EPSILON = 0.998
-APART = 0.25
+DOT_OFFSET = 0.25
 """Of films in one place, in decades of σ."""
 
 
@@ -57,16 +57,16 @@ def stability(results: Results) -> Figure:
 
 
 def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
-    """Dots coloured by the worst deviation, those of one place apart; the last of them."""
-    place = films.groupby(["x", "sigma"])
-    rank = place.cumcount() - (place["x"].transform("size") - 1) / 2
-    films = films.assign(y=films["sigma"] * 10 ** (APART * rank))
+    """Draw a dot per film, coloured by its worst deviation, coincident ones apart."""
+    positions = films.groupby(["x", "sigma"])
+    rank = positions.cumcount() - (positions["x"].transform("size") - 1) / 2
+    films = films.assign(y=films["sigma"] * 10 ** (DOT_OFFSET * rank))
     cmap = mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
     look: dict[str, Any] = {"cmap": cmap, "norm": LogNorm(1e-4, 1.0, clip=True), "s": 26}
     look |= {"edgecolors": "0.3", "linewidths": 0.6, "plotnonfinite": True, "x": "x", "y": "y"}
     for verdict, marker in MARKERS.items():
-        some = films[films["verdict"] == verdict]
-        dots = parts.coloured_dots(axes, some, "worst_ratio", marker=marker, **look)
+        films_of_verdict = films[films["verdict"] == verdict]
+        dots = parts.coloured_dots(axes, films_of_verdict, "worst_ratio", marker=marker, **look)
     axes.set_yscale("log")
     axes.grid(True)
     return dots
@@ -127,8 +127,10 @@ def published(results: Results) -> Figure:
             ("inertia and thermal effects", "D:", ""),
         ):
             look = {"color": colour, "ms": 3, "label": label}
-            some = films[films["case"] == case]
-            right.plot(some["modified_reynolds"], some["solver_deviation"], line, **look)
+            films_of_case = films[films["case"] == case]
+            right.plot(
+                films_of_case["modified_reynolds"], films_of_case["solver_deviation"], line, **look
+            )
     right.set_title("(b) first harmonic: solver from exact profiles")
     for panel in (left, right):
         panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")

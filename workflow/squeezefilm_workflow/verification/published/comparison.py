@@ -35,7 +35,7 @@ from squeezefilm_workflow.verification.published.linear_film import (
 from squeezefilm_workflow.verification.rarefied_flow import poiseuille_flow
 
 HERE = Path(__file__).parent
-SMALL = 1e-4
+SMALL_EPSILON = 1e-4
 """ε of a linear film: what is left of the next order is 2e-8 of the first harmonic."""
 # ANSYS Mechanical APDL Verification Manual, VM245: damping in N s/m, stiffness in N/m.
 DAMPING, STIFFNESS = 15.29e-3, 28.65e3
@@ -51,7 +51,7 @@ REYNOLDS, SIGMA = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
 SAMPLE = (4.0,), (1.0, 100.0)
 RESPONSES: dict[str, Any] = {"rectangle": piston_response, "ellipse": disc_response}
 # Relative error of the solver's first harmonic against its own equation's.
-SAME = 1e-6
+HARMONIC_TOLERANCE = 1e-6
 # github.com/cml-berkeley/cmlair, flow.f90: Poiseuille flow of the linearised Boltzmann equation by
 # inverse Knudsen number, of the tables in comments.
 RAREFIED_FLOW = {0.01: 3.060, 0.1: 2.033, 1.0: 1.539, 10.0: 2.768, 100.0: 17.693}
@@ -60,13 +60,13 @@ RAREFIED_FLOW = {0.01: 3.060, 0.1: 2.033, 1.0: 1.539, 10.0: 2.768, 100.0: 17.693
 SLIDER_GAPS_M, SLIDER_LENGTH_M, SLIDER_WIDTHS_M = (66e-6, 10e-6), 0.1, (0.5, 1.0)
 
 
-COLUMNS = (
+COMPARISON_COLUMNS = (
     *("source", "case", "quantity", "modified_reynolds", "sigma", "published", "exact", "solver"),
     *("exact_deviation", "solver_deviation", "viscous_deviation", "status"),
 )
 
 Row = dict[str, Any]
-"""One number: what it has of COLUMNS."""
+"""One number: what it has of COMPARISON_COLUMNS."""
 
 
 def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
@@ -88,7 +88,7 @@ def tabulated(rows: Iterable[Row]) -> pd.DataFrame:
     Deviations are those of a row's numbers where nothing else is given. ``status`` is ``ok``, or
     why there is no value of the solver.
     """
-    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    table = pd.DataFrame(rows, columns=list(COMPARISON_COLUMNS))
     own = {
         "exact_deviation": abs(table["exact"] / table["published"] - 1),
         "solver_deviation": abs(table["solver"] / table["exact"] - 1),
@@ -101,13 +101,13 @@ def plate(device: Device | None = None) -> Iterator[Row]:
     """Linear damping and stiffness of a plate of 2 mm by 1 mm over a gap of 5 µm at 100 kHz."""
     gas = Gas(viscosity_pa_s=18.3e-6, ambient_pressure_pa=1e5, inertia="none", thermal="none")
     pad, h0_m = Pad(2e-3, 1e-3, 0.0), 5e-6
-    scene = Film(gas, Actuator(1e5, 1.0, profile=PISTON), pad).scene(h0_m, SMALL * h0_m)
+    scene = Film(gas, Actuator(1e5, 1.0, profile=PISTON), pad).scene(h0_m, SMALL_EPSILON * h0_m)
     response = scene.force_scale_n / h0_m * piston_response(scene.sigma, scene.aspect)
     rate = scene.actuator.angular_frequency_rad_per_s
-    (found,) = _quantities([scene], "harmonics", tolerance=1e-6, device=device)
+    (outputs,) = _quantities([scene], "harmonics", tolerance=1e-6, device=device)
     row = partial(_valued, source="ANSYS VM245", case="plate, 100 kHz", sigma=scene.sigma)
-    yield row("damping / (N s/m)", DAMPING, response.imag / rate, found["film_damping"])
-    yield row("stiffness / (N/m)", STIFFNESS, response.real, found["film_stiffness"])
+    yield row("damping / (N s/m)", DAMPING, response.imag / rate, outputs["film_damping"])
+    yield row("stiffness / (N/m)", STIFFNESS, response.real, outputs["film_stiffness"])
 
 
 def inclined_slider(device: Device | None = None) -> Iterator[Row]:
@@ -116,7 +116,7 @@ def inclined_slider(device: Device | None = None) -> Iterator[Row]:
     gas = Gas(viscosity_pa_s=1.846e-5, inertia="none", thermal="none")
     pads = [Pad(length_m, w, 50.0, gap=GapShape(narrow_m - wide_m)) for w in SLIDER_WIDTHS_M]
     films = [Film(gas, Actuator(1e3, 1.0, profile=PISTON), pad) for pad in pads]
-    scenes = [each.scene((wide_m + narrow_m) / 2, 0.0) for each in films]
+    scenes = [film.scene((wide_m + narrow_m) / 2, 0.0) for film in films]
     one, other = _quantities(scenes, "moments", "extremes", tolerance=1e-7, device=device)
     p0_pa, force_n = gas.ambient_pressure_pa, other["force"] - one["force"]
     ours = (
@@ -152,11 +152,11 @@ def radial_films() -> Iterator[Row]:
             away = nodes["r_m"] >= hole_m * (1 - 1e-9) + distance * gap_m
             r_m, xi_real, xi_imag, p_real, p_imag = nodes.loc[away, "r_m":].to_numpy().T
             pressure, motion = (p_real + 1j * p_imag) / AIR_PA, (xi_real + 1j * xi_imag) / gap_m
-            found = [
+            pressures = [
                 radial_pressure(r_m, motion, pressure[0], squeeze=squeeze, factors=factors)
                 for factors in (resolved, VISCOUS)
             ]
-            deviation = np.linalg.norm(np.array(found) - pressure, axis=1)
+            deviation = np.linalg.norm(np.array(pressures) - pressure, axis=1)
             deviation /= np.linalg.norm(pressure)
             yield dict(
                 source="Honzík et al.",
@@ -177,21 +177,21 @@ def depth_averaging(
     where there is none for another reason, or one that is not that of the parabolic profiles.
     """
     for shape, thermal, re, s in product(RESPONSES, ("none", "included"), reynolds, sigma):
-        scene = film("", SMALL, s, profile=PISTON, reynolds=re, shape=shape)
+        scene = film("", SMALL_EPSILON, s, profile=PISTON, reynolds=re, shape=shape)
         scene, response, status = scene.with_gas(thermal=thermal), RESPONSES[shape], "ok"
         try:
-            (found,) = _quantities([scene], "harmonics", tolerance=1e-5, device=device)
+            (outputs,) = _quantities([scene], "harmonics", tolerance=1e-5, device=device)
         except RunError as error:
             status = str(error)
             if not status.startswith("not converged: "):
                 raise
-            found = {"force_in_phase": nan, "force_quadrature": nan}
-        force = -(found["force_in_phase"] + 1j * found["force_quadrature"])
+            outputs = {"force_in_phase": nan, "force_quadrature": nan}
+        force = -(outputs["force_in_phase"] + 1j * outputs["force_quadrature"])
         ours = force / (scene.force_scale_n * scene.epsilon)
         prandtl = scene.gas.prandtl if thermal == "included" else 0.0
         gas = {"prandtl": prandtl, "heat_capacity_ratio": scene.gas.heat_capacity_ratio}
         parabolic = response(s, factors=depth_averaged(re, **gas))
-        if abs(ours / parabolic - 1) >= SAME:
+        if abs(ours / parabolic - 1) >= HARMONIC_TOLERANCE:
             raise RunError(f"first harmonic at Re {re:g}, σ {s:g}: {ours:.9g}, not {parabolic:.9g}")
         resolved = response(s, factors=exact(re, **gas))
         yield dict(
@@ -224,11 +224,11 @@ def _quantities(
         tolerance=tolerance,
         device=device,
     )
-    found = []
+    values = []
     for solution in solutions:
         assert solution.outputs
         reasons = dict.fromkeys([solution.status, *solution.outputs.missing.values()])
         if [*reasons] != ["ok"]:
             raise RunError("; ".join(reason for reason in reasons if reason != "ok"))
-        found.append({"force": solution.force_n, **solution.outputs.value})
-    return found
+        values.append({"force": solution.force_n, **solution.outputs.value})
+    return values

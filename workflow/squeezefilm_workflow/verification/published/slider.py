@@ -10,7 +10,7 @@ from scipy.integrate import solve_bvp
 from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
 
-PLACES = 200_001
+SLIDER_NODES = 200_001
 """Among which the largest pressure is taken."""
 
 
@@ -43,8 +43,10 @@ def exact(scene: Scene) -> Slider:
 
     x = np.linspace(0, 1, 401)
     start = np.stack([1 + x * (1 - x), x / 6, x / 12])
-    found = solve_bvp(slopes, ends, x, start, p=[scene.bearing_number], tol=1e-9, max_nodes=10**5)
-    if not found.success:
-        raise RunError(f"exact slider: {found.message}")
-    pressure, load, moment = found.sol(np.linspace(0, 1, PLACES))
+    solution = solve_bvp(
+        slopes, ends, x, start, p=[scene.bearing_number], tol=1e-9, max_nodes=10**5
+    )
+    if not solution.success:
+        raise RunError(f"exact slider: {solution.message}")
+    pressure, load, moment = solution.sol(np.linspace(0, 1, SLIDER_NODES))
     return float(pressure.max()), float(load[-1]), float(moment[-1] / load[-1])
