@@ -16,7 +16,7 @@ from squeezefilm.film.outline import read_contour
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.positions import cartesian
 from squeezefilm.film.profiles import StandingWave
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.outputs import _from_states
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds import Solution
@@ -257,7 +257,7 @@ def test_the_answers_under_an_ellipse_are_those_of_its_modes():
     """By two methods that share no more than the equation."""
     scene = pad(film(epsilon=0.44, sigma=100.0, aspect=0.8, x=0.2, y=0.1), shape="ellipse")
     forces = solve([scene], tolerance=1e-4, method="periodic", keep_states=True)
-    ((values, missing),) = _from_states([scene], forces, tolerance=1e-4, device=None)
+    ((values, missing),) = _from_states(Scenes.of([scene]), forces, tolerance=1e-4, device=None)
     assert not missing
     for name, (expected, error) in MODES.items():
         value, estimated = values[name]

@@ -120,7 +120,7 @@ def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(s
     step = 1e-3
     forces = [
         each.mean(each.density(each.settled(each.epsilon)), each.epsilon)
-        for each in (film.thicker(1 + step), film.thicker(1 - step))
+        for each in (film.with_thicker_gap(1 + step), film.with_thicker_gap(1 - step))
     ]
     slow, fast = film.stiffness(np.array([0.0, np.inf]))
     assert slow == pytest.approx((forces[1] - forces[0]) / (2 * step), rel=1e-4)

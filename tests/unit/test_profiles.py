@@ -123,9 +123,12 @@ HEADER, ROWS = GOOD.split("\n", 1)
 WRONG = {
     "an unknown column": (
         GOOD.replace("amplitude_um", "height_um"),
-        "ignored columns: 'height_um'",
+        "not understood: 'height_um'",
     ),
-    "no unit": (GOOD.replace("x_mm", "x"), "line 1: column 'x' needs a unit, one of x_m, x_mm"),
+    "no unit": (
+        GOOD.replace("x_mm", "x"),
+        "line 1: no unit is known of 'x'; write it into the header, as in x [mm]",
+    ),
     "a cell too many": (GOOD.replace("-1.50,-9.75", "-1.50,-9.75,1"), "line 2: 5 cells where"),
     "a point off the disc": (GOOD.replace("-1.50,-9.75", "-1.50,-10.75"), "line 2: the point lies"),
     "few points": ("r_mm,amplitude_um\n1,1\n2,1\n", "2 measured points (0 missing)"),

@@ -39,6 +39,11 @@ def test_a_budget_and_a_curve_are_had_by_options(edited, tmp_path, capsys, refus
 def fit(tmp_path, paper):
     path = tmp_path / "fit.json"
     values = {
+        "format": 1,
+        "ranges": {},
+        "error_scale": [0.0, 1.0],
+        "profile_uncertainty": 0.0,
+        "directions": None,
         "model": "two_factor",
         "expression": MODEL.expression,
         "parameters": list(MODEL.parameter_names),
@@ -66,7 +71,7 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
     output = str(tmp_path / "predicted.csv")
     assert main([*point, "5um,20um", "--output", output]) == 0
     assert [each == "ok" for each in pd.read_csv(output)["validity"]] == [True, False]
-    write_json({key: each for key, each in values.items() if key != "film"}, path)
+    write_json(values | {"film": None}, path)
     assert main([*point, "20um"]) == 0
     assert "not known: the fit's file does not describe its film" in capsys.readouterr().out
     write_json(values | {"film": {"gas": {}}}, path)
