@@ -83,7 +83,8 @@ def curve(table: pd.DataFrame) -> Figure:
     else:
         figure, *notes = _lines(known, result, counts, varied)
     figure.axes[0].set_title(", ".join(title), fontsize=7)
-    notes = [*notes, "Hollow: outside the limits of validity."]
+    if not known["within"].all():
+        notes.append("Hollow: outside the limits of validity.")
     if without := len(table) - len(known):
         notes.append(f"Without a result: {without} of {len(table)} points.")
     style.add_note(figure, *notes)
@@ -125,12 +126,11 @@ def _lines(
         look |= {"linestyle": "", "markerfacecolor": "white", "label": "", "zorder": 3}
         axes.plot(at[outside], value[outside], **look)
     if others:
-        axes.legend()
+        figure.legend(loc="outside upper center", ncols=3)
     predicted = any("95" in name for name in result.errors if name in known)
-    return (
-        figure,
-        f"Bars: {'prediction error (95 %)' if predicted else 'numerical error and scan'}.",
-    )
+    what = "prediction error (95 %)" if predicted else "numerical error and scan"
+    largest = f"{size * known['error'].max():.2g} {AXES[result.column][1]}"
+    return figure, f"Bars: {what}, at most {largest}."
 
 
 def _map(known: pd.DataFrame, result: Result, position: list[str]) -> tuple[Figure, str]:
