@@ -37,8 +37,9 @@ COEFFICIENTS = (1.0, 1.54)
 STATE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
 CONVERGED_CHANGE, MOST_STEPS = 3e-3, 30
-# A pressure on the edge over the ambient one in whose effects higher orders do not count.
-SMALL = 1e-3
+# Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
+# first no state may be found of a film of large amplitude, at the second rounding counts more.
+SMALL_FRACTIONS = (1e-3, 1e-4)
 # Both ends of an axis.
 ENDS = np.array([0.0, 1.0])
 
@@ -74,18 +75,27 @@ def ram_changes(
     Args and returns: as of ``mean_changes``, of one change, (2, 1, scenes).
     """
 
-    def on_grid(scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid) -> np.ndarray:
+    def on_grid(
+        scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid, *, fraction: float
+    ) -> np.ndarray:
         film, own = EdgeFilms(scenes, grid), np.stack(unknowns)
         without, with_pressure = (
             film.solve(own, edge, device)[1]
-            for edge in (film.ambient(), film.pressure_of_dragged_gas())
+            for edge in (film.ambient(), film.pressure_of_dragged_gas(fraction))
         )
         return np.array([with_pressure / without - 1])
 
-    changes = changes_with_errors(scenes, solutions, on_grid, changes=1, tolerance=STATE_TOLERANCE)
+    changes = np.full((2, 1, len(scenes)), np.nan)
+    for fraction in SMALL_FRACTIONS:
+        if np.isnan(changes).any():
+            of_grid = partial(on_grid, fraction=fraction)
+            tried = changes_with_errors(
+                scenes, solutions, of_grid, changes=1, tolerance=STATE_TOLERANCE
+            )
+            changes = np.where(np.isnan(changes), tried / fraction, changes)
     # ρ U²/2 over the ambient pressure.
     ram = [each.modified_reynolds * each.bearing_number**2 / (6 * each.sigma) for each in scenes]
-    return changes * (np.array(ram) / SMALL)
+    return changes * np.array(ram)
 
 
 def _changes_on_grid(
@@ -195,16 +205,16 @@ class EdgeFilms:
             pressures.append(-coefficient * self.bernoulli * self._square_of_inflow(velocity))
         return pressures
 
-    def pressure_of_dragged_gas(self) -> list[np.ndarray]:
+    def pressure_of_dragged_gas(self, fraction: float) -> list[np.ndarray]:
         """Return a small pressure on the edge where a sliding wall drags gas in.
 
-        It goes with the square of the wall's speed into the film and is SMALL where that is U.
+        It goes with the square of the wall's speed into the film and is a fraction where that is U.
         """
         pressure = self.ambient()
         turn = np.asarray(self.grid.turn(ENDS)).real[..., None]
         direction = np.sign(self.numbers["bearing"])[:, None, None, None]
         velocity = direction * turn[: pressure[0].shape[1]] + pressure[0]
-        pressure[0] += SMALL * self._square_of_inflow(velocity)
+        pressure[0] += fraction * self._square_of_inflow(velocity)
         return pressure
 
     def _square_of_inflow(self, velocity: np.ndarray) -> np.ndarray:
