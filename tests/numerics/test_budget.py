@@ -116,6 +116,26 @@ def test_what_first_order_slip_lacks_is_the_difference_to_the_flow_factor() -> N
     assert factor.percent == pytest.approx(0.1466 * slip.percent, rel=0.05)
 
 
+def test_an_effect_beside_the_flow_factor_holds_its_part_of_a_slipping_film() -> None:
+    """Inertia is solved with first-order slip there, and its change over that force counts too."""
+    scene = slipping(film(epsilon=0.3, sigma=1000.0, knudsen=2e-2), "fukui-kaneko")
+    (budget,) = error_budgets([scene])
+    inertia = budget.effects["inertia"]
+    before, after = (
+        each.force_n
+        for each in solve(
+            [
+                slipping(scene, "slip"),
+                slipping(scene, "slip").with_gas(inertia="included"),
+            ],
+            tolerance=1e-7,
+        )
+    )
+    part = 100 * (after / before - 1)
+    assert abs(inertia.percent - part) > 1e-3 * abs(part)
+    assert abs(inertia.percent - part) < inertia.error_percent < 0.2 * abs(part)
+
+
 def test_the_bearing_term_is_what_the_solver_puts_in() -> None:
     scene = film(epsilon=0.4, sigma=583.0, x=0.2, bearing=0.5)
     at_rest = replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.0))

@@ -312,22 +312,24 @@ def _budget(
     effects = dict.fromkeys(EFFECT_NAMES, NO_EFFECT)
     for name, without in film.without.items():
         effects[name] = Effect(*change(scene, without), included=True)
+    # First-order slip stands for the flow factor, by whose difference an effect may be off.
+    apart, apart_error = change(scene, film.reference)
+    doubt = (abs(apart) + apart_error) / 100
     for name, with_effect in film.alone.items():
-        effects[name] = Effect(*change(with_effect, film.reference))
+        percent, error = change(with_effect, film.reference)
+        effects[name] = Effect(percent, error + doubt * abs(percent))
     for name in film.unsolvable:
         effects[name] = UNKNOWN_EFFECT
     effects["depth_averaged"] = Effect(*depth_averaging_percent(film.together))
     (edge, edge_upper), (edge_error, _) = 100 * changes["edge_loss"][scene]
     effects["edge_loss"] = Effect(float(edge), float(edge_error))
     together, error = change(film.together, film.reference)
+    error += doubt * abs(together)
     if film.flow_factor:
         percent, flow_error = change(*film.flow_factor)
         # Of a film without inertia and thermal effects, which it may interact with.
-        doubt = 0.0 if film.together.viscous() == film.together else abs(percent)
-        effects["flow_factor"] = Effect(percent, flow_error + doubt)
-    else:  # first-order slip stood for the flow factor
-        apart, apart_error = change(scene, film.reference)
-        error += abs(together) * (abs(apart) + apart_error) / 100
+        interaction = 0.0 if film.together.viscous() == film.together else abs(percent)
+        effects["flow_factor"] = Effect(percent, flow_error + interaction)
     # Those of the film with all other effects, over that film's force.
     with_all = solutions[film.together].force_n / own.force_n
     if scene.bearing_number:
