@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from squeezefilm.reynolds.device import INSTRUCTION_SETS, level, rename
+from squeezefilm.reynolds.device import INSTRUCTION_SETS, instruction_set_level, rename
 
 ALL = frozenset().union(*INSTRUCTION_SETS.values())
 
@@ -13,10 +13,10 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 
 
 def test_level_is_the_highest_of_which_nothing_lacks():
-    assert level(frozenset()) == "x86-64"
-    assert level(ALL) == "x86-64-v4"
-    assert level(ALL - {"avx512vl"}) == "x86-64-v3"
-    assert level(ALL - {"fma"}) == "x86-64-v2"
+    assert instruction_set_level(frozenset()) == "x86-64"
+    assert instruction_set_level(ALL) == "x86-64-v4"
+    assert instruction_set_level(ALL - {"avx512vl"}) == "x86-64-v3"
+    assert instruction_set_level(ALL - {"fma"}) == "x86-64-v2"
 
 
 def record(*texts: bytes) -> ctypes.Array:

@@ -344,7 +344,9 @@ def parameter_units(
     Raises InputError naming the part whose units do not fit.
     """
     force, solved = UNITS["N"].dimension, dict[str, Dimension]()
-    dimensions = {name: _coherent(unit, source=f"{source}, {name}") for name, unit in units.items()}
+    dimensions = {
+        name: _coherent_dimension(unit, source=f"{source}, {name}") for name, unit in units.items()
+    }
     dimensions = {name: {name: Fraction(1)} for name in parameters} | dimensions
 
     def reduced(dimension: Dimension) -> Dimension:
@@ -406,7 +408,7 @@ def parameter_units(
     }
 
 
-def _coherent(text: str, *, source: str) -> Dimension:
+def _coherent_dimension(text: str, *, source: str) -> Dimension:
     """The dimension of a unit in which formulas are evaluated: SI, or degrees."""
     unit = compound(text)
     if unit is None or unit.size != 1:

@@ -127,7 +127,7 @@ class NotAKey:
     """Marks an attribute of one of the film's types that no file has."""
 
     def __get_pydantic_core_schema__(self, source: Any, _: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(_unknown)
+        return core_schema.no_info_plain_validator_function(_refuse_key)
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -135,7 +135,7 @@ class NotAKey:
         raise PydanticOmit
 
 
-def _unknown(value: Any) -> Any:
+def _refuse_key(value: Any) -> Any:
     raise PydanticCustomError("extra_forbidden", "Extra inputs are not permitted")
 
 

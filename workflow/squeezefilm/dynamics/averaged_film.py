@@ -108,13 +108,13 @@ class AveragedFilm:
 
     def response(self, modulation: np.ndarray) -> np.ndarray:
         """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
-        psi, on_edge, at_once = self._rise_of_amplitude
+        psi, on_edge, at_once = self._amplitude_derivatives
         return self._mean_pressure_gain(modulation, psi, on_edge, at_once) / self.mean(
             psi, self.epsilon
         )
 
     @cached_property
-    def _rise_of_amplitude(self) -> tuple[np.ndarray, np.ndarray, float]:
+    def _amplitude_derivatives(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Return ψ, ∂w/∂ln ε on the film edge, and the instantaneous ∂⟨p⟩/∂ln ε."""
         epsilon, psi = self.epsilon, self.density(self.settled(self.epsilon))
         on_edge = _slope(lambda ratio: self.edge_w(epsilon * ratio))

@@ -443,7 +443,7 @@ def _unfolded(unknowns: np.ndarray, grid: Grid, whole: Grid) -> np.ndarray:
     """Return a state with inertia on a grid of the same nodes and no symmetry."""
     nodes = grid.x.at(whole.x.nodes), grid.y.at(whole.y.nodes)
     flux = [
-        flux_points(one).carried_to(flux_points(other))  # type: ignore[arg-type]
+        flux_points(one).interpolation_to(flux_points(other))  # type: ignore[arg-type]
         for one, other in ((grid.x, whole.x), (grid.y, whole.y))
     ]
     matrices = nodes, (flux[0], nodes[1]), (nodes[0], flux[1])

@@ -385,12 +385,12 @@ def known_processor(device: Any) -> str:
     unknown = _of_pocl(device) and device.version.strip().endswith(f"-{GENERIC_PROCESSOR}")
     if not (unknown and platform.machine() == "x86_64" and CPU_INFO.exists()):
         return ""
-    name = level(processor_flags())
+    name = instruction_set_level(processor_flags())
     rename(device.int_ptr, name)
     return name
 
 
-def level(flags: frozenset[str]) -> str:
+def instruction_set_level(flags: frozenset[str]) -> str:
     """The highest level of which a processor has all."""
     highest = "x86-64"
     for name, added in INSTRUCTION_SETS.items():

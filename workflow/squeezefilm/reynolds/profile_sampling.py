@@ -23,7 +23,7 @@ from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
 
 LEVELS = (24, 48, 96, 192, MOST_NODES)
 # Points at which the first interpolant is checked, and the others, which are tried where it fails.
-FEW, MANY = 100, 1000
+FIRST_CHECK_POINTS, LATER_CHECK_POINTS = 100, 1000
 # Numbers of samples that are worked on at a time: more would fall out of the caches.
 TOGETHER = 2**17
 
@@ -256,7 +256,7 @@ class _Sampler:
         self.line = line = axis(points, False)
         across: Axis | Around = around(points + 2, False, False) if coordinates else line
         self.across, order = across, points + 1
-        u, v = _between(FEW if points == LEVELS[0] else MANY)
+        u, v = _between(FIRST_CHECK_POINTS if points == LEVELS[0] else LATER_CHECK_POINTS)
         ends = np.ones(order + 1)
         ends[[0, -1]] = 0.5
         cosines = np.cos(np.pi * np.outer(np.arange(order + 1), np.arange(order + 1)) / order)

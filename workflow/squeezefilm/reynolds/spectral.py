@@ -480,7 +480,7 @@ class FluxPoints:
         """Interpolation from all points to all nodes inside, (full_points, full_points)."""
         return self.at(self.axis.all_nodes[1:-1])
 
-    def carried_to(self, finer: FluxPoints) -> np.ndarray:
+    def interpolation_to(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""
         return self.axis.fold(self.at(finer.all_points), odd=True, rows=finer.axis.points)
 
@@ -526,7 +526,7 @@ class AroundPoints:
     def to_nodes(self) -> np.ndarray:
         return np.eye(self.axis.full_points)
 
-    def carried_to(self, finer: AroundPoints) -> np.ndarray:
+    def interpolation_to(self, finer: AroundPoints) -> np.ndarray:
         return self.axis.at(finer.axis.nodes, odd=True)
 
 

@@ -48,11 +48,11 @@ def plot(options: argparse.Namespace) -> None:
     if options.figure.endswith(tables):
         from squeezefilm_workflow.reporting.figures.curve import curve
 
-        return _draw_table(options.figure, ("h0_m", "hv_m"), curve, options.output)
+        return _save_figure_of_table(options.figure, ("h0_m", "hv_m"), curve, options.output)
     if options.figure == "profile" and options.results and options.results.suffix in tables:
         from squeezefilm_workflow.reporting.figures.maps import PROFILE_COLUMNS, profile_of
 
-        return _draw_table(options.results, PROFILE_COLUMNS, profile_of, options.output)
+        return _save_figure_of_table(options.results, PROFILE_COLUMNS, profile_of, options.output)
     check_formats(options.output, (*PICTURES, ".csv"))
     if options.results is None:
         raise InputError(f"{options.figure}: give the folder of the study's results too")
@@ -68,7 +68,7 @@ def plot(options: argparse.Namespace) -> None:
     save(figures[place], Results.of(options.results, options.config), options.output)
 
 
-def _draw_table(
+def _save_figure_of_table(
     path: Path | str,
     columns: Sequence[str],
     draw: Callable[[pd.DataFrame], Figure],

@@ -36,7 +36,7 @@ from squeezefilm_workflow.verification.films import STEEPEST
 # Ranges of Re, σ, ε, h0 in m and, of a sliding pad, its speed in m/s.
 REYNOLDS, SIGMA, EPSILON = (0.1, 10.0), (5.0, 2500.0), (0.1, 0.6)
 H0_RANGE_M, SPEED_RANGE_M_PER_S = (4e-6, 25e-6), (0.02, 0.5)
-ASPECT, OFF_CENTRE = (0.6, 1.6), 0.25
+ASPECT_RANGE, OFF_CENTRE = (0.6, 1.6), 0.25
 SLIDING_PROBABILITY, OFF_CENTRE_PROBABILITY, SLIP_PROBABILITY, UNIFORM_GAP_PROBABILITY = (
     0.1,
     0.3,
@@ -230,7 +230,7 @@ def _drawn(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
     pressure_height = gas.ambient_pressure_pa * h0_m**2
     length_m = sqrt(sigma * pressure_height / (12 * gas.viscosity_pa_s * omega))
     shape = str(random.choice(list(SHAPES), p=list(SHAPES.values())))
-    aspect = 1.0 if shape == "disc" else _between(random, ASPECT)
+    aspect = 1.0 if shape == "disc" else _between(random, ASPECT_RANGE)
     sliding = shape != "disc" and random.uniform() < SLIDING_PROBABILITY
     speed_m_per_s = _between(random, SPEED_RANGE_M_PER_S) if sliding else 0.0
     kind = str(random.choice(list(PROFILES), p=list(PROFILES.values())))

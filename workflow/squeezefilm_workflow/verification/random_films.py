@@ -43,7 +43,7 @@ GROUPS = {
 PROFILES = {"piston": 8, "smooth": 34, "measured": 14, "ridge": 18, "kink": 6, "narrow": 20}
 EPSILON, SIGMA, BEARING = (0.01, 0.98), (0.1, 1e6), (0.1, 300.0)
 REYNOLDS, MOST_EPSILON_REYNOLDS = (0.05, 5.0), 2.0
-KNUDSEN, ASPECT = (1e-3, 0.1), (0.5, 1.0)
+KNUDSEN, ASPECT_RANGE = (1e-3, 0.1), (0.5, 1.0)
 CENTRED, FARTHEST = 0.25, 0.3
 LIMITS = {
     "shaped gap": {"epsilon": (0.01, 0.9), "sigma": (1.0, 1e5)},
@@ -144,7 +144,7 @@ def random_film(
         case "slip":
             return replace(drawn, knudsen=_between(random, KNUDSEN))
         case "ellipse":
-            return replace(drawn, aspect=_between(random, ASPECT))
+            return replace(drawn, aspect=_between(random, ASPECT_RANGE))
         case "inertia" | "thermal":
             reynolds = _between(random, limits.get("reynolds", REYNOLDS))
             reynolds = min(reynolds, MOST_EPSILON_REYNOLDS / drawn.epsilon)

@@ -17,7 +17,7 @@ STIFF_FACTOR, FREE_FLOW_FACTOR, FREE_FLOW_SIGMA = 0.8, 6.0, 6.0
 STREAMING_FACTOR = 1.5
 SHAPE_FACTOR = 0.02
 SLIP_FRACTION = 0.5
-INERTIA_SLOPES, INERTIA_CORNERS, INERTIA_SQUARE = 1.8, 1.2, 2.0
+INERTIA_SLOPES, INERTIA_CORNER_FACTOR, INERTIA_SQUARE = 1.8, 1.2, 2.0
 # Forces on two grids can agree by cancellation where the densities do not.
 DENSITY_FRACTION = 0.1
 
@@ -268,7 +268,7 @@ class Films:
             return 0.0
         corners = self.profile_squared[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1) / self.aspect
         spread = np.maximum(np.log(self.sigma) - 2.2, 0.5)
-        uneven = INERTIA_SLOPES * self.edge_unevenness + INERTIA_CORNERS * spread * corners
+        uneven = INERTIA_SLOPES * self.edge_unevenness + INERTIA_CORNER_FACTOR * spread * corners
         return self.epsilon**2 * uneven * self.reynolds / 10 / self.decay_number
 
     @cached_property

@@ -41,7 +41,7 @@ ITERATION_FRACTION_OF_ONE = 0.5
 CONTINUATION_FACTOR = 0.04
 # And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
 # error alone.
-KEPT_STATE_FACTOR = 0.04
+KEPT_STATE_ITERATION_FRACTION = 0.04
 # Launches under way at a time: the host looks at one while the device is at the other.
 IN_FLIGHT = 2
 # Scenes of a launch.
@@ -89,7 +89,7 @@ class Refinement:
     ) -> None:
         """Let scenes go through some grids, from rest or from a guess, with one of the launches."""
         left = (
-            (KEPT_STATE_FACTOR if self.keep_states else 1.0)
+            (KEPT_STATE_ITERATION_FRACTION if self.keep_states else 1.0)
             * ITERATION_FRACTION_OF_ONE
             * self.tolerance
         )
@@ -216,15 +216,17 @@ class Refinement:
             for k in np.flatnonzero(failed).tolist():
                 ending = STATUS_TEXTS[states.status[k]]
                 advice = fewer_operations(batch.terms) if ending == OVER_LIMIT else ""
-                status[rows[k]] = f"{ending} ({_size(states.grid)}){advice}"
+                status[rows[k]] = f"{ending} ({_grid_text(states.grid)}){advice}"
         before = stages[-2:][0]
         self.write_grid(rows[(outcome == NO_STATE) & (before.status != 0)], before.grid)
         for row in rows[outcome == NEGATIVE]:
-            status[row] = f"not converged: the pressure is not positive everywhere ({_size(grid)})"
+            status[row] = (
+                f"not converged: the pressure is not positive everywhere ({_grid_text(grid)})"
+            )
         limit, advice = f"within {MOST_WORK:.0e} operations", fewer_operations(batch.terms)
         if finer_grid(grid, room=self.room) is None:
             limit, advice = "on the finest grid", ""
-        reason = f"not converged: tolerance not reached {limit} ({_size(grid)})"
+        reason = f"not converged: tolerance not reached {limit} ({_grid_text(grid)})"
         for k in np.flatnonzero(outcome == EXHAUSTED).tolist():
             text = error_text(error[k], allowed=allowed[k], force=stages[-1].mean[k])
             status[rows[k]] = f"{reason}: {text}{advice}"
@@ -266,7 +268,7 @@ def solve_periodic(
             refinement.wait(alike, terms, grids)
             continue
         refinement.write_grid(alike, grids[-1])
-        reason = f"{OVER_LIMIT} ({_size(grids[-1])}){fewer_operations(terms)}"
+        reason = f"{OVER_LIMIT} ({_grid_text(grids[-1])}){fewer_operations(terms)}"
         solutions.status[alike] = reason
         report(len(alike))
     size = min(max(-(-count // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
@@ -276,7 +278,7 @@ def solve_periodic(
             while refinement.waiting and len(flying) < IN_FLIGHT:
                 flying.append(launch(refinement.next_launch(most=size), device=device))
             landing = flying.popleft()
-            progress.doing = _size(landing.batches[0].grids[-1])
+            progress.doing = _grid_text(landing.batches[0].grids[-1])
             landed = zip(landing.batches, landing.states(device), strict=True)
             finished = sum(
                 refinement.accept_or_refine(*finished_launch) for finished_launch in landed
@@ -293,6 +295,6 @@ def fewer_operations(terms: Terms) -> str:
     return f"; take a larger tolerance{' or no ' if dear else ''}{' and '.join(dear)}"
 
 
-def _size(grid: Grid) -> str:
+def _grid_text(grid: Grid) -> str:
     across, along = grid.across
     return f"{across} × {along} × {grid.nt} points"

@@ -117,7 +117,7 @@ class Inertia(VelocityTerm):
 
     def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
         pairs = zip("xy", _points(coarse), _points(fine), strict=True)
-        return {f"carry_flux_{axis}": its.carried_to(finer) for axis, its, finer in pairs}
+        return {f"carry_flux_{axis}": its.interpolation_to(finer) for axis, its, finer in pairs}
 
 
 def steepness(scene: OperatingPoints) -> Any:

@@ -30,7 +30,7 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     figure = style.new_figure(wide=wide, height_in=2.75)
     panels = figure.subplots(1, len(scalings), squeeze=False, sharey=True)[0]
     for letter, axes, scaling in zip("abcdefgh", panels, scalings, strict=False):
-        _draw_searches(axes, data[data["scaling"] == scaling])
+        _draw_design_triangles(axes, data[data["scaling"] == scaling])
         parts.set_up_plane(axes, screen)
         axes.set_title(f"({letter}) " * wide + _TITLES[scaling])
         axes.label_outer()
@@ -39,7 +39,7 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     return figure, data
 
 
-def _draw_searches(axes: Axes, data: pd.DataFrame) -> None:
+def _draw_design_triangles(axes: Axes, data: pd.DataFrame) -> None:
     searches = data["search"].nunique()
     for order, (pattern, searches_of_pattern) in enumerate(data.groupby("pattern", sort=True)):
         colour, marker = _LOOKS[order % len(_LOOKS)]
