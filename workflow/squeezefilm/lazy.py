@@ -13,7 +13,9 @@ else:
             self._package = package
 
         def __getattr__(self, name: str) -> Any:
-            return getattr(import_module(self._package), name)
+            value = getattr(import_module(self._package), name)
+            setattr(self, name, value)
+            return value
 
     pd, cl = _Lazy("pandas"), _Lazy("pyopencl")
 

@@ -102,36 +102,34 @@ def _changes_on_grid(
     scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid, *, device: Device
 ) -> np.ndarray:
     """Changes of the mean pressure over it on one grid, (coefficients, scenes)."""
-    film = EdgeFilms(scenes, grid)
-    own, mean = film.solve(np.stack(unknowns), film.ambient(), device)
-    changes = []
-    state, edge, change = own, film.ambient(), np.zeros(len(scenes))
-    for coefficient in COEFFICIENTS:
-        settled = np.zeros(len(scenes), dtype=bool)
-        step, moved = np.ones(len(scenes)), np.full(len(scenes), np.inf)
-        for _ in range(MOST_STEPS):
-            new = film.pressure_of_inflow(state, edge, coefficient)
-            moves = [pressure - known for pressure, known in zip(new, edge, strict=True)]
-            before, moved = moved, np.max([_largest(move) for move in moves], axis=0)
-            # High harmonics of a large loss overshoot.
-            step = np.where(moved > before, step / 4, step)
-            columns = step[:, None, None, None]
-            tried = [known + columns * move for known, move in zip(edge, moves, strict=True)]
-            new_state, mean_with_loss = film.solve(state, tried, device)
-            failed = np.isnan(mean_with_loss)
-            last, change = change, np.where(failed, change, mean_with_loss / mean - 1)
-            settled = ~failed & (
-                np.abs(change - last) <= step * CONVERGED_CHANGE / 2 * np.abs(change)
-            )
-            # Where Newton's method does not follow, a shorter step is tried.
-            keep = failed[:, None, None, None]
-            edge = [np.where(keep, known, new) for known, new in zip(edge, tried, strict=True)]
-            state = np.where(keep[..., None], state, new_state)
-            step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
-            if settled.all():
-                break
-        changes.append(np.where(settled, change, np.nan))
-    return np.array(changes)
+    copies = 1 + len(COEFFICIENTS)
+    coefficients = np.repeat([0.0, *COEFFICIENTS], len(scenes))
+    film = EdgeFilms(scenes[np.tile(np.arange(len(scenes)), copies)], grid)
+    state, edge = np.concatenate([np.stack(unknowns)] * copies), film.ambient()
+    change = np.zeros(len(coefficients))
+    step, moved = np.ones(len(coefficients)), np.full(len(coefficients), np.inf)
+    for _ in range(MOST_STEPS):
+        new = film.pressure_of_inflow(state, edge, coefficients)
+        moves = [pressure - known for pressure, known in zip(new, edge, strict=True)]
+        before, moved = moved, np.max([_largest(move) for move in moves], axis=0)
+        # High harmonics of a large loss overshoot.
+        step = np.where(moved > before, step / 4, step)
+        columns = step[:, None, None, None]
+        tried = [known + columns * move for known, move in zip(edge, moves, strict=True)]
+        new_state, mean = film.solve(state, tried, device)
+        without_loss = np.tile(mean[: len(scenes)], copies)
+        failed = np.isnan(mean)
+        last, change = change, np.where(failed, change, mean / without_loss - 1)
+        settled = ~failed & (np.abs(change - last) <= step * CONVERGED_CHANGE / 2 * np.abs(change))
+        # Where Newton's method does not follow, a shorter step is tried.
+        keep = failed[:, None, None, None]
+        edge = [np.where(keep, known, new) for known, new in zip(edge, tried, strict=True)]
+        state = np.where(keep[..., None], state, new_state)
+        step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
+        if settled.all():
+            break
+    changes = np.where(settled, change, np.nan)
+    return np.asarray(changes.reshape(copies, -1)[1:])
 
 
 class EdgeFilms:
@@ -177,13 +175,15 @@ class EdgeFilms:
         return states.unknowns, np.where(states.status == 0, mean, np.nan)
 
     def pressure_of_inflow(
-        self, unknowns: np.ndarray, edge: list[np.ndarray], coefficient: float
+        self, unknowns: np.ndarray, edge: list[np.ndarray], coefficients: np.ndarray
     ) -> list[np.ndarray]:
         """Return the pressure on the edge by the velocity of a state that has some pressure there.
 
         Args:
             unknowns: gauge pressure and deficits of the velocity, (scenes, fields, nx, ny, times).
+            coefficients: C of each scene.
         """
+        scale = coefficients[:, None, None, None] * self.bernoulli
         pressures = []
         for k, (axis, gap, at_ends) in enumerate(
             zip(self.axes, self.gap_at_ends, edge, strict=True)
@@ -202,7 +202,7 @@ class EdgeFilms:
                 at = FluxPoints(axis).at(axis.all_nodes[ends])
                 deficit_at = axis.fold(at, odd=True, rows=len(ends))
                 velocity -= np.einsum("en,snqt->seqt", deficit_at, deficit)
-            pressures.append(-coefficient * self.bernoulli * self._square_of_inflow(velocity))
+            pressures.append(-scale * self._square_of_inflow(velocity))
         return pressures
 
     def pressure_of_dragged_gas(self, fraction: float) -> list[np.ndarray]:
