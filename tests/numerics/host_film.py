@@ -21,6 +21,12 @@ class Fields(fields.Fields):
     def gradient(self, values: np.ndarray) -> np.ndarray:
         return np.stack([self.x_derivative(values), self.y_derivative(values)])
 
+    def on_all_nodes(self, values: np.ndarray) -> np.ndarray:
+        """Values at the unknowns with zeros on the edge."""
+        everywhere = np.zeros(self.gap.shape)
+        everywhere[self.inner] = values
+        return everywhere
+
 
 def fields_of(scenes: Sequence[Scene], solutions: Sequence[Solution], *, grid: int = -1) -> Fields:
     """The films of ``alike`` scenes, by default on the finer grid."""

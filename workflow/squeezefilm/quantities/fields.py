@@ -130,15 +130,11 @@ class Fields:
         """What an outline has at the nodes, (x, y, 1); a number under a rectangle."""
         return np.asarray(of(self.grid.x.all_nodes[: self.gap.shape[1]]))[..., None]
 
-    @cached_property
-    def weights(self) -> np.ndarray:
-        """Weights of the mean over film and period, (x, y, 1)."""
-        over_pad = np.multiply.outer(*map(weights_with_edge, (self.grid.x, self.grid.y)))
-        return np.asarray(over_pad[..., None] * self.area * self.grid.mean_area / self.grid.nt)
-
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Mean over film and period, (scenes,)."""
-        return np.einsum("sxyt,xyz->s", values, self.weights)
+        """Mean over film and period, shape (..., scenes)."""
+        along, around = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
+        over_pad = self.area[..., 0] * self.grid.mean_area * np.multiply.outer(along, around)
+        return np.asarray((values.mean(axis=-1) * over_pad).sum(axis=(-2, -1)))
 
     def numbers(self, name: str, *, absent: float) -> np.ndarray:
         """A number that a term gives the scenes, a column, or what it is without the term."""
