@@ -127,7 +127,7 @@ class Fields:
         return self._on_nodes(self.grid.bend)
 
     def _on_nodes(self, of: Callable[[np.ndarray], np.ndarray | float]) -> np.ndarray:
-        """What an outline has at the nodes, (x, y, 1); a number under a rectangle."""
+        """Return values of an outline at the nodes, (x, y, 1), or one of a rectangle."""
         return np.asarray(of(self.grid.x.all_nodes[: self.gap.shape[1]]))[..., None]
 
     def mean(self, values: np.ndarray) -> np.ndarray:
