@@ -85,8 +85,8 @@ MUTATIONS = {
     ),
     "edge pressure": Mutation(
         "quantities/edge_loss.py",
-        "-coefficient * self.bernoulli * self._square_of_inflow",
-        "+coefficient * self.bernoulli * self._square_of_inflow",
+        "return -coefficient * films.sigma",
+        "return +coefficient * films.sigma",
         (f"{NUMERICS}/test_budget.py::test_the_edge_loss_is_that_of_a_strip_at_every_order",),
     ),
     "outline": Mutation(

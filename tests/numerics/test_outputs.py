@@ -56,20 +56,12 @@ def wave(crest: float, *, direction_deg: float = 0.0) -> StandingWave:
     return StandingWave(length_m, direction_deg, crest_m=crest * length_m)
 
 
-class WithUnknowns(Fields):
-    """A film's fields and the state that they are of."""
-
-    unknowns: np.ndarray
-
-
-def on_nodes(scene: Scene, *, points: int, instants: int) -> WithUnknowns:
+def on_nodes(scene: Scene, *, points: int, instants: int) -> Fields:
     """The film's own fields on one grid, whole."""
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     assert state.status[0] == 0
-    fields = WithUnknowns([scene], grid, state.gauge_pressure_ratio)
-    fields.unknowns = state.unknowns[0]
-    return fields
+    return Fields.of([scene], grid, state.unknowns)
 
 
 @pytest.mark.parametrize("sigma", [2.0, 20.0, 300.0])
@@ -187,7 +179,7 @@ def test_thrust_of_a_gas_with_inertia_lacks_half_of_what_leaves_over_the_rim(
     fields = on_nodes(scene, points=32, instants=16)
     # In units of p0 h0/l0 times the area.
     unit = FORCE_N * H0_M / LENGTH_M
-    out = momentum_from_inside(scene, fields.grid, fields.unknowns)[0] / unit
+    out = momentum_from_inside(scene, fields.grid, fields.unknowns[0])[0] / unit
     if rarefaction == "slip":
         slip = scene.slip_knudsen
         out *= (1 + 10 * slip + 30 * slip**2) / (1 + 6 * slip) ** 2

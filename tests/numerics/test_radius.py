@@ -13,7 +13,8 @@ from squeezefilm.film.profiles import BesselMode, Formula, Profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.derivatives import with_derivatives
-from squeezefilm.quantities.edge_loss import EdgeFilms, mean_changes
+from squeezefilm.quantities.edge_loss import added_by_edge, mean_changes
+from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds import Solution
@@ -124,11 +125,12 @@ def test_errors_fall_along_the_radius():
 def test_a_pressure_that_the_edge_shares_with_the_film_drives_no_flow():
     """What a pressure on the edge adds is the other part of the Laplacian of a constant."""
     grid = Grid(12, 1, 12, True, True)
-    films = EdgeFilms([disc()], grid)
-    (rise,) = edge = [np.full_like(films.gap_at_ends[0], 0.01)]
-    viscous = (rise + rise**2 / 2) * films.gap_at_ends[0] ** 1.5
-    inside = films.gap**1.5 * viscous * grid.x.second_derivative.sum(axis=1)[:, None, None]
-    flow = films.arrays(edge)["edge_flow"]
+    films = Fields.of([disc()], grid, np.zeros((1, 1, *grid.shape)))
+    films, rise = replace(films, edge=0.01 * films.inward[0] + films.edge), 0.01
+    viscous = (rise + rise**2 / 2) * films.gap[:, :1] ** 1.5
+    second = grid.x.second_derivative.sum(axis=1)[:, None, None]
+    inside = films.gap[films.inner] ** 1.5 * viscous * second
+    flow = added_by_edge(films)["edge_flow"]
     assert np.abs(flow + inside).max() < 1e-11 * np.abs(flow).max()
 
 

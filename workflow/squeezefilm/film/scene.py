@@ -375,18 +375,8 @@ class Scenes(OperatingPoints, Sequence[Scene]):
             if parts not in known:
                 known[parts] = films.setdefault(scene.film, len(films))
             index.append(known[parts])
-        columns = np.array(
-            [
-                (
-                    operating_point.h0_m,
-                    operating_point.hv_m,
-                    operating_point.x_m,
-                    operating_point.y_m,
-                )
-                for operating_point in scenes
-            ]
-        )
-        point_id = np.array([operating_point.point_id for operating_point in scenes], dtype=object)
+        columns = np.array([(scene.h0_m, scene.hv_m, scene.x_m, scene.y_m) for scene in scenes])
+        point_id = np.array([scene.point_id for scene in scenes], dtype=object)
         h0_m, hv_m, x_m, y_m = columns.reshape(-1, 4).T.copy()
         return cls(tuple(films), np.array(index), h0_m, hv_m, x_m, y_m, point_id)
 

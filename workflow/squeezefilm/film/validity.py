@@ -142,10 +142,8 @@ def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[
     limits = [limit for limit in LIMITS if limit.symbol in symbols]
     values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
-    beyond = ~(
-        np.array([values[validity_limit.symbol] for validity_limit in limits])
-        <= [[e.bound] for e in limits]
-    )
+    bounds = [[limit.bound] for limit in limits]
+    beyond = ~(np.array([values[limit.symbol] for limit in limits]) <= bounds)
     for at in np.flatnonzero(beyond.any(axis=1)).tolist():
         limit = limits[at]
         for row in np.flatnonzero(beyond[at] & FILMS[limit.films](scenes)).tolist():

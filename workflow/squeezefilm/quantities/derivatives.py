@@ -7,7 +7,6 @@ All is done on the kept states' two grids, whose difference gives the error.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -42,15 +41,10 @@ def with_derivatives(
     *,
     tolerance: float,
     device: Device | None = None,
-    names: Sequence[str] = tuple(DERIVATIVES),
 ) -> Solutions:
     """The scenes' forces, as ``solve`` gave them, with derivatives, by the states if it kept them.
 
     They are those of the periodic state, by whichever method its force was found.
-
-    Args:
-        names: of the numbers, of DERIVATIVES, that the force is differentiated to; the derivatives
-            to others are NaN.
     """
     tolerance = max(tolerance, LEAST_TOLERANCE)
     solutions = Solutions.of(solutions)
@@ -62,21 +56,18 @@ def with_derivatives(
         results[row] = Derivatives(status=status)
     device = device or choose_device()
     for rows in groups_on_equal_grids(films, solved, numbers=MOST_TOGETHER):
-        how: dict[str, Any] = {"tolerance": tolerance, "device": device, "names": names}
-        for row, derivatives_of_scene in zip(
-            rows, _derivatives(films[rows], solved[rows], **how), strict=True
-        ):
-            results[known[row]] = derivatives_of_scene
+        of_group = _derivatives(films[rows], solved[rows], tolerance=tolerance, device=device)
+        for row, derivatives_of_scene in zip(known[rows].tolist(), of_group, strict=True):
+            results[row] = derivatives_of_scene
     return solutions.with_column("derivatives", results)
 
 
 def _derivatives(
-    scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device, names: Sequence[str]
+    scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device
 ) -> list[Derivatives]:
     """Derivatives of scenes of like terms, by two grids."""
     (before, _), (growth, missed) = (
-        _growths(scenes, solutions, grid, tolerance=tolerance, device=device, names=names)
-        for grid in (0, 1)
+        _growths(scenes, solutions, grid, tolerance=tolerance, device=device) for grid in (0, 1)
     )
     change = np.abs(growth - before)
     # A derivative may agree by chance, or be small because its parts cancel; not all do.
@@ -85,9 +76,7 @@ def _derivatives(
         change = np.where(growth != 0, np.fmax(change, FRACTION_OF_OTHERS * largest), 0.0)
     factor, _ = remainder(scenes, solutions, tolerance=tolerance)
     error = factor * change + missed
-    return [
-        _record(scene, growth[:, k], error[:, k], names=names) for k, scene in enumerate(scenes)
-    ]
+    return [_record(scene, growth[:, k], error[:, k]) for k, scene in enumerate(scenes)]
 
 
 def _growths(
@@ -97,21 +86,18 @@ def _growths(
     *,
     tolerance: float,
     device: Device,
-    names: Sequence[str],
 ) -> tuple[np.ndarray, np.ndarray]:
     """The mean forces' growth with each number times its unit (``_unit``), by one grid.
 
     Returns:
         The growths in newtons and what iterations and differences may leave of them, each of shape
-        (numbers, scenes); NaN for a number that is not asked for or has no films beside.
+        (numbers, scenes); NaN for a number that has no films beside.
     """
     own = [states[grid_index] for states in solutions.states]
     grid, state = own[0].grid, np.stack([each.unknowns for each in own])
     growth, missed = np.full((2, len(DERIVATIVES), len(scenes)), np.nan)
     folded = {"x_m": grid.fold_x, "y_m": grid.fold_y}
     for k, number in enumerate(DERIVATIVES):
-        if number not in names:
-            continue
         beside = [
             with_number_changed(scene, number, sign * DIFFERENCE_STEP * _unit(scene, number))
             for sign in (1, -1)
@@ -152,13 +138,10 @@ def _equation(scene: Scene) -> object:
     return numbers_table(scenes, terms_of(scene)).tobytes(), scenes.pad_positions[0]
 
 
-def _record(
-    scene: Scene, growth: np.ndarray, error: np.ndarray, *, names: Sequence[str]
-) -> Derivatives:
+def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
     """A scene's derivatives, those to its place turned into the actuator's axes."""
-    asked = np.array([name in names for name in DERIVATIVES])
     # A gas with thermal effects has no other polytropic exponent: that derivative alone is missing.
-    needed = asked & np.array([name != "polytropic_exponent" for name in DERIVATIVES])
+    needed = [name != "polytropic_exponent" for name in DERIVATIVES]
     if not np.isfinite(error[needed]).all():
         return Derivatives(status=NEIGHBOUR_NOT_CONVERGED)
     units, pad = [_unit(scene, number) for number in DERIVATIVES], scene.pad

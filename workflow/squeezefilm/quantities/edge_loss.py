@@ -12,23 +12,18 @@ the film's state are solved for in turn, each with the other's last one, until t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.fields import Fields
-from squeezefilm.quantities.states import EDGE_PRESSURE, changes_with_errors, weights_with_edge
+from squeezefilm.quantities.fields import Fields, along, dot, even_columns
+from squeezefilm.quantities.sheared_gas import wall_speed, wall_velocity
+from squeezefilm.quantities.states import changes_with_errors, solved_beside
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.spectral import Axis, FluxPoints
-from squeezefilm.reynolds.terms.rarefaction import (
-    flow_over_viscous,
-    slip_flow,
-    slip_growth,
-    slip_of,
-)
+from squeezefilm.reynolds.spectral import FluxPoints
+from squeezefilm.reynolds.terms.rarefaction import slip_flow, slip_growth, slip_of
 from squeezefilm.solution import Solution
 
 # Coefficients C of a plug and of a parabola.
@@ -40,8 +35,6 @@ CONVERGED_CHANGE, MOST_STEPS = 3e-3, 30
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
 # first no state may be found of a film of large amplitude, at the second rounding counts more.
 SMALL_FRACTIONS = (1e-3, 1e-4)
-# Both ends of an axis.
-ENDS = np.array([0.0, 1.0])
 
 
 def mean_changes(
@@ -75,14 +68,10 @@ def ram_changes(
     Args and returns: as of ``mean_changes``, of one change, (2, 1, scenes).
     """
 
-    def on_grid(
-        scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid, *, fraction: float
-    ) -> np.ndarray:
-        film, own = EdgeFilms(scenes, grid), np.stack(unknowns)
-        without, with_pressure = (
-            film.solve(own, edge, device)[1]
-            for edge in (film.ambient(), film.pressure_of_dragged_gas(fraction))
-        )
+    def on_grid(films: Fields, *, fraction: float) -> np.ndarray:
+        square = square_of_inflow(films, wall_velocity(films) / np.abs(wall_speed(films)))
+        _, without = solved_with_edge(films, 0 * square, device=device)
+        _, with_pressure = solved_with_edge(films, fraction * square, device=device)
         return np.array([with_pressure / without - 1])
 
     changes = np.full((2, 1, len(scenes)), np.nan)
@@ -98,197 +87,95 @@ def ram_changes(
     return changes * np.array(ram)
 
 
-def _changes_on_grid(
-    scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid, *, device: Device
-) -> np.ndarray:
+def _changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
     """Changes of the mean pressure over it on one grid, (coefficients, scenes)."""
-    copies = 1 + len(COEFFICIENTS)
-    coefficients = np.repeat([0.0, *COEFFICIENTS], len(scenes))
-    film = EdgeFilms(scenes[np.tile(np.arange(len(scenes)), copies)], grid)
-    state, edge = np.concatenate([np.stack(unknowns)] * copies), film.ambient()
-    change = np.zeros(len(coefficients))
-    step, moved = np.ones(len(coefficients)), np.full(len(coefficients), np.inf)
+    count, copies = len(films.scenes), 1 + len(COEFFICIENTS)
+    rows, coefficients = np.tile(np.arange(count), copies), np.repeat([0.0, *COEFFICIENTS], count)
+    films = Fields.of(films.scenes[rows], films.grid, films.unknowns[rows])
+    change = np.zeros(len(rows))
+    step, moved = np.ones(len(rows)), np.full(len(rows), np.inf)
     for _ in range(MOST_STEPS):
-        new = film.pressure_of_inflow(state, edge, coefficients)
-        moves = [pressure - known for pressure, known in zip(new, edge, strict=True)]
-        before, moved = moved, np.max([_largest(move) for move in moves], axis=0)
+        move = pressure_of_inflow(films, coefficients) - films.edge
+        before, moved = moved, np.abs(move).max(axis=(1, 2, 3))
         # High harmonics of a large loss overshoot.
         step = np.where(moved > before, step / 4, step)
-        columns = step[:, None, None, None]
-        tried = [known + columns * move for known, move in zip(edge, moves, strict=True)]
-        new_state, mean = film.solve(state, tried, device)
-        without_loss = np.tile(mean[: len(scenes)], copies)
-        failed = np.isnan(mean)
+        edge = films.edge + step[:, None, None, None] * move
+        tried, mean = solved_with_edge(films, edge, device=device)
+        failed, without_loss = np.isnan(mean), np.tile(mean[:count], copies)
         last, change = change, np.where(failed, change, mean / without_loss - 1)
         settled = ~failed & (np.abs(change - last) <= step * CONVERGED_CHANGE / 2 * np.abs(change))
         # Where Newton's method does not follow, a shorter step is tried.
         keep = failed[:, None, None, None]
-        edge = [np.where(keep, known, new) for known, new in zip(edge, tried, strict=True)]
-        state = np.where(keep[..., None], state, new_state)
+        films = replace(
+            films,
+            edge=np.where(keep, films.edge, edge),
+            unknowns=np.where(keep[..., None], films.unknowns, tried.unknowns),
+        )
         step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
         if settled.all():
             break
     changes = np.where(settled, change, np.nan)
-    return np.asarray(changes.reshape(copies, -1)[1:])
+    return np.asarray(changes.reshape(copies, count)[1:])
 
 
-class EdgeFilms:
-    """Films of like terms on one grid, and what a pressure on their edge adds to the equation.
+def solved_with_edge(
+    films: Fields, edge: np.ndarray, *, device: Device
+) -> tuple[Fields, np.ndarray]:
+    """Return states with a pressure on the edge, and their means, NaN where there is none."""
+    films = replace(films, edge=edge)
+    return solved_beside(films, added_by_edge(films), tolerance=STATE_TOLERANCE, device=device)
 
-    A pressure on the edge is g = P − 1 at the ends of each axis that has some, of shape (scenes,
-    ends, nodes of the other axis, times); a folded axis has one end. An outline's angle has none.
+
+def pressure_of_inflow(films: Fields, coefficients: np.ndarray) -> np.ndarray:
+    """Return the pressure on the edge, P − 1, by the velocity of states that have some there.
+
+    Args:
+        coefficients: C of each scene, (scenes,).
     """
-
-    def __init__(self, scenes: Sequence[Scene], grid: Grid) -> None:
-        fields = Fields(scenes, grid, np.zeros((len(scenes), *grid.shape)))
-        self.scenes, self.grid, self.numbers = scenes, grid, fields.equation
-        self.lengths = fields.lengths
-        self.exponent = scenes[0].gas.polytropic_exponent
-        reynolds = np.array([scene.modified_reynolds for scene in scenes])
-        self.bernoulli = (self.numbers["sigma"] * reynolds / 24)[:, None, None, None]
-        self.axes = [axis for axis in (grid.x, grid.y) if isinstance(axis, Axis)]
-        gap = fields.gap
-        # Over h0, on the nodes that are solved for, and at each axis' ends.
-        self.gap = gap[:, grid.x.inner, grid.y.inner]
-        self.gap_at_ends = [gap[:, _end_nodes(grid.x)][:, :, grid.y.inner]]
-        if len(self.axes) == 2:
-            ends_of_y = gap[:, grid.x.inner][:, :, _end_nodes(self.axes[1])]
-            self.gap_at_ends.append(ends_of_y.swapaxes(1, 2))
-
-    def ambient(self) -> list[np.ndarray]:
-        """The ambient pressure on the edge."""
-        return [np.zeros_like(gap) for gap in self.gap_at_ends]
-
-    def solve(
-        self, guess: np.ndarray, edge: list[np.ndarray], device: Device
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return unknowns of states with a pressure on the edge, and means, NaN without one."""
-        states = solve_batch(
-            self.scenes,
-            self.grid,
-            tolerance=STATE_TOLERANCE,
-            device=device,
-            guess=guess,
-            edge=self.arrays(edge),
-        )
-        mean = states.mean + self.mean_of_edge(edge)
-        return states.unknowns, np.where(states.status == 0, mean, np.nan)
-
-    def pressure_of_inflow(
-        self, unknowns: np.ndarray, edge: list[np.ndarray], coefficients: np.ndarray
-    ) -> list[np.ndarray]:
-        """Return the pressure on the edge by the velocity of a state that has some pressure there.
-
-        Args:
-            unknowns: gauge pressure and deficits of the velocity, (scenes, fields, nx, ny, times).
-            coefficients: C of each scene.
-        """
-        scale = coefficients[:, None, None, None] * self.bernoulli
-        pressures = []
-        for k, (axis, gap, at_ends) in enumerate(
-            zip(self.axes, self.gap_at_ends, edge, strict=True)
-        ):
-            ends = _end_nodes(axis)
-            slope = axis.derivative[ends] / self.lengths[k]
-            field = np.moveaxis(unknowns[:, 0], 1 + k, 1)
-            inner = axis.fold(slope[:, 1:-1], rows=len(ends))
-            gradient = np.einsum("en,snqt->seqt", inner, field)
-            gradient += np.einsum("ef,sfqt->seqt", _end_columns(slope, axis), at_ends)
-            mass = gap * (1 + at_ends) ** (1 / self.exponent)
-            mobility = gap**2 * flow_over_viscous(self.numbers, mass)
-            velocity = -mobility / self.numbers["sigma"][:, None, None, None] * gradient
-            if unknowns.shape[1] > 1:
-                deficit = np.moveaxis(unknowns[:, 1 + k], 1 + k, 1)
-                at = FluxPoints(axis).at(axis.all_nodes[ends])
-                deficit_at = axis.fold(at, odd=True, rows=len(ends))
-                velocity -= np.einsum("en,snqt->seqt", deficit_at, deficit)
-            pressures.append(-scale * self._square_of_inflow(velocity))
-        return pressures
-
-    def pressure_of_dragged_gas(self, fraction: float) -> list[np.ndarray]:
-        """Return a small pressure on the edge where a sliding wall drags gas in.
-
-        It goes with the square of the wall's speed into the film and is a fraction where that is U.
-        """
-        pressure = self.ambient()
-        turn = np.asarray(self.grid.turn(ENDS)).real[..., None]
-        direction = np.sign(self.numbers["bearing"])[:, None, None, None]
-        velocity = direction * turn[: pressure[0].shape[1]] + pressure[0]
-        pressure[0] += fraction * self._square_of_inflow(velocity)
-        return pressure
-
-    def _square_of_inflow(self, velocity: np.ndarray) -> np.ndarray:
-        """Square of the velocity at the ends of an axis where it leads into the film, else 0."""
-        ends = velocity.shape[1]
-        inflow = np.maximum(np.array([1.0, -1.0])[:ends, None, None] * velocity, 0.0)
-        return np.asarray(inflow**2 / np.asarray(self.grid.area(ENDS))[..., None][:ends])
-
-    def arrays(self, edge: list[np.ndarray]) -> dict[str, np.ndarray]:
-        """Return what a pressure on the edge adds, by the kernels' names of arrays."""
-        array_of_name = {name: np.zeros_like(self.gap) for name in ("edge_flow", *EDGE_PRESSURE)}
-        flows = self._flow_at_ends(edge)
-        for k, (axis, name) in enumerate(zip(self.axes, "xy", strict=False)):
-            length = self.lengths[k]
-            second = (axis.divergence @ axis.derivative)[axis.inner] / length**2
-            points = FluxPoints(axis)
-            values = points.from_all_nodes
-            slope = values @ axis.derivative / length
-
-            def spread(matrix: np.ndarray, at_ends: np.ndarray, k: int = k) -> np.ndarray:
-                field = np.einsum("nf,sfqt->snqt", matrix, at_ends)
-                return np.moveaxis(field, 1, 1 + k)
-
-            array_of_name[f"edge_values_{name}"] = spread(_end_columns(values, axis), edge[k])
-            array_of_name[f"edge_slope_{name}"] = spread(_end_columns(slope, axis), edge[k])
-            for term, at_ends in enumerate(flows[k]):
-                power = self.gap ** (0.5 * (3 - term))
-                array_of_name["edge_flow"] += power * spread(_end_columns(second, axis), at_ends)
-        return array_of_name
-
-    def _flow_at_ends(self, edge: list[np.ndarray]) -> list[list[np.ndarray]]:
-        """v of each flow term on the edge, c_k H^((3−k)/2) (g_k(P) − g_k(1)), for each axis."""
-        flows = []
-        for gap, rise in zip(self.gap_at_ends, edge, strict=True):
-            power = 1 + 1 / self.exponent
-            viscous = ((1 + rise) ** power - 1) / power
-            of_axis = [gap**1.5 * viscous]
-            if self.numbers["flow"].shape[1] > 1:
-                slip, inverse = slip_of(self.numbers, gap)
-                if inverse is None:
-                    of_axis.append(slip * gap * rise)
-                else:  # to first order in the pressure, as flow_from splits the flow
-                    growth = slip_growth(inverse)[0]
-                    of_axis[0] = of_axis[0] + gap**1.5 * slip / gap * growth * rise
-                    of_axis.append(slip * gap * (slip_flow(inverse) - growth) * rise)
-            flows.append(of_axis)
-        return flows
-
-    def mean_of_edge(self, edge: list[np.ndarray]) -> np.ndarray:
-        """Return the part of the mean pressure that the edge's nodes have, (scenes,)."""
-        along_x, along_y = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
-        inner_x, inner_y = along_x[self.grid.x.inner], along_y[self.grid.y.inner]
-        ends = along_x[_end_nodes(self.grid.x)]
-        area = np.ones((len(ends), len(inner_y)))
-        if self.grid.outline:
-            area = np.asarray(self.grid.area(np.array([0.0, 1.0])))[: len(ends)]
-            area = area * self.grid.mean_area
-        mean = np.einsum("seqt,e,q,eq->s", edge[0], ends, inner_y, area)
-        if len(self.axes) == 2:
-            mean += np.einsum("seqt,e,q->s", edge[1], along_y[_end_nodes(self.axes[1])], inner_x)
-        return np.asarray(mean / self.grid.nt)
+    velocity = films.velocity.copy()
+    for k, axis in enumerate(films.axes_with_ends if films.unknowns.shape[1] > 1 else ()):
+        nodes = axis.all_nodes[: films.gap.shape[1 + k]]
+        deficit_at = axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
+        velocity[k][films.inside_across(k)] -= along(k, deficit_at, films.unknowns[:, 1 + k])
+    scale = (coefficients * films.scenes.modified_reynolds)[:, None, None, None]
+    return -scale * films.sigma / 24 * square_of_inflow(films, velocity)
 
 
-def _largest(values: np.ndarray) -> np.ndarray:
-    """Largest size of each scene's values, (scenes,)."""
-    return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1))
+def square_of_inflow(films: Fields, velocity: np.ndarray) -> np.ndarray:
+    """Return the square of a velocity on the edge where it leads into the film, elsewhere 0."""
+    inflow = np.maximum(films.inward * velocity, 0.0)
+    return np.asarray(dot(inflow, inflow) / films.area)
 
 
-def _end_nodes(axis: Axis) -> list[int]:
-    """The nodes of an axis at its ends; one of a folded axis, whose ends are alike."""
-    return [0] if axis.folded else [0, -1]
+def added_by_edge(films: Fields) -> dict[str, np.ndarray]:
+    """Return what the pressure on the edge adds, by the names of terms/edge_pressure.py."""
+    gap, flows = films.gap[films.inner], _flows_by_edge(films)
+    added = {"edge_flow": np.zeros_like(gap)}
+    for k, (axis, name) in enumerate(zip(films.axes_with_ends, "xy", strict=False)):
+        values = FluxPoints(axis).from_all_nodes
+        slope = values @ axis.derivative / films.lengths[k]
+        second = (axis.divergence @ axis.derivative)[axis.inner] / films.lengths[k] ** 2
+        values, slope, second = (even_columns(each, axis) for each in (values, slope, second))
+        edge = films.edge[films.inside_across(k)]
+        added[f"edge_values_{name}"] = along(k, values, edge)
+        added[f"edge_slope_{name}"] = along(k, slope, edge)
+        for term, flow in enumerate(flows):
+            power = gap ** (0.5 * (3 - term))
+            added["edge_flow"] += power * along(k, second, flow[films.inside_across(k)])
+    return added
 
 
-def _end_columns(matrix: np.ndarray, axis: Axis) -> np.ndarray:
-    """Return the columns of a matrix on all nodes that multiply the values at the ends."""
-    ends = matrix[:, [0, -1]]
-    return ends.sum(axis=1, keepdims=True) if axis.folded else ends
+def _flows_by_edge(films: Fields) -> list[np.ndarray]:
+    """v of each flow term on the edge, c_k H^((3−k)/2) (g_k(P) − g_k(1)); inside it is 0."""
+    gap, rise = films.gap, films.edge
+    power = 1 + films.numbers("inverse_exponent", absent=1.0)
+    flows = [gap**1.5 * ((1 + rise) ** power - 1) / power]
+    if films.equation["flow"].shape[1] > 1:
+        slip, inverse = slip_of(films.equation, gap)
+        if inverse is None:
+            flows.append(slip * gap * rise)
+        else:  # to first order in the pressure, as flow_from splits the flow
+            growth = slip_growth(inverse)[0]
+            flows[0] = flows[0] + gap**1.5 * slip / gap * growth * rise
+            flows.append(slip * gap * (slip_flow(inverse) - growth) * rise)
+    return flows

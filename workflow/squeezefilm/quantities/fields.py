@@ -6,17 +6,33 @@ an outline vectors are along its coordinates, times |dz/dζ|, and sources of mas
 the typical (reynolds/terms/outline.py).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import nan
+from typing import Self
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.states import weights_with_edge
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
 from squeezefilm.reynolds.spectral import Around, Axis, even_and_odd
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
+
+
+@lru_cache(maxsize=64)
+def weights_with_edge(axis: Axis | Around) -> np.ndarray:
+    """Return the weights of the integral along an axis, those of its edge nodes included, (m,).
+
+    A folded axis holds one edge node and the first half of the others.
+    """
+    if isinstance(axis, Around):
+        return axis.weights
+    edge = 1 - axis.weights.sum()  # a constant's integral is that constant
+    if axis.folded:
+        return np.append(edge, axis.weights)
+    return np.concatenate([[edge / 2], axis.weights, [edge / 2]])
 
 
 @lru_cache(maxsize=64)
@@ -32,52 +48,108 @@ def derivatives_with_edge(axis: Axis | Around) -> tuple[np.ndarray, np.ndarray]:
     return even, odd
 
 
+@dataclass(frozen=True, eq=False)
 class Fields:
-    """Films of like terms on one grid, each with its gap H, pressure P and density ρ.
+    """States of films of like terms on one grid, with gap H, pressure P and density ρ.
 
-    ``equation`` has the numbers of each scene's equation; they come as columns, to go with fields:
-    ``number``.
+    Attributes:
+        unknowns: P − 1 and the deficits of the velocity at the unknowns, (scenes, fields, nx, ny,
+            nt).
+        edge: P − 1 on the film's edge, a field that is zero inside and at corners.
+        equation: the numbers of each scene's equation; they come as columns, to go with fields:
+            ``number``.
+        gap: H.
     """
 
-    def __init__(
-        self, scenes: Sequence[Scene], grid: Grid, gauge_pressure_ratio: np.ndarray
-    ) -> None:
-        """Args: gauge pressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
-        self.grid, scenes = grid, Scenes.of(scenes)
-        self.equation = numbers_table(scenes, terms_of_all(scenes))
-        self.lengths = grid.lengths(scenes[0].aspect)
-        self.inner = (slice(None), grid.x.inner, grid.y.inner)
-        nodes = [len(weights_with_edge(axis)) for axis in (grid.x, grid.y)]
-        across = grid.x.all_nodes[: nodes[0]]
-        self.area, self.turn, self.bend = (
-            np.asarray(of(across))[..., None] for of in (grid.area, grid.turn, grid.bend)
-        )
-        seen = (..., slice(nodes[0]), slice(nodes[1]), None)
-        parts = gap_parts(scenes, grid).swapaxes(0, 1)[seen]
-        rest = 1 + self.numbers("per_rise", absent=0.0) * sum(parts[2:])
-        moving = self.number(self.equation["epsilon"]) * parts[:2]
-        sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
-        self.gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
-        self.gauge_pressure_ratio = self.on_all_nodes(gauge_pressure_ratio)
+    scenes: Scenes
+    grid: Grid
+    unknowns: np.ndarray
+    edge: np.ndarray
+    equation: np.ndarray
+    gap: np.ndarray
 
-    def number(self, values: np.ndarray) -> np.ndarray:
-        """One number of each scene, to go with fields."""
-        return np.asarray(values, dtype=float)[:, None, None, None]
+    @classmethod
+    def of(cls, scenes: Sequence[Scene], grid: Grid, unknowns: np.ndarray) -> Self:
+        """States under ambient pressure on the edge."""
+        scenes = Scenes.of(scenes)
+        equation = numbers_table(scenes, terms_of_all(scenes))
+        nodes = (slice(len(weights_with_edge(axis))) for axis in (grid.x, grid.y))
+        parts = gap_parts(scenes, grid).swapaxes(0, 1)[..., *nodes, None]
+        rest = 1 + numbers_of(equation, "per_rise", absent=0.0) * sum(parts[2:])
+        moving = numbers_of(equation, "epsilon", absent=0.0) * parts[:2]
+        sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
+        gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
+        return cls(scenes, grid, unknowns, np.zeros_like(gap), equation, gap)
+
+    @property
+    def inner(self) -> tuple[slice, slice, slice]:
+        """The unknowns' nodes among all."""
+        return slice(None), self.grid.x.inner, self.grid.y.inner
+
+    @cached_property
+    def lengths(self) -> tuple[float, float]:
+        """The lengths of the axes."""
+        return self.grid.lengths(self.scenes[0].aspect)
+
+    def inside_across(self, k: int) -> tuple[slice, ...]:
+        """The nodes of all of one axis and of the other's inside, of x for k = 0 and y for 1."""
+        return tuple(slice(None) if at == 1 + k else part for at, part in enumerate(self.inner))
+
+    @property
+    def axes_with_ends(self) -> list[Axis]:
+        """x and y; an outline's and a disc's angle has no ends."""
+        return [axis for axis in (self.grid.x, self.grid.y) if isinstance(axis, Axis)]
+
+    @cached_property
+    def inward(self) -> np.ndarray:
+        """±1 on the edge, of the direction along x and y into the film, else 0: (2, 1, x, y, 1).
+
+        At corners, which no equation has, it is 0 too.
+        """
+        inward = np.zeros((2, 1, *self.gap.shape[1:3], 1))
+        for k, axis in enumerate(self.axes_with_ends):
+            at_ends = np.moveaxis(inward[k][self.inside_across(k)], 1 + k, 0)
+            at_ends[0] = 1.0
+            if not axis.folded:
+                at_ends[-1] = -1.0
+        return inward
+
+    @cached_property
+    def area(self) -> np.ndarray:
+        return self._on_nodes(self.grid.area)
+
+    @cached_property
+    def turn(self) -> np.ndarray:
+        return self._on_nodes(self.grid.turn)
+
+    @cached_property
+    def bend(self) -> np.ndarray:
+        return self._on_nodes(self.grid.bend)
+
+    def _on_nodes(self, of: Callable[[np.ndarray], np.ndarray | float]) -> np.ndarray:
+        """Return values of an outline at the nodes, (x, y, 1), or one of a rectangle."""
+        return np.asarray(of(self.grid.x.all_nodes[: self.gap.shape[1]]))[..., None]
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Mean over film and period, shape (..., scenes)."""
+        along, around = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
+        over_pad = self.area[..., 0] * self.grid.mean_area * np.multiply.outer(along, around)
+        return np.asarray((values.mean(axis=-1) * over_pad).sum(axis=(-2, -1)))
 
     def numbers(self, name: str, *, absent: float) -> np.ndarray:
-        """A number that a term gives the scenes, or what it is without the term."""
-        known = name in (self.equation.dtype.names or ())
-        return self.number(self.equation[name] if known else np.full(len(self.equation), absent))
+        """A number that a term gives the scenes, a column, or what it is without the term."""
+        return numbers_of(self.equation, name, absent=absent)
 
-    def on_all_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Values at the unknowns with zeros on the edge."""
-        everywhere = np.zeros(self.gap.shape)
-        everywhere[self.inner] = values
+    @cached_property
+    def gauge_pressure_ratio(self) -> np.ndarray:
+        """P − 1."""
+        everywhere = self.edge.copy()
+        everywhere[self.inner] = self.unknowns[:, 0]
         return everywhere
 
     @cached_property
     def sigma(self) -> np.ndarray:
-        return self.number(self.equation["sigma"])
+        return self.numbers("sigma", absent=nan)
 
     @cached_property
     def density(self) -> np.ndarray:
@@ -147,6 +219,24 @@ class Fields:
         square = dot(v, v) if self.grid.outline else 0.0
         parts = zip(along, across, bends, strict=True)
         return np.stack([v[0] * x + v[1] * y + bend * square for x, y, bend in parts]) / self.area
+
+
+def numbers_of(equation: np.ndarray, name: str, *, absent: float) -> np.ndarray:
+    """Return a number of scenes' equation, (scenes, 1, 1, 1), or what it is where there is none."""
+    known = name in (equation.dtype.names or ())
+    values = equation[name] if known else np.full(len(equation), absent)
+    return np.asarray(values)[:, None, None, None]
+
+
+def along(k: int, matrix: np.ndarray, field: np.ndarray) -> np.ndarray:
+    """Return a matrix times a field along x for k = 0, along y for 1."""
+    return np.moveaxis(np.tensordot(matrix, field, axes=(1, 1 + k)), 0, 1 + k)
+
+
+def even_columns(matrix: np.ndarray, axis: Axis) -> np.ndarray:
+    """Return a matrix from an even function on all nodes as one from those of the first half."""
+    half = matrix.shape[1] // 2
+    return matrix[:, :half] + matrix[:, : half - 1 : -1] if axis.folded else matrix
 
 
 def dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import chain
 from math import isfinite, isnan, nan
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -153,13 +154,13 @@ class FilmWithEffects:
 
     Attributes:
         scene: whose budget it is.
-        without: by effects that the scene includes, the scene that does not.
         reference: the scene that neglected effects are added to: itself, but that first-order slip
             stands for the flow factor, which inertia and thermal effects are not derived with.
-        alone: by solvable effects that it neglects, the reference with that one.
-        together: the reference with all of them.
-        flow_factor: the film with that flow, and with first-order slip, without inertia and
-            thermal effects; empty where the scene has it.
+        pairs: by effect, the film with it and the film without: the scene itself and its like
+            without an effect that it includes, the reference with a neglected one and itself. Of
+            the flow factor the film with that flow, and with first-order slip, without inertia and
+            thermal effects; there is none where the scene has it.
+        together: the reference with all neglected effects that are solvable.
         unsolvable: neglected effects that the solver has no term for.
         still: under a sliding pad, the films without vibration; of a level gap, which has no
             force then, and of a pad at rest there are none.
@@ -167,74 +168,55 @@ class FilmWithEffects:
 
     def __init__(self, scene: Scene) -> None:
         gas = scene.gas
-        self.scene = scene
-        self.without: dict[str, Scene] = {
-            name: scene.with_gas(**{name: "none"})
-            for name in AUTO_TERMS
-            if getattr(gas, name) == "included"
-        }
-        if gas.rarefaction != "none":
-            self.without["slip"] = scene.with_gas(rarefaction="none")
-        if scene.bearing_number:
-            self.without["bearing"] = replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.0))
         slipping = gas.rarefaction == "fukui-kaneko"
+        self.scene = scene
         self.reference = scene.with_gas(rarefaction="slip") if slipping else scene
-        self.alone: dict[str, Scene] = {}
+        self.pairs: dict[str, tuple[Scene, Scene]] = {}
         self.unsolvable: list[str] = []
+        added: dict[str, Any] = {}
         for name in AUTO_TERMS:
-            if getattr(gas, name) == "included":
-                continue
             with_effect = self.reference.with_gas(**{name: "included"})
-            if refused_on_grid(with_effect, terms_of(with_effect)):
+            if getattr(gas, name) == "included":
+                self.pairs[name] = scene, scene.with_gas(**{name: "none"})
+            elif refused_on_grid(with_effect, terms_of(with_effect)):
                 self.unsolvable.append(name)
             else:
-                self.alone[name] = with_effect
-        slip: dict[str, Any] = {}
+                self.pairs[name] = with_effect, self.reference
+                added[name] = "included"
+        slip: dict[str, Any] = {"rarefaction": "slip"}
         if gas.rarefaction == "none":
-            slip = {"rarefaction": "slip", "slip_coefficient": ambient_slip_coefficient(scene)}
-            self.alone["slip"] = scene.with_gas(**slip)
-        included = {name: "included" for name in AUTO_TERMS if name in self.alone}
-        self.together = self.reference.with_gas(**included, **slip)
-        viscous = scene.viscous()
-        self.flow_factor = (
-            []
-            if slipping
-            else [
-                viscous.with_gas(rarefaction="fukui-kaneko"),
-                viscous.with_gas(**slip or {"rarefaction": "slip"}),
-            ]
-        )
+            slip["slip_coefficient"] = ambient_slip_coefficient(scene)
+            self.pairs["slip"] = scene.with_gas(**slip), scene
+            added |= slip
+        else:
+            self.pairs["slip"] = scene, scene.with_gas(rarefaction="none")
+        self.together = self.reference.with_gas(**added)
+        if not slipping:
+            viscous = scene.viscous()
+            rarefied = viscous.with_gas(rarefaction="fukui-kaneko")
+            self.pairs["flow_factor"] = rarefied, viscous.with_gas(**slip)
+        if scene.bearing_number:
+            at_rest = replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.0))
+            self.pairs["bearing"] = scene, at_rest
         presses = scene.bearing_number and scene.epsilon and not scene.pad.gap.flat
         self.still = FilmWithEffects(replace(scene, hv_m=0.0)) if presses else None
 
     @property
     def by_gas(self) -> list[tuple[Scene, Scene]]:
         """The films with and without inertia, and with and without thermal effects."""
-        return [
-            (self.scene, self.without[name])
-            if name in self.without
-            else (self.alone.get(name, self.reference), self.reference)
-            for name in AUTO_TERMS
-        ]
+        return [self.pairs.get(name, (self.reference,) * 2) for name in AUTO_TERMS]
 
     @property
     def neighbours(self) -> list[Scene]:
         """The films of the same motion, whose forces differ by what the gas does alone."""
-        without = [scene for name, scene in self.without.items() if name != "bearing"]
-        return [
-            *(self.scene, self.reference, self.together),
-            *without,
-            *self.alone.values(),
-            *self.flow_factor,
-        ]
+        by_gas = [pair for name, pair in self.pairs.items() if name != "bearing"]
+        return [self.scene, self.reference, self.together, *chain(*by_gas)]
 
     @property
     def scenes(self) -> list[Scene]:
         """Return all variants; equal ones may occur."""
-        scenes = [*self.neighbours, *self.without.values()]
-        if self.still:
-            scenes += [self.still.together, *sum(self.still.by_gas, ())]
-        return scenes
+        still = [self.still.together, *chain(*self.still.by_gas)] if self.still else []
+        return [*self.neighbours, *self.pairs.get("bearing", ()), *still]
 
 
 def _budgets(
@@ -310,14 +292,13 @@ def _budget(
         return per_force * (one.force_n - other.force_n), abs(per_force) * error_n
 
     effects = dict.fromkeys(EFFECT_NAMES, NO_EFFECT)
-    for name, without in film.without.items():
-        effects[name] = Effect(*change(scene, without), included=True)
     # First-order slip stands for the flow factor, by whose difference an effect may be off.
     apart, apart_error = change(scene, film.reference)
     doubt = (abs(apart) + apart_error) / 100
-    for name, with_effect in film.alone.items():
-        percent, error = change(with_effect, film.reference)
-        effects[name] = Effect(percent, error + doubt * abs(percent))
+    for name, (with_effect, without) in film.pairs.items():
+        percent, error = change(with_effect, without)
+        included = with_effect == scene
+        effects[name] = Effect(percent, error + doubt * abs(percent) * (not included), included)
     for name in film.unsolvable:
         effects[name] = UNKNOWN_EFFECT
     effects["depth_averaged"] = Effect(*depth_averaging_percent(film.together))
@@ -325,8 +306,8 @@ def _budget(
     effects["edge_loss"] = Effect(float(edge), float(edge_error))
     together, error = change(film.together, film.reference)
     error += doubt * abs(together)
-    if film.flow_factor:
-        percent, flow_error = change(*film.flow_factor)
+    if "flow_factor" in film.pairs:
+        percent, flow_error, _ = effects["flow_factor"]
         # Of a film without inertia and thermal effects, which it may interact with.
         interaction = 0.0 if film.together.viscous() == film.together else abs(percent)
         effects["flow_factor"] = Effect(percent, flow_error + interaction)
@@ -451,18 +432,9 @@ def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.n
 MODEL_TOLERANCE, DECIDING_FRACTION = 1e-3, 0.1
 
 
-def resolve_auto_terms(
-    scenes: Scenes | Sequence[Scene],
-    *,
-    model_tolerance: float = MODEL_TOLERANCE,
-    method: str = "auto",
-    device: Device | None = None,
-) -> Scenes | Sequence[Scene]:
+def resolve_auto_terms(scenes: Scenes | Sequence[Scene], **how: Any) -> Scenes | Sequence[Scene]:
     """The scenes of ``solve_auto_terms`` alone."""
-    scenes, _ = solve_auto_terms(
-        scenes, model_tolerance=model_tolerance, method=method, device=device
-    )
-    return scenes
+    return solve_auto_terms(scenes, **how)[0]
 
 
 def solve_auto_terms(

@@ -22,7 +22,6 @@ from squeezefilm.quantities.derivatives import with_number_changed
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.states import changes_with_errors, solved_beside
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.grid import Grid
 from squeezefilm.solution import Solution
 
 # Relative error of the force that an iteration of the state may leave.
@@ -53,33 +52,28 @@ def mean_changes(
     return np.array([changes[:1], [errors[0] + changes[1] + lag * np.abs(changes[0])]])
 
 
-def _on_grid(
-    scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid, *, device: Device
-) -> np.ndarray:
+def _on_grid(own: Fields, *, device: Device) -> np.ndarray:
     """Changes of the mean pressure over it, and what orders above the second may add."""
-    count = len(scenes)
-    films = [
+    count = len(own.scenes)
+    places = [
         with_number_changed(scene, "x_m", steps * DISTANCE * scene.pad.length_x_m)
         for steps in range(-2, 3)
-        for scene in scenes
+        for scene in own.scenes
     ]
-    guess = np.concatenate([np.stack(unknowns)] * 5)
-    source = np.zeros(guess[:, 0].shape)
+    films = Fields.of(places, own.grid, np.concatenate([own.unknowns] * 5))
+    source: dict[str, np.ndarray] = {}
     means, pressures = [], []
     for order in range(3):
-        means_here, states = solved_beside(
-            films, grid, guess, source, tolerance=STATE_TOLERANCE, device=device
-        )
+        films, means_here = solved_beside(films, source, tolerance=STATE_TOLERANCE, device=device)
         middle = slice(count * (2 - order), count * (3 - order))
         means.append(means_here[middle])
-        pressures.append(states[middle, 0])
+        pressures.append(films.unknowns[middle, 0])
         if order == 2:
             break
-        fields = Fields(films, grid, states[:, 0])
-        mass = (fields.area * fields.mass)[fields.inner]
-        films, guess = films[count:-count], states[count:-count]
-        bearing = np.array([scene.bearing_number for scene in films])[:, None, None, None]
-        source = bearing * (mass[2 * count :] - mass[: -2 * count]) / DISTANCE
+        mass = (films.area * films.mass)[films.inner]
+        films = Fields.of(films.scenes[count:-count], own.grid, films.unknowns[count:-count])
+        per_distance = films.numbers("bearing", absent=0.0) / DISTANCE
+        source = {"edge_flow": per_distance * (mass[2 * count :] - mass[: -2 * count])}
     first, second = np.diff(means, axis=0) / means[0]
     sizes = [_root_mean_square(each) for each in (pressures[0], *np.diff(pressures, axis=0))]
     moves = sizes[1] > 10 * STATE_TOLERANCE * sizes[0]

@@ -18,7 +18,8 @@ import numpy as np
 from squeezefilm.errors import unexpected
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.derivatives import with_derivatives
-from squeezefilm.quantities.states import remainder, weights_with_edge, with_states
+from squeezefilm.quantities.fields import weights_with_edge
+from squeezefilm.quantities.states import remainder, with_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUND_OFF_FACTOR
 from squeezefilm.reynolds.grid import Grid

@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import nan
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,6 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields, dot
 from squeezefilm.quantities.states import changes_with_errors, solved_beside
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.grid import Grid
 from squeezefilm.solution import Solution
 
 # Relative error of the force that an iteration of the state may leave.
@@ -53,13 +53,11 @@ def mean_changes(
         solution has no states or the state with the change is not found.
     """
 
-    def on_grid(scenes: Sequence[Scene], unknowns: Sequence[np.ndarray], grid: Grid) -> np.ndarray:
-        own = np.stack(unknowns)
-        source = mass_source(Fields(scenes, grid, own[:, 0]))
-        without, with_source = (
-            solved_beside(scenes, grid, own, each, tolerance=STATE_TOLERANCE, device=device)[0]
-            for each in (0 * source, source)
-        )
+    def on_grid(films: Fields) -> np.ndarray:
+        source = mass_source(films)
+        how: dict[str, Any] = {"tolerance": STATE_TOLERANCE, "device": device}
+        _, without = solved_beside(films, {}, **how)
+        _, with_source = solved_beside(films, {"edge_flow": source}, **how)
         return np.array([with_source / without - 1])
 
     return changes_with_errors(scenes, solutions, on_grid, changes=1, tolerance=STATE_TOLERANCE)
@@ -117,7 +115,7 @@ def flux_by_inertia(films: Fields) -> np.ndarray:
     shortfall = by_wall * mass / 2 + wall * (passed / 12) - v * (passed / 14)
     # Slip lengthens the lag as in terms/inertia.py.
     flow = films.equation["flow"]
-    slip = films.number(flow[:, 1] / 1.5) if flow.shape[1] > 1 else 0.0
+    slip = flow[:, 1, None, None, None] / 1.5 if flow.shape[1] > 1 else 0.0
     return -films.numbers("lag", absent=0.0) * films.gap * (mass + slip) * shortfall
 
 

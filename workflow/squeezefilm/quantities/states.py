@@ -1,37 +1,23 @@
 """Periodic states on two grids: a quantity's change between the two tells its error."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.quantities.fields import Fields
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after, margin_of
-from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.spectral import Around, Axis
 from squeezefilm.reynolds.terms import distinct_terms
+from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 from squeezefilm.solution import Solution, Solutions
-
-
-@lru_cache(maxsize=64)
-def weights_with_edge(axis: Axis | Around) -> np.ndarray:
-    """Return the weights of the integral along an axis, those of its edge nodes included, (m,).
-
-    A folded axis holds one edge node and the first half of the others.
-    """
-    if isinstance(axis, Around):
-        return axis.weights
-    edge = 1 - axis.weights.sum()  # a constant's integral is that constant
-    if axis.folded:
-        return np.append(edge, axis.weights)
-    return np.concatenate([[edge / 2], axis.weights, [edge / 2]])
 
 
 def with_states(
@@ -70,14 +56,12 @@ def groups_on_equal_grids(
 
 # Numbers of the finer states of films that are solved together.
 MOST_TOGETHER = 2**19
-# The arrays of a pressure on the edge (terms/edge_pressure.py).
-EDGE_PRESSURE = ("edge_values_x", "edge_slope_x", "edge_values_y", "edge_slope_y")
 
 
 def changes_with_errors(
     scenes: Sequence[Scene],
     solutions: Sequence[Solution],
-    on_grid: Callable[[Sequence[Scene], Sequence[np.ndarray], Grid], np.ndarray],
+    on_grid: Callable[[Fields], np.ndarray],
     *,
     changes: int,
     tolerance: float,
@@ -86,8 +70,7 @@ def changes_with_errors(
 
     Args:
         solutions: of the scenes, with their states on two grids.
-        on_grid: the changes on one grid, (changes, scenes), by scenes that are alike, the unknowns
-            of their states, and the grid.
+        on_grid: the changes by the states of like scenes on one grid, (changes, scenes).
         tolerance: of the iterations of the states.
 
     Returns:
@@ -98,7 +81,7 @@ def changes_with_errors(
     for rows in groups_on_equal_grids(scenes, solutions, numbers=MOST_TOGETHER):
         group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
-            on_grid(group, [pair.unknowns for pair in states], states[0].grid)
+            on_grid(Fields.of(group, states[0].grid, np.stack([each.unknowns for each in states])))
             for states in zip(*solved.states, strict=True)
         )
         factor, _ = remainder(group, solved, tolerance=tolerance)
@@ -107,27 +90,22 @@ def changes_with_errors(
 
 
 def solved_beside(
-    scenes: Sequence[Scene],
-    grid: Grid,
-    guess: np.ndarray,
-    source: np.ndarray,
-    *,
-    tolerance: float,
-    device: Device,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Solve for the states of films to which a source of mass is added.
+    films: Fields, added: Mapping[str, np.ndarray], *, tolerance: float, device: Device
+) -> tuple[Fields, np.ndarray]:
+    """Solve for states beside some, from these: with a source of mass or a pressure on the edge.
 
     Args:
-        guess: unknowns of a state, (scenes, fields, nx, ny, times).
-        source: added to the film equation at the unknowns, (scenes, nx, ny, times).
+        added: to the film equation at the unknowns, (scenes, nx, ny, times), by the names of
+            terms/edge_pressure.py: ``edge_flow`` is a source of mass.
 
     Returns:
-        The mean pressures, (scenes,), NaN where there is no state, and the unknowns.
+        The states, and their mean pressures, (scenes,), NaN where there is none.
     """
-    ambient = dict.fromkeys(EDGE_PRESSURE, np.zeros_like(source))
-    edge = ambient | {"edge_flow": source}
-    states = solve_batch(scenes, grid, tolerance=tolerance, device=device, guess=guess, edge=edge)
-    return np.where(states.status == 0, states.mean, np.nan), states.unknowns
+    none = dict.fromkeys(EdgePressure.OPERATORS, np.zeros_like(films.unknowns[:, 0]))
+    how: dict[str, Any] = {"tolerance": tolerance, "device": device, "guess": films.unknowns}
+    states = solve_batch(films.scenes, films.grid, **how, edge={**none, **added})
+    mean = np.where(states.status == 0, states.mean + films.mean(films.edge), np.nan)
+    return replace(films, unknowns=states.unknowns), mean
 
 
 def remainder(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -68,44 +69,31 @@ def solve(
             finished += more
             report(more)
 
-        try:
-            solutions = _solve(subset, tolerance, method, device, keep_states, count)
-            solutions.validity[:] = validities(subset)
+        plan, validity = plan_of(subset), validities(subset)
+        solutions, _ = planned(plan, tolerance=tolerance, method=method)
+        solutions.validity[:] = validity
+        waiting = int(np.count_nonzero(solutions.status == ""))
+        if not waiting:
+            count(len(subset))
             return solutions
+        chosen = device or choose_device()
+        if not chosen.processor:
+            check_device(chosen)
+        count(len(subset) - waiting)
+        how: dict[str, Any] = {"device": chosen, "keep_states": keep_states, "report": count}
+        try:
+            solve_periodic(plan, solutions, tolerance=tolerance, **how)
         except Exception:
+            chosen.queue.finish()  # kernels under way write into arrays that this sets free
             report(-finished)
             raise
+        return solutions
 
     def failed(error: Exception) -> Solution:
         report(1)
         return Solution(status=unexpected(error), method=method)
 
     return Solutions.of(retried_singly(attempt, scenes, failed=failed))
-
-
-def _solve(
-    scenes: Scenes,
-    tolerance: float,
-    method: str,
-    device: Device | None,
-    keep_states: bool,
-    report: Callable[[int], object],
-) -> Solutions:
-    plan = plan_of(scenes)
-    solutions, _ = planned(plan, tolerance=tolerance, method=method)
-    waiting = np.flatnonzero(solutions.status == "")
-    report(len(scenes) - len(waiting))
-    if len(waiting):
-        chosen = device or choose_device()
-        if not chosen.processor:
-            check_device(chosen)
-        how = {"device": chosen, "keep_states": keep_states, "report": report}
-        try:
-            solve_periodic(plan, solutions, tolerance=tolerance, **how)  # type: ignore[arg-type]
-        except Exception:
-            chosen.queue.finish()  # kernels under way write into arrays that this sets free
-            raise
-    return solutions
 
 
 def planned(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Expanded]:
