@@ -18,7 +18,7 @@ import numpy as np
 from squeezefilm.errors import unexpected
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.derivatives import with_derivatives
-from squeezefilm.quantities.fields import weights_with_edge
+from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.states import remainder, with_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUND_OFF_FACTOR
@@ -26,15 +26,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import planned, solve
-from squeezefilm.reynolds.spectral import (
-    Around,
-    Axis,
-    FluxPoints,
-    Period,
-    axis,
-    flux_points,
-    period,
-)
+from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, flux_points
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_outputs
@@ -233,15 +225,10 @@ def _outputs_of(
 
 def _couette(film: Sample) -> float:
     """Couette drag μ U ⟨1/(h + 2 σ λ)⟩ times the area in newtons, with slip at both walls."""
-    scene = film.scene
-    if scene.bearing_number == 0:
-        return 0.0
-    gap = scene.gap(film.x, film.y, film.phases)
-    if scene.gas.rarefaction == "slip":
-        density = (1 + film.gauge_pressure_ratio) ** (1 / scene.gas.polytropic_exponent)
-        gap = gap + 2 * scene.slip_knudsen / density
+    scene, fields = film.scene, film.fields
+    gap = fields.gap + 2 * scene.slip_knudsen / fields.density
     shear = scene.gas.viscosity_pa_s * scene.pad.speed_x_m_per_s / scene.h0_m
-    return float(shear * scene.pad.area_m2 * (film.weights @ (1 / gap)).mean())
+    return float(shear * scene.pad.area_m2 * fields.mean(1 / gap)[0])
 
 
 def weights_of(film: Sample) -> dict[str, np.ndarray]:
@@ -281,64 +268,32 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
 
 
 class Sample:
-    """One film at all nodes of its state's grid, those of the edge and of mirror images among them.
-
-    In an outline's or a disc's coordinates each place lies at two points.
+    """One film's state with what outputs ask of it.
 
     Attributes:
-        x, y: points across the pad in [0, 1], shape (Q,).
-        weights: of the mean over the pad, sum 1.
-        gauge pressure: P − 1 at the points and equidistant instants from phase 0, (Q, instants).
+        fields: the state, at the nodes that its symmetry leaves, those of the edge among them.
+        x, y: points across the pad in [0, 1], mirror images among them, shape (Q,). In an outline's
+            or a disc's coordinates each place lies at two of them.
         largest, least: of P − 1 over pad and period.
-        images: the places of each point's mirror images among the points, itself included.
         momentum_n: what leaves over the edge along the pad's x and y, of a gas with inertia.
     """
 
     def __init__(self, scene: Scene, state: States) -> None:
-        grid, outline = state.grid, state.grid.outline
-        mirrored: list[Any]
-        # With zeros on the edge; what is not among the unknowns is an image.
-        in_x, in_y = (axis.at(axis.all_nodes) for axis in (grid.x, grid.y))
-        field = np.einsum("pa,abi,qb->pqi", in_x, state.unknowns[0], in_y, optimize=True)
-        along_x = weights_with_edge(axis(grid.x.full_points, folded=False))
-        if grid.radial:
-            half = weights_with_edge(grid.x) / 2
-            weights = np.multiply.outer(np.append(half, half[::-1]), np.full(4, 1 / 4))
-            mirrored = list(grid.around.mirrored)
-        elif outline:
-            mu, nu = outline.edge_mu * (2 * grid.x.all_nodes[:, None] - 1), grid.y.all_nodes
-            density = outline.stretch(mu, nu) / outline.mean_stretch
-            weights = along_x[:, None] * density / len(nu)
-            mirrored = list(grid.around.mirrored)
-        else:
-            along_y = weights_with_edge(axis(grid.y.full_points, folded=False))
-            weights = np.multiply.outer(along_x, along_y)
-            mirrored = [slice(None, None, -1)] * grid.y.folded
-        node_indices = np.arange(weights.size).reshape(weights.shape)
-        flips = grid.x.folded and grid.coordinates is None
-        images = [node_indices, np.flip(node_indices, axis=0)] if flips else [node_indices]
-        for order in mirrored:
-            images += [image[:, order] for image in images]
-
-        self.scene, self.weights, (self.x, self.y) = scene, weights.ravel(), grid.positions
-        self.gauge_pressure_ratio = field.reshape(-1, grid.nt)
-        self.images = [image.ravel() for image in images]
-        axes = grid.x, grid.y, grid.t
-        self.largest = _extreme(field, axes, sign=1)
-        self.least = -_extreme(field, axes, sign=-1)
+        self.scene, grid = scene, state.grid
+        self.fields = Fields.of([scene], grid, state.unknowns[None])
+        self.x, self.y = grid.positions
+        self.largest = _extreme(state.unknowns[0], grid, sign=1)
+        self.least = -_extreme(state.unknowns[0], grid, sign=-1)
         inert = scene.gas.inertia == "included"
         self.momentum_n = momentum_out(scene, grid, state.unknowns) if inert else (0.0, 0.0)
 
     @cached_property
-    def phases(self) -> np.ndarray:
-        return period(self.gauge_pressure_ratio.shape[1]).nodes
-
-    @cached_property
     def pressure(self) -> np.ndarray:
-        """Pressure's mean and its factors of sin T and cos T at the points, shape (3, Q)."""
-        phases = self.phases
+        """Pressure's mean and its factors of sin T and cos T at the nodes, shape (3, x, y)."""
+        phases = self.fields.grid.t.nodes
         parts = np.stack([np.ones_like(phases), 2 * np.sin(phases), 2 * np.cos(phases)])
-        return np.asarray((self.gauge_pressure_ratio @ parts.T).T / len(phases))
+        mean_with = self.fields.gauge_pressure_ratio[0] @ parts.T / len(phases)
+        return np.moveaxis(mean_with, -1, 0)
 
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -353,18 +308,28 @@ class Sample:
         return np.asarray((8 * (after - near) - (beyond - far)) / (12 * (in_x + in_y)))
 
     def symmetric(self, field: np.ndarray) -> np.ndarray:
-        """Return the part of a field (..., Q) that counts in a mean with the pressure."""
-        seen = np.mean([field[..., image] for image in self.images], axis=0)
+        """Return the part of a field (3, Q) that counts in a mean with the pressure, (3, x, y)."""
+        grid, (_, count_x, count_y) = self.fields.grid, self.pressure.shape
+        seen = field.reshape(3, len(grid.x.all_nodes), len(grid.y.all_nodes))
+        if isinstance(grid.y, Around):
+            for order in grid.y.mirrored:
+                seen = (seen + seen[..., order]) / 2
+        else:
+            seen = (seen + seen[:, ::-1]) / 2 if grid.x.folded else seen
+            seen = (seen + seen[..., ::-1]) / 2 if grid.y.folded else seen
         odd = np.abs(seen).max() < ODD_ROUNDED * np.abs(field).max()
-        return np.zeros_like(field) if odd else np.asarray(seen)
+        return seen[:, :count_x, :count_y] * (not odd)
 
     def mean(self, weight: np.ndarray) -> float:
-        """⟨w (P − 1)⟩ over pad and period, for w₀ + w₁ sin T + w₂ cos T, shape (3, Q)."""
-        return float(_product(weight, self.pressure) @ self.weights)
+        """⟨w (P − 1)⟩ over pad and period, for w₀ + w₁ sin T + w₂ cos T, shape (3, x, y)."""
+        return self._mean(_product(weight, self.pressure))
 
     def size(self, weight: np.ndarray) -> float:
         """Root mean square of a weight over pad and period."""
-        return float(np.sqrt(_product(weight, weight) @ self.weights))
+        return float(np.sqrt(self._mean(_product(weight, weight))))
+
+    def _mean(self, over_period: np.ndarray) -> float:
+        return float(self.fields.mean(over_period[None, ..., None])[0])
 
 
 def _product(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -378,27 +343,30 @@ def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
 
 
-def _extreme(field: np.ndarray, axes: tuple[Axis, Axis | Around, Period], *, sign: int) -> float:
-    """Return the maximum of the interpolant of sign · field near its largest node value."""
+def _extreme(field: np.ndarray, grid: Grid, *, sign: int) -> float:
+    """Return the maximum of the interpolant of sign · field near its largest node value.
+
+    Args:
+        field: at the unknowns, shape (nx, ny, nt); on the edge it is zero.
+    """
     from scipy.optimize import minimize
 
-    first, second, in_time = axes
-    around = isinstance(second, Around)
     size = np.abs(field).max() or 1.0
 
     def fallen(point: np.ndarray) -> float:
         u, v, phase = point[:, None]
-        in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
-        minimum = second.to_points(v) @ in_u @ in_time.at(phase).T
+        in_u = np.einsum("pa,abi->pbi", grid.x.at(u), field)
+        minimum = grid.y.at(v) @ in_u @ grid.t.at(phase).T
         return -sign * minimum.item() / size
 
     best = np.unravel_index(int(np.argmax(sign * field)), field.shape)
-    nodes = first.all_nodes, second.all_nodes, in_time.nodes
+    nodes = grid.x.nodes, grid.y.nodes, grid.t.nodes
     start = np.array([float(axis_nodes[k]) for axis_nodes, k in zip(nodes, best, strict=True)])
     # On the edge of the pad the pressure is ambient: no extreme but that of a film at rest.
+    around = isinstance(grid.y, Around)
     free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
     minimum = minimize(fallen, start, bounds=free, options={"ftol": 1e-13})
-    return float(max(sign * field[best], -size * minimum.fun))
+    return float(max(0.0, sign * field[best], -size * minimum.fun))
 
 
 def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float, float]:
