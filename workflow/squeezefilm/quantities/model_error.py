@@ -204,8 +204,14 @@ class FilmWithEffects:
                 viscous.with_gas(**slip or {"rarefaction": "slip"}),
             ]
         )
-        presses = scene.bearing_number and scene.epsilon and not scene.pad.gap.flat
-        self.still = FilmWithEffects(replace(scene, hv_m=0.0)) if presses else None
+        self.still: FilmWithEffects | None = None
+        if scene.bearing_number and not scene.pad.gap.flat:
+            self.still = FilmWithEffects(replace(scene, hv_m=0.0)) if scene.epsilon else self
+
+    @property
+    def has_force(self) -> bool:
+        """Whether vibration or sliding presses on the pad."""
+        return bool(self.scene.epsilon or self.still)
 
     @property
     def by_gas(self) -> list[tuple[Scene, Scene]]:
@@ -240,7 +246,7 @@ class FilmWithEffects:
 def _budgets(
     films: Sequence[FilmWithEffects], tolerances: Sequence[float], device: Device
 ) -> list[ErrorBudget]:
-    moving = [film for film in films if film.scene.epsilon]
+    moving = [film for film in films if film.has_force]
     vibrating = {scene: None for film in moving for scene in (film.scene, film.together)}
     sliding = {film.together: None for film in moving if film.scene.bearing_number}
     with_still = sliding | {film.still.together: None for film in moving if film.still}
@@ -296,7 +302,7 @@ def _budget(
 ) -> ErrorBudget:
     """A scene's budget from the forces of its films and what is beside these."""
     scene = film.scene
-    if not scene.epsilon:
+    if not film.has_force:
         return ErrorBudget(status="no vibration, no force")
     own = solutions[scene]
     if own.status != "ok":
