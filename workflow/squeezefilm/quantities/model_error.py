@@ -210,7 +210,7 @@ class FilmWithEffects:
 
     @property
     def has_force(self) -> bool:
-        """Whether vibration or sliding presses on the pad."""
+        """Return whether vibration or sliding presses on the pad."""
         return bool(self.scene.epsilon or self.still)
 
     @property
