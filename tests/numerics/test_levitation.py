@@ -186,7 +186,9 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
     assert main(["levitate", *words, "--config", study(tmp_path, **sections)]) == 1
     said = capsys.readouterr()
     assert "gap 0" not in said.out
-    assert all(reason in said.err for reason in [*reasons, "gaps are given of about"])
+    assert all(
+        reason in said.err for reason in [*reasons, "limits of validity hold for gaps of about"]
+    )
 
 
 def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(tmp_path):
@@ -195,10 +197,14 @@ def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(
     assert row["h0_m"] > 4e-6
 
 
-def test_a_table_keeps_every_load_with_a_reason_where_it_has_no_gap(tmp_path):
+def test_a_table_keeps_every_load_with_a_reason_where_it_has_no_gap(tmp_path, capsys):
+    """And each is told as soon as it is known."""
     output = tmp_path / "levitation.csv"
     words = ["levitate", "--load", "0.5N,1000N", "--hv", "1.5um", "--output", str(output)]
     assert main(words) == 0
+    first, second = capsys.readouterr().err.splitlines()
+    assert first.startswith("load 0.5 N, hv 1.5 µm: gap 4.6430")
+    assert second.startswith("load 1000 N, hv 1.5 µm: no gap")
     table = pd.read_csv(output)
     assert table.loc[0, "status"] == "ok"
     assert table.loc[0, "h0_m"] == pytest.approx(4.643e-6, rel=1e-3)

@@ -23,7 +23,6 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from scipy.integrate import odeint
 
 from squeezefilm.dynamics.pad_grid import PadGrid, pad_grid, rectangle_grid
 from squeezefilm.film.scene import Scene
@@ -217,6 +216,8 @@ class AveragedFilm:
             psi: the state, shape (nodes,).
             times: rising, from 0, shape (n,).
         """
+        from scipy.integrate import odeint  # slow to import, and only needed here
+
         settled = self.density(self.settled(epsilon))
         inner, inside = self.grid.inner, self.grid.inside / self.sigma
         final = settled[inner]

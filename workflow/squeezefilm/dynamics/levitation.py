@@ -5,7 +5,9 @@ above it settles at the widest such gap. Stiffness is that of slow motion, −�
 amplitude of the surface kept.
 """
 
-from collections.abc import Callable, Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import product
@@ -13,7 +15,6 @@ from math import inf, isfinite, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from squeezefilm.dynamics.averaged_film import (
     GRID_POINTS,
@@ -26,6 +27,7 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
 from squeezefilm.formatting import scene_row
+from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.model_error import (
     AUTO_TERMS,
@@ -53,8 +55,6 @@ MOST_STEPS = 40
 MOST_MODELLING_ERROR = 0.1
 # Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
 EFFECTS_GROW = 2.0
-# Gaps at which the modelling error is looked at for the range of those that are given.
-RANGE_BUDGETS = 4
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2
@@ -216,40 +216,29 @@ def levitate(
     return levitation
 
 
-def valid_range_text(
-    scene: Scene, *, tolerance: float, model_tolerance: float, device: Device, method: str = "auto"
-) -> str:
-    """Describe the range of gaps and loads that are valid at a scene's amplitude, as text."""
+def valid_range_text(scene: Scene, *, device: Device) -> str:
+    """Describe the range of gaps and loads within the limits of validity at a scene's amplitude.
+
+    A modelling error may be too large there nevertheless: to know it would take longer than a gap.
+    """
     gaps_m, forces_n = _gaps_and_forces(scene, device)
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = np.gradient(forces_n, gaps_m)
-    # Outside the limits even of the equation that has the most of them there is no need to ask.
-    open_to_all = scene.with_gas(inertia="included", thermal="none")
-    gap_rows = [
-        k
-        for k, there in enumerate(_scenes_at_gaps(open_to_all, *gaps_m))
-        if slopes[k] < 0 < forces_n[k] and not exceeded(there)
+    # The equation that has the widest limits.
+    widest = _scenes_at_gaps(scene.with_gas(inertia="included", thermal="none"), *gaps_m)
+    valid = [
+        k for k, there in enumerate(widest) if slopes[k] < 0 < forces_n[k] and not exceeded(there)
     ]
-    gap_rows = gap_rows[:: -(-len(gap_rows) // RANGE_BUDGETS) or 1]
-    scenes = resolve_auto_terms(
-        _scenes_at_gaps(scene, *gaps_m[gap_rows]),
-        model_tolerance=max(model_tolerance, LOOK_TOLERANCE),
-        method=method,
-        device=device,
-    )
-    budgets = error_budgets(scenes, device=device, tolerances=(ROUGH_TOLERANCE,))
-    given = [
-        k
-        for k, there, budget in zip(gap_rows, scenes, budgets, strict=True)
-        if not Levitation(there, forces_n[k], nan, -slopes[k], nan, budget).invalidity_reasons
-    ]
-    if not given:
-        return "at this amplitude no gap is given"
+    if not valid:
+        return "at this amplitude no gap is within the limits of validity"
     gaps, loads = (
-        " to ".join(dict.fromkeys(f"{values[k]:.2g}" for k in (given[0], given[-1])))
+        " to ".join(dict.fromkeys(f"{values[k]:.2g}" for k in (valid[0], valid[-1])))
         for values in (1e6 * gaps_m, forces_n)
     )
-    return f"at this amplitude gaps are given of about {gaps} µm, for about {loads} N"
+    return (
+        f"at this amplitude the limits of validity hold for gaps of about {gaps} µm, loads of "
+        f"about {loads} N"
+    )
 
 
 def _at_the_load(
@@ -327,17 +316,23 @@ def _root(excess: Callable[[float], float], low: float, high: float) -> float:
     """Return roughly the root of ``excess`` between two gaps, or outside them after a change of
     terms.
     """
-    from scipy.optimize import brentq
-
     excess = cache(excess)
     for _ in range(8):
         low = low if excess(low) >= 0 else low / 1.1
         high = high if excess(high) <= 0 else high * 1.1
-    try:
-        rough = ROUGH_TOLERANCE / 10
-        return float(brentq(excess, low, high, rtol=rough, xtol=1e-15, maxiter=MOST_STEPS))
-    except (ValueError, RuntimeError) as error:
-        raise RunError(f"load: the gap was not found between {low:.4g} and {high:.4g} m") from error
+    more, less = excess(low), excess(high)
+    ends, gap = (low, high), low
+    # The Illinois method over ln h0 (SciPy's methods take longer to import than this takes).
+    for _ in range(MOST_STEPS * (more >= 0 >= less)):
+        last, gap = gap, low * (high / low) ** (more / (more - less or 1.0))
+        value = excess(gap)
+        if value == 0 or abs(gap - last) <= ROUGH_TOLERANCE / 10 * gap:
+            return gap
+        if value > 0:
+            low, more, less = gap, value, less / (2 if last < gap else 1)
+        else:
+            high, less, more = gap, value, more / (2 if last > gap else 1)
+    raise RunError("load: the gap was not found between {:.4g} and {:.4g} m".format(*ends))
 
 
 class Resonance(NamedTuple):
@@ -520,17 +515,14 @@ def levitations(
     how: dict[str, Any],
     scan_error_n: Callable[[Scene], float],
     mass_kg: float | None = None,
-    whole: bool = False,
-) -> pd.DataFrame:
-    """A table with a row for each scene and load, whose gap is sought.
+) -> Iterator[dict[str, object]]:
+    """Rows of a table of levitations, as they are known: for each scene and load, its gap sought.
 
     Args:
         how: the settings of ``levitate``.
         scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
         mass_kg: that floats, for its resonance.
-        whole: with the columns of scenes and error budgets too.
     """
-    rows = []
     with progress_of(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
         for scene, load_n in product(scenes, loads_n):
             row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
@@ -551,8 +543,12 @@ def levitations(
                 row |= {"status": "ok", "note": "; ".join(notes)}
             except (InputError, RunError) as error:
                 row["status"] = str(error).removeprefix("load: ")
-            rows.append(row)
+            yield row
             bar.update(1)
+
+
+def levitation_table(rows: Iterable[dict[str, object]], *, resonances: bool) -> pd.DataFrame:
+    """A table of ``levitations``, without the columns of scenes and error budgets."""
     columns = ["load_n", "hv_m", *LEVITATION_COLUMNS, "h0_measurement_noise_m", "status", "note"]
-    columns += RESONANCE_COLUMNS if mass_kg is not None else ()
-    return pd.DataFrame(rows) if whole else pd.DataFrame(rows).reindex(columns=columns)
+    columns += RESONANCE_COLUMNS if resonances else ()
+    return pd.DataFrame(rows).reindex(columns=columns)

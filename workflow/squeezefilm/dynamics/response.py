@@ -4,14 +4,14 @@ By the averaged film (averaged_film.py), where its settled force is good enough.
 follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the edge.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
-from scipy.optimize import brentq
 
 from squeezefilm.dynamics.averaged_film import (
     GRID_POINTS,
@@ -23,6 +23,7 @@ from squeezefilm.dynamics.averaged_film import (
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import exceeded, validity
+from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.outputs import negative_slopes
 from squeezefilm.reynolds.device import Device
@@ -178,6 +179,7 @@ def _response(scene: Scene, points: int) -> Response:
 
 def _corner_modulation(film: AveragedFilm, static: float, prompt: float) -> float:
     """Modulation, in units of ω, at which |gain − prompt| has fallen by 3 dB."""
+    from scipy.optimize import brentq  # slow to import, and only needed here
 
     def above(exponent: float) -> float:
         (gain,) = film.response(np.array([np.exp(exponent)]))
