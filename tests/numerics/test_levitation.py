@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from films import PISTON, film
+from films import PISTON, SINC, film
 from scipy.optimize import newton
 from test_slow_film import disc_stiffness
 
@@ -15,6 +15,7 @@ from squeezefilm.cli.main import main
 from squeezefilm.dynamics.levitation import OVERDAMPED, levitate, resonance
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm_workflow.verification.ring_down import RingDown
 
 DEVICE = choose_device()
 SETTINGS = {"tolerance": 1e-6, "model_tolerance": 1e-3, "device": DEVICE}
@@ -101,6 +102,32 @@ def test_a_levitated_disc_oscillates_as_bessel_functions_say(inertia, denser):
         if inertia == "included":  # without its lag the answer were another one
             off = abs(motion.frequency_hz / scene.actuator.frequency_hz - exact[0])
             assert off < 0.5 * abs(simple[0] - exact[0])
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "sigma", "squeeze", "profile"),
+    [(0.3, 455.0, 40.0, PISTON), (0.5, 300.0, 30.0, SINC)],
+)
+def test_a_levitated_disc_rings_down_as_its_resonance_says(epsilon, sigma, squeeze, profile):
+    """Film and mass together, integrated in time from a kick; ``squeeze`` is σ √scale."""
+    scene = film(epsilon=epsilon, sigma=sigma, profile=profile)
+    gas = replace(scene.gas, density_kg_per_m3=scene.gas.density_kg_per_m3 / 3)
+    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"), gas=gas)
+    (force,) = solve([scene], tolerance=1e-6, device=DEVICE)
+    found = levitate(scene, load_n=force.force_n, **SETTINGS)
+    scale = (squeeze / sigma) ** 2
+    vibration = scene.actuator.angular_frequency_rad_per_s
+    trapped = scene.force_scale_n / scene.h0_m
+    motion = resonance(found, mass_kg=trapped / (scale * vibration**2))
+
+    def amplitude(r):
+        return profile.amplitude(x_m=r * scene.pad.length_x_m, y_m=np.zeros_like(r))
+
+    frequency, damping_ratio = RingDown(epsilon, sigma, amplitude).decay(scale=scale)
+    expected_hz = frequency * scene.actuator.frequency_hz
+    assert motion.frequency_hz == pytest.approx(expected_hz, abs=motion.frequency_error_hz)
+    assert motion.damping_ratio == pytest.approx(damping_ratio, abs=motion.damping_ratio_error)
+    assert motion.frequency_error_hz < 0.02 * motion.frequency_hz
 
 
 def study(tmp_path, **sections) -> str:
