@@ -97,8 +97,8 @@ MUTATIONS = {
     ),
     "response": Mutation(
         "dynamics/averaged_film.py",
-        "at_once + complex(by_flow[0])",
-        "at_once - complex(by_flow[0])",
+        "at_once + complex(by_flow)",
+        "at_once - complex(by_flow)",
         (f"{NUMERICS}/test_slow_film.py",),
     ),
     "force integral": Mutation(

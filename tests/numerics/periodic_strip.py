@@ -1,7 +1,8 @@
-"""An infinite strip of film by Newton's method: with a loss at its rim, under a pad that moves.
+"""An infinite strip or a disc of film by Newton's method: a loss at its rim, a pad that moves.
 
 A yardstick that shares nothing with the solver but the equation σ ∂(HP)/∂T = ∂(H³ P ∂P/∂x)/∂x:
 Chebyshev nodes across the strip, of width 1, and an odd number of instants, all solved at once.
+Of a disc they lie along its diameter, and its divergence is (1/r) ∂(r ·)/∂r.
 """
 
 from __future__ import annotations
@@ -17,17 +18,33 @@ from squeezefilm_workflow.verification.numpy_periodic import ChebyshevGrid, cheb
 
 @dataclass(frozen=True)
 class PeriodicStrip:
-    """H = 1 + ε s(x) sin T."""
+    """H = 1 + ε s(x) sin T; of a disc s is even about its middle, 1/2."""
 
     epsilon: float
     sigma: float
     profile: Callable[[np.ndarray], np.ndarray]
     points: int = 24
     instants: int = 21
+    disc: bool = False
 
     @cached_property
     def grid(self) -> ChebyshevGrid:
         return chebyshev_grid(self.points)
+
+    @cached_property
+    def divergence(self) -> np.ndarray:
+        """∇· of a flow along x."""
+        radius = self.grid.x[:, None] - 0.5
+        return self.grid.first + np.eye(len(radius)) / radius * self.disc
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Of the mean over the film: the mean over a disc of T_k(2r) is 1/(1 − k²/4) or 0."""
+        if not self.disc:
+            return self.grid.weights
+        k = np.arange(len(self.grid.x))
+        means = np.where(k % 4 == 0, 1 / (1 - k**2 / 4 + (k == 2)), 0.0)
+        return np.linalg.solve(np.cos(np.outer(k, np.arccos(1 - 2 * self.grid.x))), means)
 
     @cached_property
     def gap(self) -> np.ndarray:
@@ -54,18 +71,27 @@ class PeriodicStrip:
 
     def stiffness(self, modulation: np.ndarray) -> np.ndarray:
         """Fall of the mean pressure per rise of the gap, as exp(iΩT), Ω in units of ω, (n,)."""
+        return -self._moved(np.ones_like(self.gap), modulation)
+
+    def gain(self, modulation: np.ndarray) -> np.ndarray:
+        """Growth of the mean pressure per growth of ln ε, as exp(iΩT), likewise."""
+        return self._moved(self.gap - 1, modulation)
+
+    def _moved(self, gap_change: np.ndarray, modulation: np.ndarray) -> np.ndarray:
+        """Change of the mean pressure by a small one of H that goes as exp(iΩT)."""
         across, pressure = self.grid.first, self._pressure(0.0)
-        found = []
+        changes = []
         for omega in modulation:
             in_time = self.in_time + 1j * omega * np.eye(self.instants)
-            driven = self.sigma * pressure @ in_time.T
-            driven -= across @ (3 * self.gap**2 * pressure * (across @ pressure))
+            driven = self.sigma * (pressure * gap_change) @ in_time.T
+            flow = 3 * self.gap**2 * gap_change * pressure * (across @ pressure)
+            driven -= self.divergence @ flow
             driven[[0, -1]] = 0.0
-            found.append(self._mean(self._step(pressure, driven, in_time=in_time)))
-        return -np.array(found)
+            changes.append(self._mean(self._step(pressure, driven, in_time=in_time)))
+        return np.array(changes)
 
     def _mean(self, field: np.ndarray) -> complex:
-        return complex(self.grid.weights @ field.mean(axis=1))
+        return complex(self.weights @ field.mean(axis=1))
 
     def _pressure(self, loss: float) -> np.ndarray:
         across, gap = self.grid.first, self.gap
@@ -73,7 +99,7 @@ class PeriodicStrip:
         for _ in range(30):
             slope = across @ pressure
             residual = self.sigma * (pressure * gap) @ self.in_time.T
-            residual -= across @ (gap**3 * pressure * slope)
+            residual -= self.divergence @ (gap**3 * pressure * slope)
             for end, inwards in ((0, -1.0), (-1, 1.0)):
                 streams = np.maximum(inwards * gap[end] ** 2 * slope[end], 0.0)
                 residual[end] = pressure[end] - 1 + loss * streams**2
@@ -92,8 +118,8 @@ class PeriodicStrip:
         slope = across @ pressure
         jacobian = np.zeros((nodes, instants, nodes, instants), dtype=in_time.dtype)
         jacobian[np.arange(nodes), :, np.arange(nodes)] = self.sigma * in_time * gap[:, None, :]
-        flow = np.einsum("ij,tjk->tik", across, (gap**3 * pressure).T[:, :, None] * across)
-        flow += across * (gap**3 * slope).T[:, None, :]
+        flow = np.einsum("ij,tjk->tik", self.divergence, (gap**3 * pressure).T[:, :, None] * across)
+        flow += self.divergence * (gap**3 * slope).T[:, None, :]
         for instant in each:
             jacobian[:, instant, :, instant] -= flow[instant]
         for end, inwards in ((0, -1.0), (nodes - 1, 1.0)):

@@ -46,6 +46,9 @@ LIGHT = {
     "from squeezefilm.cli.main import main; main('simulate --h0 5um --hv 2um'.split())": {
         *("multiprocessing", "pandas", "scipy", "squeezefilm.film.measured.smooth")
     },
+    "from squeezefilm.cli.main import main; main('levitate --mass 10g --hv 1um'.split())": {
+        *("multiprocessing", "pandas", "scipy")
+    },
 }
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import budget_table, scan_error_of
-from squeezefilm.dynamics.levitation import levitations, loads_like
+from squeezefilm.dynamics.levitation import levitation_table, levitations, loads_like
 from squeezefilm.dynamics.response import all_gains, responses
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAPS_M
@@ -18,14 +18,15 @@ from squeezefilm_workflow.job import Job, Study, run
 FREQUENCY_HZ = np.array([3, 10, 30, 60, 100, 150, 200, 300, 500, 700, 1e3, 2e3, 4e3])
 
 
-def levitation_table(study: Film, forces_file: str) -> pd.DataFrame:
+def gaps_of_loads(study: Film, forces_file: str) -> pd.DataFrame:
     """The gaps that carry loads like the plan's forces."""
     settings = study.solver()
     loads_n, amplitudes_m = loads_like(forces_file)
     moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAPS_M[1]}))
     how = settings.how | {"model_tolerance": settings.model_tolerance}
     scan_error_n = scan_error_of(study.scan, device=settings.device)
-    return levitations(moved, loads_n, how=how, scan_error_n=scan_error_n)
+    rows = levitations(moved, loads_n, how=how, scan_error_n=scan_error_n)
+    return levitation_table(rows, resonances=False)
 
 
 def film_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFrame:
@@ -46,7 +47,7 @@ def main(snakemake: Job, config: Study) -> None:
         "error_budget": lambda: budget_table(points, study),
         "film": lambda: film_table(settings, scenes),
         "gains": lambda: all_gains(points, scenes, FREQUENCY_HZ),
-        "levitation": lambda: levitation_table(study, snakemake.input.forces),
+        "levitation": lambda: gaps_of_loads(study, snakemake.input.forces),
         "response": lambda: responses(points, scenes, tolerance=settings.tolerance, device=device),
     }
     for path in snakemake.output:

@@ -1,7 +1,10 @@
 """Commands about a film in use: the gap under a load, and how forces follow an amplitude."""
 
+from __future__ import annotations
+
 import argparse
 import sys
+from typing import Any
 
 import numpy as np
 
@@ -20,12 +23,13 @@ from squeezefilm.cli.options import (
     study_column,
     write_rows,
 )
-from squeezefilm.dynamics.levitation import levitations, valid_range_text
+from squeezefilm.dynamics.levitation import levitation_table, levitations, valid_range_text
 from squeezefilm.dynamics.response import all_gains, all_steps, responses
 from squeezefilm.errors import InputError, RunError, naming
 from squeezefilm.film.validity import GAPS_M, OK
-from squeezefilm.formatting import scene_row
+from squeezefilm.formatting import scene_row, value_text
 from squeezefilm.lazy import pd
+from squeezefilm.parallel import say
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities, quantity
 
@@ -77,25 +81,43 @@ def levitate(options: argparse.Namespace) -> None:
         raise InputError("give --load and --hv, or --mass and --hv")
     if min(loads_n) <= 0:
         raise InputError(f"--load {options.load!r} must be positive")
-    points = pd.DataFrame(points_in(options, times=len(loads_n)))
+    points = points_in(options, times=len(loads_n))
     least, most = AMPLITUDES_M
-    for wrong in points.loc[~points["hv_m"].between(least, most), "hv_m"]:
-        raise InputError(f"--hv: {wrong:g} m must lie within {least:g} … {most:g} m")
+    for hv_m in points["hv_m"]:
+        if not least <= hv_m <= most:
+            raise InputError(f"--hv: {hv_m:g} m must lie within {least:g} … {most:g} m")
     # Of the gap, which is sought, the largest: there surface and pad do not touch.
-    scenes = film.scenes(points.assign(h0_m=GAPS_M[1]))
+    scenes = film.scenes(points | {"h0_m": (GAPS_M[1],) * len(points["hv_m"])})
     settings, scan = film.solver(), film.scan
     how = settings.how | {"model_tolerance": settings.model_tolerance}
     off_n = scan_error_of(scan, device=settings.device)
     alone = options.output is None and len(scenes) * len(loads_n) == 1
-    table = levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg, whole=alone)
+    rows = []
+    for row in levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg):
+        rows.append(row)
+        if not alone:
+            say(_levitation_line(row))
     if scan is not None:
         without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
-    status = table["status"].iloc[0]
-    if options.json or status == OK or not alone:
+    if not alone:
+        table = levitation_table(rows, resonances=mass_kg is not None)
         write_rows(table.assign(**study_column(options)), options)
-    if alone and status != OK:
-        raise RunError(f"{status}; {valid_range_text(scenes[0], **how)}")
+        return
+    status = rows[0]["status"]
+    if options.json or status == OK:
+        print(shown(rows[0], options))
+    if status != OK:
+        raise RunError(f"{status}; {valid_range_text(scenes[0], device=settings.device)}")
+
+
+def _levitation_line(row: dict[str, Any]) -> str:
+    """A row in a line, told as soon as it is known."""
+    load, hv = value_text(row["load_n"], "N"), value_text(row["hv_m"], "m")
+    if row["status"] != OK:
+        return f"load {load}, hv {hv}: {row['status']}"
+    gap = value_text(row["h0_m"], "m", error=row["h0_error_m"])
+    return f"load {load}, hv {hv}: gap {gap}"
 
 
 @command(

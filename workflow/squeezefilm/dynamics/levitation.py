@@ -5,22 +5,29 @@ above it settles at the widest such gap. Stiffness is that of slow motion, −�
 amplitude of the surface kept.
 """
 
-from collections.abc import Callable, Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import product
-from math import isfinite, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
-from squeezefilm.dynamics.averaged_film import averaged_film_of, refused
-from squeezefilm.dynamics.response import MOST_MODULATION
+from squeezefilm.dynamics.averaged_film import (
+    GRID_POINTS,
+    AveragedFilm,
+    averaged_film_of,
+    film_on,
+    refused,
+)
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import GAPS_M, exceeded
 from squeezefilm.formatting import scene_row
+from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.model_error import (
     AUTO_TERMS,
@@ -34,6 +41,7 @@ from squeezefilm.quantities.outputs import QUOTIENT_STEP, negative_slopes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import notes_of
+from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from squeezefilm.tables import read_forces
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
@@ -47,13 +55,22 @@ MOST_STEPS = 40
 MOST_MODELLING_ERROR = 0.1
 # Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
 EFFECTS_GROW = 2.0
-# Gaps at which the modelling error is looked at for the range of those that are given.
-RANGE_BUDGETS = 4
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2
 # Loads and amplitudes over the range of a table of forces.
 TABLE_LOADS, TABLE_AMPLITUDES = 8, 3
+# Free oscillations are given up to this share of the vibration's frequency: on discs (σ 60–3000, ε
+# 0.05–0.8) stiffness there was within 1.5 % of the full equation's.
+MOST_OSCILLATION = 0.3
+# Relative error of the averaged film's stiffness over ε² |s|/ω and the edge layer's thickness: 1.5
+# times what the worst of those discs needed.
+AVERAGING_FACTOR = 2.0
+# Excursion ratio that stands for none, and the steps to a root of the equation of motion.
+TINY_EPSILON = 1e-6
+ROOT_STEP, ROOT_PRECISION = 1e-3, 1e-6
+# Relative change of that root from one grid to the next: what is fine, and what is no answer.
+ROOT_TOLERANCE, MOST_ROOT_ERROR = 1e-3, 0.1
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
 LEAST_OSCILLATION = 1e-3
 OVERDAMPED = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
@@ -199,40 +216,29 @@ def levitate(
     return levitation
 
 
-def valid_range_text(
-    scene: Scene, *, tolerance: float, model_tolerance: float, device: Device, method: str = "auto"
-) -> str:
-    """Describe the range of gaps and loads that are valid at a scene's amplitude, as text."""
+def valid_range_text(scene: Scene, *, device: Device) -> str:
+    """Describe the range of gaps and loads within the limits of validity at a scene's amplitude.
+
+    A modelling error may be too large there nevertheless: to know it would take longer than a gap.
+    """
     gaps_m, forces_n = _gaps_and_forces(scene, device)
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = np.gradient(forces_n, gaps_m)
-    # Outside the limits even of the equation that has the most of them there is no need to ask.
-    open_to_all = scene.with_gas(inertia="included", thermal="none")
-    gap_rows = [
-        k
-        for k, there in enumerate(_scenes_at_gaps(open_to_all, *gaps_m))
-        if slopes[k] < 0 < forces_n[k] and not exceeded(there)
+    # The equation that has the widest limits.
+    widest = _scenes_at_gaps(scene.with_gas(inertia="included", thermal="none"), *gaps_m)
+    valid = [
+        k for k, there in enumerate(widest) if slopes[k] < 0 < forces_n[k] and not exceeded(there)
     ]
-    gap_rows = gap_rows[:: -(-len(gap_rows) // RANGE_BUDGETS) or 1]
-    scenes = resolve_auto_terms(
-        _scenes_at_gaps(scene, *gaps_m[gap_rows]),
-        model_tolerance=max(model_tolerance, LOOK_TOLERANCE),
-        method=method,
-        device=device,
-    )
-    budgets = error_budgets(scenes, device=device, tolerances=(ROUGH_TOLERANCE,))
-    given = [
-        k
-        for k, there, budget in zip(gap_rows, scenes, budgets, strict=True)
-        if not Levitation(there, forces_n[k], nan, -slopes[k], nan, budget).invalidity_reasons
-    ]
-    if not given:
-        return "at this amplitude no gap is given"
+    if not valid:
+        return "at this amplitude no gap is within the limits of validity"
     gaps, loads = (
-        " to ".join(dict.fromkeys(f"{values[k]:.2g}" for k in (given[0], given[-1])))
+        " to ".join(dict.fromkeys(f"{values[k]:.2g}" for k in (valid[0], valid[-1])))
         for values in (1e6 * gaps_m, forces_n)
     )
-    return f"at this amplitude gaps are given of about {gaps} µm, for about {loads} N"
+    return (
+        f"at this amplitude the limits of validity hold for gaps of about {gaps} µm, loads of "
+        f"about {loads} N"
+    )
 
 
 def _at_the_load(
@@ -310,17 +316,23 @@ def _root(excess: Callable[[float], float], low: float, high: float) -> float:
     """Return roughly the root of ``excess`` between two gaps, or outside them after a change of
     terms.
     """
-    from scipy.optimize import brentq
-
     excess = cache(excess)
     for _ in range(8):
         low = low if excess(low) >= 0 else low / 1.1
         high = high if excess(high) <= 0 else high * 1.1
-    try:
-        rough = ROUGH_TOLERANCE / 10
-        return float(brentq(excess, low, high, rtol=rough, xtol=1e-15, maxiter=MOST_STEPS))
-    except (ValueError, RuntimeError) as error:
-        raise RunError(f"load: the gap was not found between {low:.4g} and {high:.4g} m") from error
+    more, less = excess(low), excess(high)
+    ends, gap = (low, high), low
+    # The Illinois method over ln h0 (SciPy's methods take longer to import than this takes).
+    for _ in range(MOST_STEPS * (more >= 0 >= less)):
+        last, gap = gap, low * (high / low) ** (more / (more - less or 1.0))
+        value = excess(gap)
+        if value == 0 or abs(gap - last) <= ROUGH_TOLERANCE / 10 * gap:
+            return gap
+        if value > 0:
+            low, more, less = gap, value, less / (2 if last < gap else 1)
+        else:
+            high, less, more = gap, value, more / (2 if last > gap else 1)
+    raise RunError("load: the gap was not found between {:.4g} and {:.4g} m".format(*ends))
 
 
 class Resonance(NamedTuple):
@@ -329,12 +341,16 @@ class Resonance(NamedTuple):
     Attributes:
         frequency_hz: at which it oscillates as it dies away, |Im s|/2π; NaN where there is no
             oscillation or none is known.
+        frequency_error_hz: by the averaged film, at the gap given.
         damping_ratio: ζ = −Re s/|s|, 1 for critical damping; NaN as the frequency.
+        damping_ratio_error: likewise.
         reason: why there is none or none is known; empty where there is one.
     """
 
-    frequency_hz: float
-    damping_ratio: float
+    frequency_hz: float = nan
+    frequency_error_hz: float = nan
+    damping_ratio: float = nan
+    damping_ratio_error: float = nan
     reason: str = ""
 
 
@@ -349,12 +365,12 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
         m s² + k + K(s/ω) − K(0) = 0,   s = −ζ ωₙ ± i ωₙ √(1 − ζ²),
 
     k the stiffness of slow motion of the settled film and K that of the averaged film
-    (averaged_film.py); without inertia and thermal effects, which matter at the vibration's
-    frequency.
+    (averaged_film.py); with the lag of the gas by inertia where the film has it. Thermal effects,
+    and inertia of the gas that the vibration moves, are in the errors.
     """
     scene = levitation.scene
     if not levitation.stable:
-        return Resonance(nan, nan, "no resonance: not stable")
+        return Resonance(reason="no resonance: not stable")
     settled = scene.viscous()
     if reason := refused(settled):
         return _unknown(reason)
@@ -362,21 +378,92 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     if error > MOST_AVERAGING_ERROR:
         return _unknown(f"the averaged film's settled force is in error by {error:.0%}")
     unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
-    roots = film.free_motion(
-        slow=levitation.stiffness_n_per_m / unit, scale=scene.force_scale_n / scene.h0_m / unit
-    )
+    slow, scale = levitation.stiffness_n_per_m / unit, scene.force_scale_n / scene.h0_m / unit
+    roots = film.free_motion(slow=slow, scale=scale)
     oscillations = roots[roots.imag > LEAST_OSCILLATION * abs(roots)]
     if not oscillations.size:
-        return Resonance(nan, nan, OVERDAMPED)
-    root = complex(min(oscillations, key=abs))
-    if abs(root) > MOST_MODULATION:
-        most_hz = MOST_MODULATION * scene.actuator.frequency_hz
-        return _unknown(f"it is faster than {most_hz:.3g} Hz, a tenth of the vibration")
-    return Resonance(root.imag * scene.actuator.frequency_hz, -root.real / abs(root))
+        return Resonance(reason=OVERDAMPED)
+    lag = LAG_PER_REYNOLDS * scene.modified_reynolds * (scene.gas.inertia == "included")
+    motion = {"slow": slow, "scale": scale, "lag": lag}
+    root, slope = _root_of_motion(film, complex(min(oscillations, key=abs)), **motion)
+    moved = inf
+    # The layer of gas that the motion moves at the edge is thinner than a settled film needs.
+    finer = GRID_POINTS[GRID_POINTS.index(film.grid.points) + 1 :]
+    for points in finer or GRID_POINTS[-2:-1]:
+        film, _ = film_on(settled, points)
+        previous, (root, slope) = root, _root_of_motion(film, root, **motion)
+        moved = abs(root - previous)
+        if not moved > ROOT_TOLERANCE * abs(root):
+            break
+    if not moved <= MOST_ROOT_ERROR * abs(root):
+        return _unknown("no root of the equation of motion was found")
+    if abs(root) > MOST_OSCILLATION:
+        most_hz = MOST_OSCILLATION * scene.actuator.frequency_hz
+        return _unknown(
+            f"it is faster than {most_hz:.3g} Hz, {MOST_OSCILLATION:g} of the vibration's frequency"
+        )
+    error = scale * _stiffness_error(film, scene, root, lag, slow / scale)
+    error += levitation.stiffness_error_n_per_m / unit
+    moved += error / abs(slope)
+    return Resonance(
+        frequency_hz=root.imag * scene.actuator.frequency_hz,
+        frequency_error_hz=moved * scene.actuator.frequency_hz,
+        damping_ratio=-root.real / abs(root),
+        damping_ratio_error=moved / abs(root),
+    )
+
+
+def _root_of_motion(
+    film: AveragedFilm, start: complex, *, slow: float, scale: float, lag: float
+) -> tuple[complex, complex]:
+    """A root of the equation of motion near ``start``, and the equation's slope; NaN for none.
+
+    By the secant method; numbers as of ``AveragedFilm.free_motion``.
+    """
+    (at_rest,) = film.stiffness(np.zeros(1))
+
+    def excess(s: complex) -> complex:
+        (stiffness,) = film.stiffness(np.array([s / 1j]), lag)
+        return complex(s**2 + slow + scale * (stiffness - at_rest))
+
+    previous, root = start * (1 + ROOT_STEP), start
+    before = excess(previous)
+    for _ in range(MOST_STEPS):
+        left = excess(root)
+        slope = (left - before) / (root - previous)
+        previous, before, root = root, left, root - left / slope
+        if abs(root - previous) <= ROOT_PRECISION * abs(root):
+            return root, slope
+    return complex(nan), complex(nan)
+
+
+def _stiffness_error(
+    film: AveragedFilm, scene: Scene, root: complex, lag: float, slow: float
+) -> float:
+    """Error of K(s) − K(0) in units of p0, at s in units of ω.
+
+    Args:
+        film: without the gas' inertia.
+        slow: stiffness of slow motion.
+    """
+    rates = np.array([0.0, root / 1j])
+    rest = replace(film, epsilon=TINY_EPSILON)
+    stiffness, by_motion = film.stiffness(rates, lag), rest.stiffness(rates, lag)
+    excursion = film.epsilon * float(np.abs(film.grid.s).max())
+    layer_lag = abs(root) * film.layer_thickness
+    averaging = AVERAGING_FACTOR * excursion**2 * layer_lag * abs(stiffness[1])
+    # What the vibration adds is in error by about as much as it is in slow motion.
+    by_vibration = abs(np.diff(stiffness - by_motion)[0])
+    vibration = abs(slow / stiffness[0] - 1) * by_vibration
+    # The gas is up to so much denser where it keeps its temperature (mean over the gap).
+    gas = scene.gas
+    heated = gas.prandtl * scene.modified_reynolds * abs(root) / 12
+    heat = (1 - 1 / gas.heat_capacity_ratio) * heated * abs(stiffness[1])
+    return float(averaging + vibration + heat)
 
 
 def _unknown(reason: str) -> Resonance:
-    return Resonance(nan, nan, f"resonance not known: {reason}")
+    return Resonance(reason=f"resonance not known: {reason}")
 
 
 # Of a table of levitations, between the load and its status.
@@ -396,6 +483,14 @@ LEVITATION_COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "modelling_error_upper_percent": lambda found: found.budget.modelling_error_percent[1],
     "unknown_effects": lambda found: "; ".join(found.budget.unknown),
 }
+
+
+RESONANCE_COLUMNS = (
+    "resonance_hz",
+    "resonance_error_hz",
+    "damping_ratio",
+    "damping_ratio_error",
+)
 
 
 def loads_like(path: str) -> tuple[list[float], list[float]]:
@@ -420,17 +515,14 @@ def levitations(
     how: dict[str, Any],
     scan_error_n: Callable[[Scene], float],
     mass_kg: float | None = None,
-    whole: bool = False,
-) -> pd.DataFrame:
-    """A table with a row for each scene and load, whose gap is sought.
+) -> Iterator[dict[str, object]]:
+    """Rows of a table of levitations, as they are known: for each scene and load, its gap sought.
 
     Args:
         how: the settings of ``levitate``.
         scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
         mass_kg: that floats, for its resonance.
-        whole: with the columns of scenes and error budgets too.
     """
-    rows = []
     with progress_of(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
         for scene, load_n in product(scenes, loads_n):
             row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
@@ -445,14 +537,18 @@ def levitations(
                     "h0_measurement_noise_m": noise_m,
                 }
                 if mass_kg is not None:
-                    frequency_hz, damping_ratio, reason = resonance(levitation, mass_kg=mass_kg)
-                    row |= {"resonance_hz": frequency_hz, "damping_ratio": damping_ratio}
+                    *motion, reason = resonance(levitation, mass_kg=mass_kg)
+                    row |= dict(zip(RESONANCE_COLUMNS, motion, strict=True))
                     notes += [reason] * bool(reason)
                 row |= {"status": "ok", "note": "; ".join(notes)}
             except (InputError, RunError) as error:
                 row["status"] = str(error).removeprefix("load: ")
-            rows.append(row)
+            yield row
             bar.update(1)
+
+
+def levitation_table(rows: Iterable[dict[str, object]], *, resonances: bool) -> pd.DataFrame:
+    """A table of ``levitations``, without the columns of scenes and error budgets."""
     columns = ["load_n", "hv_m", *LEVITATION_COLUMNS, "h0_measurement_noise_m", "status", "note"]
-    columns += ["resonance_hz", "damping_ratio"] if mass_kg is not None else []
-    return pd.DataFrame(rows) if whole else pd.DataFrame(rows).reindex(columns=columns)
+    columns += RESONANCE_COLUMNS if resonances else ()
+    return pd.DataFrame(rows).reindex(columns=columns)
