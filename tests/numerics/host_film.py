@@ -1,4 +1,4 @@
-"""Films on the host, apart from the kernels: fields, means and the film equation's residual."""
+"""Films on the host, apart from the kernels: fields and the film equation's residual."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -7,12 +7,11 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities import fields
-from squeezefilm.quantities.states import weights_with_edge
 from squeezefilm.solution import Solution
 
 
 class Fields(fields.Fields):
-    """Films of like terms on one grid, with means over them."""
+    """Films of like terms on one grid."""
 
     @cached_property
     def gap_rate(self) -> np.ndarray:
@@ -21,17 +20,6 @@ class Fields(fields.Fields):
 
     def gradient(self, values: np.ndarray) -> np.ndarray:
         return np.stack([self.x_derivative(values), self.y_derivative(values)])
-
-    def mean(self, values: np.ndarray) -> np.ndarray:
-        """Mean over film and period, shape (scenes,)."""
-        return np.einsum("si,i->s", values.reshape(len(values), -1), self.weights)
-
-    @cached_property
-    def weights(self) -> np.ndarray:
-        """Return the weights of the mean over film and period, (nodes · times,) in sequence."""
-        area = np.multiply.outer(*map(weights_with_edge, (self.grid.x, self.grid.y)))
-        over_period = np.repeat(area[..., None] / self.grid.nt, self.grid.nt, axis=2)
-        return np.ravel(over_period * (self.area * self.grid.mean_area))
 
 
 def fields_of(scenes: Sequence[Scene], solutions: Sequence[Solution], *, grid: int = -1) -> Fields:

@@ -54,10 +54,10 @@ class Fields:
         )
         seen = (..., slice(nodes[0]), slice(nodes[1]), None)
         parts = gap_parts(scenes, grid).swapaxes(0, 1)[seen]
-        rest = 1 + self.numbers("per_rise", absent=0.0) * sum(parts[2:])
+        self.rest_gap = 1 + self.numbers("per_rise", absent=0.0) * sum(parts[2:])
         moving = self.number(self.equation["epsilon"]) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
-        self.gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
+        self.gap = self.rest_gap + sum(map(np.multiply, moving, (sine, cosine)))
         self.gauge_pressure_ratio = self.on_all_nodes(gauge_pressure_ratio)
 
     def number(self, values: np.ndarray) -> np.ndarray:
@@ -68,6 +68,21 @@ class Fields:
         """A number that a term gives the scenes, or what it is without the term."""
         known = name in (self.equation.dtype.names or ())
         return self.number(self.equation[name] if known else np.full(len(self.equation), absent))
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Mean over film and period, shape (..., scenes)."""
+        along, around = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
+        over_pad = self.area[..., 0] * self.grid.mean_area * np.multiply.outer(along, around)
+        return np.asarray((values.mean(axis=-1) * over_pad).sum(axis=(-2, -1)))
+
+    def along_axes(self, vector: np.ndarray) -> np.ndarray:
+        """Return a vector field (..., 2, scenes, x, y, t) along the pad's x and y, for its mean."""
+        if self.grid.outline is None:
+            return vector
+        turned = (vector[..., 0, :, :, :, :] + 1j * vector[..., 1, :, :, :, :]) * (
+            self.turn / self.area
+        )
+        return np.stack([turned.real, turned.imag], axis=-5)
 
     def on_all_nodes(self, values: np.ndarray) -> np.ndarray:
         """Values at the unknowns with zeros on the edge."""
