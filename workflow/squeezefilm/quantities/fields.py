@@ -58,6 +58,7 @@ class Fields:
         edge: P − 1 on the film's edge, a field that is zero inside and at corners.
         equation: the numbers of each scene's equation; they come as columns, to go with fields:
             ``number``.
+        rest_gap: H of the film at rest.
         gap: H.
     """
 
@@ -66,6 +67,7 @@ class Fields:
     unknowns: np.ndarray
     edge: np.ndarray
     equation: np.ndarray
+    rest_gap: np.ndarray
     gap: np.ndarray
 
     @classmethod
@@ -79,7 +81,7 @@ class Fields:
         moving = numbers_of(equation, "epsilon", absent=0.0) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
-        return cls(scenes, grid, unknowns, np.zeros_like(gap), equation, gap)
+        return cls(scenes, grid, unknowns, np.zeros_like(gap), equation, rest, gap)
 
     @property
     def inner(self) -> tuple[slice, slice, slice]:
@@ -135,6 +137,15 @@ class Fields:
         along, around = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
         over_pad = self.area[..., 0] * self.grid.mean_area * np.multiply.outer(along, around)
         return np.asarray((values.mean(axis=-1) * over_pad).sum(axis=(-2, -1)))
+
+    def along_axes(self, vector: np.ndarray) -> np.ndarray:
+        """Return a vector field (..., 2, scenes, x, y, t) along the pad's x and y, for its mean."""
+        if self.grid.outline is None:
+            return vector
+        turned = (vector[..., 0, :, :, :, :] + 1j * vector[..., 1, :, :, :, :]) * (
+            self.turn / self.area
+        )
+        return np.stack([turned.real, turned.imag], axis=-5)
 
     def numbers(self, name: str, *, absent: float) -> np.ndarray:
         """A number that a term gives the scenes, a column, or what it is without the term."""
