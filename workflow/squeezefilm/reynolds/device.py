@@ -324,7 +324,7 @@ def check_linker(linker: str | None) -> None:
             "and the C library's development files (Debian and Ubuntu: apt install gcc libc6-dev)"
         )
     trial = [linker, "-shared", "-o", os.devnull, "-lc"]
-    linked = subprocess.run(trial, capture_output=True, check=False, text=True)
+    linked = subprocess.run(trial, capture_output=True, check=False, text=True, errors="replace")
     if linked.returncode:
         raise InputError(
             f"PoCL links kernels by {linker}, which cannot link the C library "
@@ -346,7 +346,7 @@ def _program(
         check_linker(shutil.which("ld"))
         # The guard of the header that builtins.cl stands for.
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
-    texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
+    texts = [header, *((Path(__file__).parent / name).read_text("utf-8") for name in sources)]
     if device.instruction_sets:
         texts = compiled_for(device.instruction_sets, texts)
     processor = known_processor(handle)
