@@ -20,9 +20,9 @@ from squeezefilm.reynolds.device import (
     choose_device,
     describe,
     device_name,
-    kernel_cache,
     list_devices,
 )
+from squeezefilm.reynolds.kernel_cache import kernel_cache
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
 
