@@ -9,6 +9,7 @@ import shutil
 import struct
 import subprocess
 import threading
+import time
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,7 +22,7 @@ import numpy as np
 from squeezefilm.errors import InputError
 from squeezefilm.lazy import cl
 from squeezefilm.parallel import say
-from squeezefilm.reynolds.kernel_cache import check_kernel_cache
+from squeezefilm.reynolds.kernel_cache import check_kernel_cache, remove_damaged
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64
@@ -326,12 +327,22 @@ def _program(
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
     options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
+    started_s = time.time()
+    program = _build(device, "\n".join(texts), options)
+    if _of_pocl(handle) and remove_damaged(since_s=started_s):
+        # Kept for ever: where PoCL could not read a program, it aborts when it lets go of it.
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(program))
+        program = _build(device, "\n".join(texts), options)
+    return program
+
+
+def _build(device: Device, source: str, options: Sequence[str]) -> Any:
     notice = threading.Timer(SLOW_BUILD_S, announce_compilation)
     notice.start()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", cl.CompilerWarning)
-            return cl.Program(device.context, "\n".join(texts)).build(options=options)
+            return cl.Program(device.context, source).build(options=list(options))
     finally:
         notice.cancel()
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import platform
+import shutil
+import struct
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +18,9 @@ from squeezefilm.errors import InputError
 # over a network whose file locks may not work. The workflow therefore names, in jobs on other
 # nodes, a folder of the node's own disk.
 NODE_CACHE_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
+# A shared disk's clock may be another.
+CLOCKS_APART_S = 10.0
+ELF_HEADER_BYTES = 64
 
 
 def kernel_cache() -> Path:
@@ -37,6 +42,50 @@ def check_kernel_cache() -> None:
             f"({error.strerror}): name a folder that can, for example "
             "export POCL_CACHE_DIR=/tmp/pocl XDG_CACHE_HOME=/tmp"
         ) from None
+
+
+def remove_damaged(*, since_s: float) -> bool:
+    """Remove programs, of those that PoCL took from its cache, that are cut short.
+
+    A full disk or a broken copy leaves such. PoCL takes code without its end for a program without
+    kernels, and the system ends a process that loads a library without its end.
+
+    Args:
+        since_s: the time of the system's clock before the programs were built, in s.
+
+    Returns:
+        Whether there were any: they are then to be built again.
+    """
+    removed = False
+    for accessed in kernel_cache().glob("*/*/last_accessed"):  # PoCL's mark of a use
+        program = accessed.parent
+        try:
+            used = accessed.stat().st_mtime >= since_s - CLOCKS_APART_S
+            files = [program / "program.bc", *program.glob("*/*/*.so")] if used else []
+            if all(map(is_complete, files)):
+                continue
+        except OSError:
+            continue  # another process removes it
+        shutil.rmtree(program, ignore_errors=True)
+        removed = True
+    return removed
+
+
+def is_complete(path: Path) -> bool:
+    """Return whether a file of LLVM's code or a library (ELF) has the length that it states."""
+    content = path.read_bytes()
+    if content.startswith(b"\x7fELF") and len(content) > ELF_HEADER_BYTES:
+        (table,) = struct.unpack_from("<Q", content, 40)
+        size, number = struct.unpack_from("<HH", content, 58)
+        return bool(table + size * number <= len(content))
+    if not content.startswith(b"BC\xc0\xde"):
+        return False
+    # Blocks one after the other, of which the second is the program: a word, its length, its words.
+    blocks, end = 0, 4
+    while end + 8 <= len(content):
+        (words,) = struct.unpack_from("<I", content, end + 4)
+        blocks, end = blocks + 1, end + 8 + 4 * words
+    return blocks > 1 and end == len(content)
 
 
 @contextmanager
