@@ -96,6 +96,8 @@ def _git(*arguments: str) -> str | None:
         return None  # installed: a repository around it is another one
     try:
         words = ["git", "-C", str(WORKFLOW.parent), *arguments]
-        return subprocess.run(words, capture_output=True, text=True, check=True).stdout.rstrip()
+        return subprocess.run(
+            words, capture_output=True, text=True, errors="replace", check=True
+        ).stdout.rstrip()
     except (OSError, subprocess.CalledProcessError):
         return None

@@ -16,7 +16,7 @@ import pandas as pd
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import write_text
+from squeezefilm.files import SUBSTITUTE, write_text
 from squeezefilm.parallel import showing_progress
 from squeezefilm.tables import write_json, write_table
 
@@ -43,15 +43,15 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     # lock; profiles/ state this resource. Snakemake's tmpdir is that of the process.
     if snakemake.resources.get("node_cache"):
         os.environ[NODE_CACHE] = tempfile.gettempdir()
-    terminal = os.fdopen(os.dup(2), "w", encoding="utf-8", errors="replace")
+    terminal = os.fdopen(os.dup(2), "w", encoding=sys.stderr.encoding, errors=SUBSTITUTE)
     _terminals.append(terminal)
-    with open(snakemake.log[0], "w", encoding="utf-8") as log:
+    with open(snakemake.log[0], "w") as log:  # in the encoding in which Snakemake shows it
         os.dup2(log.fileno(), 1)
         os.dup2(log.fileno(), 2)
     # Other programs write to the same log: a line stands there once it is printed.
     for stream in (sys.stdout, sys.stderr):
         assert isinstance(stream, io.TextIOWrapper)
-        stream.reconfigure(encoding="utf-8", errors="replace", line_buffering=True)
+        stream.reconfigure(encoding=log.encoding, errors=SUBSTITUTE, line_buffering=True)
     last = ""
     try:
         config = load_config(snakemake.config["study_file"])

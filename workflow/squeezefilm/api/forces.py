@@ -27,8 +27,9 @@ from squeezefilm.quantities.model_error import (
     excluded_terms,
 )
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import Device, describe, one_build_at_a_time
+from squeezefilm.reynolds.device import Device, describe
 from squeezefilm.reynolds.dry_run import dry_run
+from squeezefilm.reynolds.kernel_cache import one_build_at_a_time
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions

@@ -17,6 +17,7 @@ from typing import NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.files import let_substitute
 from squeezefilm.parallel import showing_progress
 
 Groups = Mapping[str, Mapping[str, str]]
@@ -76,6 +77,7 @@ def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> 
     The status is 0 for done, 1 for what could not be completed, 2 for invalid input, 130 after
     Ctrl-C, at which the loading of a command ends in one line as well.
     """
+    let_substitute(sys.stdout, sys.stderr)
     try:
         return _run(sys.argv[1:] if arguments is None else arguments, groups=groups)
     except KeyboardInterrupt:

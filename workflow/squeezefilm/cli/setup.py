@@ -20,9 +20,9 @@ from squeezefilm.reynolds.device import (
     choose_device,
     describe,
     device_name,
-    kernel_cache,
     list_devices,
 )
+from squeezefilm.reynolds.kernel_cache import kernel_cache
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
 
@@ -105,7 +105,7 @@ def doctor(options: argparse.Namespace) -> None:
 
     Ends with status 1 when there is no OpenCL device that computes in double precision.
     """
-    from squeezefilm.reynolds.self_test import check_device
+    from squeezefilm.reynolds.self_test import check_device, check_survival
 
     _section("versions", versions())
     _section("caches", caches())
@@ -122,6 +122,7 @@ def doctor(options: argparse.Namespace) -> None:
             f"{error}. A device is chosen by --device, by the environment variable "
             "SQUEEZEFILM_DEVICE, or by solver.device of the configuration"
         ) from None
+    check_survival(options.device)
     check_device(device)
     print("self-test: forces of stored films, with every term, are right to 1e-9")
     print("\nall well: simulations can run")

@@ -8,11 +8,10 @@ import platform
 import shutil
 import struct
 import subprocess
-import tempfile
 import threading
+import time
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -23,13 +22,9 @@ import numpy as np
 from squeezefilm.errors import InputError
 from squeezefilm.lazy import cl
 from squeezefilm.parallel import say
+from squeezefilm.reynolds.kernel_cache import check_kernel_cache, remove_damaged
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
-# Compiled kernels of a job on a cluster are kept on its node, compiled once for all jobs there. The
-# drivers' caches lie in the home directory: on a cluster that is shared by nodes that may differ,
-# over a network whose file locks may not work. The workflow therefore names, in jobs on other
-# nodes, a folder of the node's own disk.
-NODE_CACHE_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
 ALIGNMENT_BYTES = 64
 # Doubles behind an array that kernels may read with the last of it, and not use (vectors.cl).
 PADDING_DOUBLES = 8
@@ -233,27 +228,6 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
     )
 
 
-def kernel_cache() -> Path:
-    """Return the folder in which PoCL keeps compiled kernels."""
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
-
-
-def check_kernel_cache() -> None:
-    """Raise InputError where PoCL cannot write compiled kernels: it then has no device."""
-    folder = kernel_cache()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise InputError(
-            f"PoCL keeps compiled kernels in {folder}, which cannot be written "
-            f"({error.strerror}): name a folder that can, for example "
-            "export POCL_CACHE_DIR=/tmp/pocl XDG_CACHE_HOME=/tmp"
-        ) from None
-
-
 def list_devices() -> list[Any]:
     """All OpenCL devices of all platforms; an installation without a platform has none."""
     try:
@@ -324,7 +298,7 @@ def check_linker(linker: str | None) -> None:
             "and the C library's development files (Debian and Ubuntu: apt install gcc libc6-dev)"
         )
     trial = [linker, "-shared", "-o", os.devnull, "-lc"]
-    linked = subprocess.run(trial, capture_output=True, check=False, text=True)
+    linked = subprocess.run(trial, capture_output=True, check=False, text=True, errors="replace")
     if linked.returncode:
         raise InputError(
             f"PoCL links kernels by {linker}, which cannot link the C library "
@@ -346,19 +320,29 @@ def _program(
         check_linker(shutil.which("ld"))
         # The guard of the header that builtins.cl stands for.
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
-    texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
+    texts = [header, *((Path(__file__).parent / name).read_text("utf-8") for name in sources)]
     if device.instruction_sets:
         texts = compiled_for(device.instruction_sets, texts)
     processor = known_processor(handle)
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
     options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
+    started_s = time.time()
+    program = _build(device, "\n".join(texts), options)
+    if _of_pocl(handle) and remove_damaged(since_s=started_s):
+        # Kept for ever: where PoCL could not read a program, it aborts when it lets go of it.
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(program))
+        program = _build(device, "\n".join(texts), options)
+    return program
+
+
+def _build(device: Device, source: str, options: Sequence[str]) -> Any:
     notice = threading.Timer(SLOW_BUILD_S, announce_compilation)
     notice.start()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", cl.CompilerWarning)
-            return cl.Program(device.context, "\n".join(texts)).build(options=options)
+            return cl.Program(device.context, source).build(options=list(options))
     finally:
         notice.cancel()
 
@@ -431,42 +415,3 @@ def processor_flags() -> frozenset[str]:
     lines = CPU_INFO.read_text(encoding="ascii", errors="replace").splitlines()
     flags_line = next((line for line in lines if line.startswith("flags")), "")
     return frozenset(flags_line.partition(":")[2].split())
-
-
-@contextmanager
-def one_build_at_a_time() -> Iterator[None]:
-    """Choose the device and build within: from the node's cache, or waiting for who fills it.
-
-    The lock goes with the process that holds it, however that ends.
-    """
-    folder = _own_folder()
-    if folder is None:
-        yield
-        return
-    import fcntl
-
-    os.environ["POCL_CACHE_DIR"] = str(folder / "pocl")
-    os.environ["XDG_CACHE_HOME"] = str(folder)
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
-
-
-def _own_folder() -> Path | None:
-    """The node's folder for this user; None where none is named, or it cannot be had.
-
-    It must be the user's own, for what lies in it is run.
-    """
-    if not os.environ.get(NODE_CACHE_VARIABLE):
-        return None
-    # A user's own folder, and a host's: where the disk is shared after all, nodes do not meet.
-    folder = Path(os.environ[NODE_CACHE_VARIABLE]) / f"squeezefilm-{os.getuid()}" / platform.node()
-    try:
-        folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        owner = folder.parent.lstat()
-        if owner.st_uid != os.getuid() or owner.st_mode & 0o022:
-            return None
-        folder.mkdir(exist_ok=True)
-    except OSError:
-        return None
-    return folder

@@ -5,18 +5,23 @@ one small grid each, by the kernel that solves all others, and compared with sel
 ``python -m squeezefilm.reynolds.self_test`` rebuilds where the equation or the grid changes.
 """
 
+import os
+import signal
+import subprocess
+import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from squeezefilm.errors import InputError
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.lazy import pd
-from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.device import DEVICE_VARIABLE, Device, choose_device
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.kernel_cache import kernel_cache
 from squeezefilm.reynolds.periodic.launch import grid_under, solve_batch
 
 STORED_FORCES = Path(__file__).with_name("self_test.csv")
@@ -115,6 +120,43 @@ def check_device(device: Device) -> None:
             "wrongly; "
             "take another device"
         )
+
+
+FORCE_IN_A_PROCESS = """
+from squeezefilm.reynolds import self_test, solve
+from squeezefilm.reynolds.device import choose_device
+device = choose_device()
+self_test.forces(device)
+scene, _ = self_test.films()["squeeze"]
+solution = solve([scene], tolerance=1e-4, device=device)[0]
+raise SystemExit(0 if solution.status == "ok" else solution.status)
+"""
+
+
+def check_survival(option: str | None) -> None:
+    """Solve films and a force in a process of its own, as a user's command does.
+
+    Args:
+        option: part of the wanted device's name, as in ``choose_device``.
+
+    Raises:
+        RunError: where the process does not end by itself, or gives no force.
+    """
+    named = {DEVICE_VARIABLE: option} if option else {}
+    words = [sys.executable, "-c", FORCE_IN_A_PROCESS]
+    environment = {**os.environ, **named}
+    done = subprocess.run(
+        words, env=environment, capture_output=True, text=True, errors="replace", check=False
+    )
+    if done.returncode < 0:
+        raise RunError(
+            f"the self-test was ended by {signal.Signals(-done.returncode).name}. A compiled "
+            f"kernel may be damaged: remove {kernel_cache()} and run the command again. "
+            "If that does not help, the driver is at fault: take another device"
+        )
+    if done.returncode:
+        last = done.stderr.strip().rpartition("\n")[2]
+        raise RunError(f"the self-test gives no force: {last}")
 
 
 @cache

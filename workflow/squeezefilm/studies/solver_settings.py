@@ -8,7 +8,8 @@ from squeezefilm.config.film import FilmSections
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.model_error import resolve_auto_terms, solve_auto_terms
-from squeezefilm.reynolds.device import Device, choose_device, one_build_at_a_time
+from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.kernel_cache import one_build_at_a_time
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.solution import Solution, checked_outputs
 
