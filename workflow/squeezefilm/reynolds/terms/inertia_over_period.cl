@@ -8,8 +8,10 @@
 
 /* Fields of a direction that the state has: gauge pressure and its slope at its flux points, velocity
  * along and across, the first's derivatives along and across, d ln(ρH)/dT, and what is in braces in
- * inertia.py. Then those of a change: of the density, of the deficit, of the velocity. */
-enum { PRESSURE, SLOPE, ALONG, ACROSS, ALONG_RATE, ACROSS_RATE, FILLING, FORCES, STATE_FIELDS };
+ * inertia.py; and what warm gas flows less (thermal.py) for each velocity and for each rate of it.
+ * Then those of a change: of the density, of the deficit, of the velocity. */
+enum { PRESSURE, SLOPE, ALONG, ACROSS, ALONG_RATE, ACROSS_RATE, FILLING, FORCES, WARM_SHARE,
+       WARM_LAG, STATE_FIELDS };
 enum { DENSITY, DEFICIT, VELOCITY, CHANGE_FIELDS };
 
 static double4 density_rise(const Film *film, double4 p);
@@ -257,6 +259,8 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         matrix4 u_across = (matrix4)state_field(g, film, axis, ACROSS_RATE);
         matrix4 filling = (matrix4)state_field(g, film, axis, FILLING);
         matrix4 forces = (matrix4)state_field(g, film, axis, FORCES);
+        matrix4 warm_share = (matrix4)state_field(g, film, axis, WARM_SHARE);
+        matrix4 warm_lag = (matrix4)state_field(g, film, axis, WARM_LAG);
         matrix4 b = (matrix4)(film->own + axis * g->count);
         matrix4 rises = (matrix4)change_field(g, film, axis, DENSITY);
         matrix4 deficit = (matrix4)change_field(g, film, axis, DEFICIT);
@@ -294,6 +298,9 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
             EACH_OF(d)
             lagging[i] = -lag_of(film, gap, density) * (((matrix4)rate)[i] + crossing[i]) -
                          lag_slope(film, gap) * rises[i] * forces[i];
+            crossing[i] = film->row->has_thermal
+                              ? warm_share[i] * v[i] + warm_lag[i] * ((matrix4)rate)[i]
+                              : (double4)(0.0);
         }
         SYNC;
         along_t(g, ARRAY(film, settling), (field)deficit, (field)settled, 0);
@@ -301,7 +308,8 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
-            flux[i] = sigma * gap * (density * (deficit[i] - settled[i]) + rises[i] * b[i]);
+            flux[i] = sigma * gap *
+                      (density * (deficit[i] - settled[i] + crossing[i]) + rises[i] * b[i]);
         }
         SYNC;
         along_axis(g, axis, d.divergence, NODES_TO_SLOPES, rate, out, 1);

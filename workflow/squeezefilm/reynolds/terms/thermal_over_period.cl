@@ -1,7 +1,8 @@
-/* Thermal effects (thermal.py): what the gas' rise of temperature moves. Newton's steps take what is linear in the
- * motion, with a lag as at rest; the rest is so small that it needs no more than a step or two. */
+/* Thermal effects (thermal.py): what the gas' rise of temperature moves. Newton's steps take the rise of
+ * a change with a lag as at rest, and in the flow the gas as warm as it is: a step leaves about a
+ * twentieth of itself, where waves are not too steep. */
 
-#define THERMAL_FIELDS 9
+#define THERMAL_FIELDS 10
 
 /* J at a node of an outline (terms/outline.py), by which what the gap holds is multiplied; and 1/J at the
  * points of velocities along an axis, by which their square is. */
@@ -124,6 +125,7 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     field velocity = warmth + g->count, nodal = velocity + 2 * g->count;
     field first = nodal + 2 * g->count, second = first + g->count;
     field third = second + g->count, fourth = third + g->count;
+    field4 rise = (field4)(fourth + g->count);
     const double sigma = film->sigma, kappa = film->row->viscosity_exponent;
     /* τ_b over the square of the speed. */
     const double cooling = film->row->heating * sigma / 20.0;
@@ -133,9 +135,8 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     FOR_EACH_POINT(g, row, t, i)
     {
         const double4 square = along[i] * along[i] PLUS_ACROSS(across[i] * across[i]);
-        const double4 rise = ((matrix4)warmth)[i] TIMES_AREA(row) - cooling * square;
-        ((field4)first)[i] =
-            gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise;
+        rise[i] = ((matrix4)warmth)[i] TIMES_AREA(row) - cooling * square;
+        ((field4)first)[i] = gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise[i];
     }
     SYNC;
     along_t(g, g->time_derivative, first, second, 0);
@@ -144,6 +145,8 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
         field u = velocity + axis * g->count;
         matrix amplitude = ON_AXIS(axis, flux_amplitude), values = ON_AXIS(axis, flux_values);
         field4 pressure = (field4)first, warmer = (field4)second, cooler = (field4)third;
+        field4 share = (field4)state_field(g, film, axis, WARM_SHARE);
+        field4 lag = (field4)state_field(g, film, axis, WARM_LAG);
         along_axis(g, axis, values, NODES_TO_NODES, (field)film->p, first, 0);
         along_axis(g, axis, values, NODES_TO_NODES, warmth, second, 0);
 #if AXES > 1
@@ -166,36 +169,27 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
             const double4 own = ((matrix4)u)[i], hot = warmer[i], cold = cooler[i];
             const double4 lighter = 6.0 / 5.0 * hot - 9.0 / 14.0 * cold;
             const double4 thicker = 3.0 / 5.0 * hot - 3.0 / 7.0 * cold;
-            const double4 beside =
-                lag_of(film, gap, density) *
-                    (9.0 / 7.0 * (hot - cold) * ((matrix4)fourth)[i] +
-                       own * ((matrix4)work)[i] / 7.0) -
-                own * (lighter + kappa * thicker);
-            pressure[i] = -sigma * gap * density * beside;
+            const double4 lags = lag_of(film, gap, density);
+            share[i] = lighter + kappa * thicker - lags * ((matrix4)work)[i] / 7.0;
+            lag[i] = -9.0 / 7.0 * lags * (hot - cold);
+            pressure[i] =
+                sigma * gap * density * (share[i] * own + lag[i] * ((matrix4)fourth)[i]);
         }
         SYNC;
         along_axis(g, axis, ON_AXIS(axis, flux_divergence), NODES_TO_SLOPES, first, out, 1);
     }
 }
 
-/* The mass that a change of pressure moves by warming the gas: its rise lags as on average. */
+/* −σ d/dT of the mass that warm gas lacks: of a change the film's modes in time know what itself warms
+ * (time_modes.py). */
 static void response_thermal(const Grid *g, const Film *film, field mass, field work, field out)
 {
     if (!film->row->has_thermal)
         return;
-    field first = film->own_work + (OWN_FIELDS - THERMAL_FIELDS + 5) * g->count, second = first + g->count;
-    field4 pressure = (field4)first, rise = (field4)second;
-    FOR_EACH_POINT(g, row, t, i) pressure[i] = ((matrix4)mass)[i] / gap_at(g, film, row, t);
+    field lacking = film->own_work + (OWN_FIELDS - 2) * g->count;
+    matrix4 rise = (matrix4)(lacking + g->count);
+    FOR_EACH(i, g->count4) ((field4)lacking)[i] = rise[i] * ((matrix4)mass)[i];
     SYNC;
-    along_t(g, ARRAY(film, warming), first, second, 0);
-    FOR_EACH_POINT(g, row, t, i)
-    {
-        const double4 gap = gap_at(g, film, row, t);
-        const double4 density = 1.0 + film->p[i];
-        rise[i] *= gap * (gap + film->row->jump_warms / density);
-        pressure[i] = gap * density * rise[i] TIMES_AREA(row);
-    }
-    SYNC;
-    along_t(g, g->time_derivative, first, work, 0);
+    along_t(g, g->time_derivative, lacking, work, 0);
     subtract(out, -film->sigma, work, g->count4);
 }
