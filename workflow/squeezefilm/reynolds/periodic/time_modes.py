@@ -105,8 +105,8 @@ def _time_modes(
 
     ``to_time_modes`` gives coefficients of A r from the values of r on the instants, ``time_modes``
     values from coefficients; its 2-norm is 1, so that a change is no larger than its coefficients.
-    ``mass_rate`` is d/dT (1 − B), ``settling`` is (1 + lag L h d/dT)⁻¹, how a flow follows what drives it, ``settling_of_slow``
-    the same after L. Matrices are transposed.
+    ``mass_rate`` is d/dT (1 − B). ``settling`` is (1 + lag L h d/dT)⁻¹, how a flow follows what
+    drives it, ``settling_of_slow`` the same after L. Matrices are transposed.
 
     L leaves of a force, about, a share ``slow`` of the harmonics that the instants know, those in
     which the gas has inertia; in the others it follows the pressure at once. Which they are, the
