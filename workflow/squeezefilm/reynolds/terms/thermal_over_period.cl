@@ -21,76 +21,65 @@
 #define PLUS_ACROSS(square)
 #endif
 
-/* out += factor · S in over one row, with the skew S = root d/dT root. */
-static void add_skew(const Grid *g, matrix root, matrix in, double factor, field4 out)
+/* Solve matrix · values = values in place for four systems at once, by elimination; the matrices (n, n)
+ * are overwritten. No pivot is searched for: but for a factor of each row and column a matrix is 1 and a
+ * skew part. */
+static void eliminate(field4 matrix_rows, field4 values, int n)
 {
-    matrix4 rate = (matrix4)g->time_derivative;
-    for (int t = 0; t < g->nt4; t++) {
-        double4 sum = (double4)(0.0);
-        for (int j = 0; j < g->nt; j++)
-            sum += root[j] * in[j] * rate[j * g->nt4 + t];
-        out[t] += factor * ((matrix4)root)[t] * sum;
+    for (int k = 0; k < n; k++) {
+        field4 pivot_row = matrix_rows + k * n;
+        const double4 over_pivot = 1.0 / pivot_row[k];
+        values[k] *= over_pivot;
+        for (int j = k + 1; j < n; j++)
+            pivot_row[j] *= over_pivot;
+        for (int i = k + 1; i < n; i++) {
+            field4 row = matrix_rows + i * n;
+            const double4 factor = row[k];
+            for (int j = k + 1; j < n; j++)
+                row[j] -= factor * pivot_row[j];
+            values[i] -= factor * values[k];
+        }
     }
+    for (int k = n - 1; k > 0; k--)
+        for (int i = 0; i < k; i++)
+            values[i] -= matrix_rows[i * n + k] * values[k];
 }
 
-/* Square of the residual, relative, that is left of a row's temperature. */
-#define WARMED 1e-22
-
 /* The rise by compression, (1 + c d/dT) warmth = (heating H²/12) dp/dT with c = thermal_lag P H², and
- * what a jump of temperature at the walls makes of both.
- * Over √c this is (1 + S) y = b with the skew S = √c d/dT √c, solved row by row by conjugate
- * gradients on (1 − S)(1 + S) y = (1 − S) b. The other four fields are room. */
-static void warm(const Grid *g, const Film *film, field warmth, field root, field residue,
-                 field along, field turned)
+ * what a jump of temperature at the walls makes of both; `lags` is room for c. Four rows at a time, by
+ * as many items as there is room for matrices where Krylov's vectors will stand (launch.py). */
+static void warm(const Grid *g, const Film *film, field warmth, field lags)
 {
-    const int n = g->nt4;
     along_t(g, g->time_derivative, (field)film->p, warmth, 0);
-    FOR_EACH(row, g->rows)
+    FOR_EACH_POINT(g, row, t, i)
     {
-        const int first = row * g->nt;
-        field4 y = (field4)(warmth + first), r = (field4)(residue + first);
-        field4 c = (field4)(root + first), d = (field4)(along + first);
-        field4 q = (field4)(turned + first);
-        double4 sum = (double4)(0.0);
-        for (int t = 0; t < n; t++) {
-            const double4 gap = gap_at(g, film, row, t);
-            const double4 density = 1.0 + film->p[row * n + t];
-            c[t] = sqrt(film->row->thermal_lag * gap * (density * gap + film->row->jump_lags));
-            d[t] = film->row->heating / 12.0 * gap * (gap + film->row->jump_warms / density) * y[t] /
-                   c[t];
-            r[t] = d[t];
-            y[t] = (double4)(0.0);
+        const double4 gap = gap_at(g, film, row, t), density = 1.0 + film->p[i];
+        ((field4)lags)[i] =
+            film->row->thermal_lag * gap * (density * gap + film->row->jump_lags);
+        ((field4)warmth)[i] *=
+            film->row->heating / 12.0 * gap * (gap + film->row->jump_warms / density);
+    }
+    SYNC;
+    const int n = g->nt, size = 4 * n * (n + 1);
+    const int item = get_local_id(0), items = min(WORK_ITEMS, film->row->most_krylov * g->length / size);
+    field4 values = (field4)(film->basis + g->length + item * size), matrix_rows = values + n;
+    for (int row = item < items ? 4 * item : g->rows; row < g->rows; row += 4 * items) {
+        const int last = (g->rows - 1) * n, a = row * n, b = min(a + n, last);
+        const int c = min(b + n, last), d = min(c + n, last);
+        for (int i = 0; i < n; i++) {
+            const double4 lag = (double4)(lags[a + i], lags[b + i], lags[c + i], lags[d + i]);
+            values[i] = (double4)(warmth[a + i], warmth[b + i], warmth[c + i], warmth[d + i]);
+            /* d/dT is skew. */
+            for (int j = 0; j < n; j++)
+                matrix_rows[i * n + j] = (i == j) - g->time_derivative[i * n + j] * lag;
         }
-        add_skew(g, root + first, along + first, -1.0, r);
-        for (int t = 0; t < n; t++) {
-            d[t] = r[t];
-            sum += r[t] * r[t];
+        eliminate(matrix_rows, values, n);
+        for (int i = 0; i < n; i++) {
+            warmth[a + i] = values[i].x;
+            warmth[b + i] = values[i].y;
+            warmth[c + i] = values[i].z;
+            warmth[d + i] = values[i].w;
         }
-        double left = sum_of(sum);
-        const double enough = WARMED * left;
-        for (int step = 0; step < 2 * g->nt && left > enough; step++) {
-            sum = (double4)(0.0);
-            for (int t = 0; t < n; t++)
-                q[t] = (double4)(0.0);
-            add_skew(g, root + first, along + first, 1.0, q);
-            for (int t = 0; t < n; t++)
-                sum += d[t] * d[t] + q[t] * q[t];
-            const double share = left / sum_of(sum);
-            for (int t = 0; t < n; t++) {
-                y[t] += share * d[t];
-                r[t] -= share * d[t];
-            }
-            add_skew(g, root + first, turned + first, share, r);
-            sum = (double4)(0.0);
-            for (int t = 0; t < n; t++)
-                sum += r[t] * r[t];
-            const double before = left;
-            left = sum_of(sum);
-            for (int t = 0; t < n; t++)
-                d[t] = r[t] + left / before * d[t];
-        }
-        for (int t = 0; t < n; t++)
-            y[t] *= c[t];
     }
     SYNC;
 }
@@ -129,7 +118,7 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     const double sigma = film->sigma, kappa = film->row->viscosity_exponent;
     /* τ_b over the square of the speed. */
     const double cooling = film->row->heating * sigma / 20.0;
-    warm(g, film, warmth, first, second, third, fourth);
+    warm(g, film, warmth, first);
     set_velocities(g, film, velocity, nodal, first);
     matrix4 along = (matrix4)nodal, across = along + g->count4;
     FOR_EACH_POINT(g, row, t, i)
