@@ -122,6 +122,26 @@ static void add_carried_out(const Grid *g, const Film *film, const Direction *d,
     const double4 gap = 1.0 + beyond_even(g, film, d.amplitude, row, t);                         \
     const double4 density = 1.0 + density_rise(film, p[i]);
 
+/* Pressure, its slope and the velocity along an axis, at its flux points. */
+static void set_velocity(const Grid *g, const Film *film, int axis)
+{
+    const Direction d = direction_of(film, axis);
+    field pressure = state_field(g, film, axis, PRESSURE), slope = state_field(g, film, axis, SLOPE);
+    field4 u = (field4)state_field(g, film, axis, ALONG);
+    matrix4 p = (matrix4)pressure, b = (matrix4)(film->own + axis * g->count);
+    along_axis(g, axis, d.values, NODES_TO_NODES, (field)film->p, pressure, 0);
+    along_axis(g, axis, d.slope, NODES_TO_SLOPES, (field)film->p, slope, 0);
+    add_edge_pressure(g, film, axis, pressure, slope);
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        EACH_OF(d)
+        u[i] = -mobility(film, gap, density) * ((matrix4)slope)[i];
+        if (film->row->has_inertia)
+            u[i] -= b[i];
+    }
+    SYNC;
+}
+
 static void residual_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
                              field out)
 {
@@ -132,21 +152,11 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
     for (int axis = 0; axis < AXES; axis++) {
         const Direction d = direction_of(film, axis);
-        field4 p = (field4)state_field(g, film, axis, PRESSURE);
-        field4 slope = (field4)state_field(g, film, axis, SLOPE);
-        field4 u = (field4)state_field(g, film, axis, ALONG);
+        matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
+        field u = state_field(g, film, axis, ALONG);
         field4 filling = (field4)state_field(g, film, axis, FILLING);
-        matrix4 b = (matrix4)(film->own + axis * g->count);
-        field4 logarithm = (field4)spare;
-        along_axis(g, axis, d.values, NODES_TO_NODES, (field)film->p, (field)p, 0);
-        along_axis(g, axis, d.slope, NODES_TO_SLOPES, (field)film->p, (field)slope, 0);
-        add_edge_pressure(g, film, axis, (field)p, (field)slope);
-        FOR_EACH_POINT(g, row, t, i)
-        {
-            EACH_OF(d)
-            u[i] = -mobility(film, gap, density) * slope[i] - b[i];
-            logarithm[i] = log(density);
-        }
+        set_velocity(g, film, axis);
+        FOR_EACH(i, g->count4) ((field4)spare)[i] = log(1.0 + density_rise(film, p[i]));
         SYNC;
         along_t(g, g->time_derivative, spare, (field)filling, 0);
         FOR_EACH_POINT(g, row, t, i)
@@ -156,10 +166,10 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         }
         SYNC;
         along_axis(g, axis, d.along, NODES_TO_SLOPES,
-                   (field)u, state_field(g, film, axis, ALONG_RATE), 0);
+                   u, state_field(g, film, axis, ALONG_RATE), 0);
 #if AXES > 1
         along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES,
-                   (field)u, state_field(g, film, axis, ACROSS_RATE), 0);
+                   u, state_field(g, film, axis, ACROSS_RATE), 0);
 #endif
     }
     for (int axis = 0; axis < AXES; axis++) {

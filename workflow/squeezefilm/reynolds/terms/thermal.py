@@ -58,7 +58,7 @@ class Thermal(VelocityTerm):
     ABSENT = AbsentTerm("thermal effects", "gas.thermal does not include them", "isothermal")
     OVER_PERIOD = "terms/thermal_over_period.cl"
     HOOKS = ("residual", "response")
-    OWN_FIELDS = 10
+    OWN_FIELDS = 8
 
     @classmethod
     def of(cls, scene: Scene) -> Thermal | None:

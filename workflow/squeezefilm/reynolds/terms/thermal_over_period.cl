@@ -2,7 +2,7 @@
  * a change with a lag as at rest, and in the flow the gas as warm as it is: a step leaves about a
  * twentieth of itself, where waves are not too steep. */
 
-#define THERMAL_FIELDS 10
+#define THERMAL_FIELDS 8
 
 /* J at a node of an outline (terms/outline.py), by which what the gap holds is multiplied; and 1/J at the
  * points of velocities along an axis, by which their square is. */
@@ -84,26 +84,18 @@ static void warm(const Grid *g, const Film *film, field warmth, field lags)
     SYNC;
 }
 
-/* Velocities along each axis at its points, and on the nodes. */
-static void set_velocities(const Grid *g, const Film *film, field u, field nodal, field pressure)
+/* The state's velocities of a film without inertia; with it they are set (inertia_over_period.cl). */
+static void set_velocities(const Grid *g, const Film *film, field work)
 {
-    for (int axis = 0; axis < AXES; axis++, u += g->count, nodal += g->count) {
-        matrix amplitude = ON_AXIS(axis, flux_amplitude);
-        field4 u4 = (field4)u;
-        along_axis(g, axis, ON_AXIS(axis, flux_values), NODES_TO_NODES, (field)film->p, pressure, 0);
-        along_axis(g, axis, ON_AXIS(axis, flux_slope), NODES_TO_SLOPES, (field)film->p, u, 0);
-        add_edge_pressure(g, film, axis, pressure, u);
-        FOR_EACH_POINT(g, row, t, i)
-        {
-            const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);
-            const double4 density = 1.0 + ((matrix4)pressure)[i];
-            u4[i] *= -mobility(film, gap, density);
-            if (film->row->has_inertia) /* what it falls short by it */
-                u4[i] -= ((matrix4)(film->own + axis * g->count))[i];
-        }
-        SYNC;
-        along_axis(g, axis, ON_AXIS(axis, flux_nodes), NODES_TO_NODES, u, nodal, 0);
-    }
+    if (film->row->has_inertia)
+        return;
+    for (int axis = 0; axis < AXES; axis++)
+        set_velocity(g, film, axis);
+#if AXES > 1
+    for (int axis = 0; axis < AXES; axis++)
+        velocity_across(g, film, state_field(g, film, axis, ACROSS),
+                        state_field(g, film, 1 - axis, ALONG), axis, work);
+#endif
 }
 
 static void residual_thermal(const Grid *g, const Film *film, field mass, field work, field out)
@@ -111,19 +103,21 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     if (!film->row->has_thermal)
         return;
     field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->count;
-    field velocity = warmth + g->count, nodal = velocity + 2 * g->count;
-    field first = nodal + 2 * g->count, second = first + g->count;
+    field nodal = warmth + g->count, first = nodal + 2 * g->count, second = first + g->count;
     field third = second + g->count, fourth = third + g->count;
     field4 rise = (field4)(fourth + g->count);
     const double sigma = film->sigma, kappa = film->row->viscosity_exponent;
     /* τ_b over the square of the speed. */
     const double cooling = film->row->heating * sigma / 20.0;
     warm(g, film, warmth, first);
-    set_velocities(g, film, velocity, nodal, first);
-    matrix4 along = (matrix4)nodal, across = along + g->count4;
+    set_velocities(g, film, work);
+    for (int axis = 0; axis < AXES; axis++)
+        along_axis(g, axis, ON_AXIS(axis, flux_nodes), NODES_TO_NODES,
+                   state_field(g, film, axis, ALONG), nodal + axis * g->count, 0);
+    matrix4 nodal_x = (matrix4)nodal, nodal_y = nodal_x + g->count4;
     FOR_EACH_POINT(g, row, t, i)
     {
-        const double4 square = along[i] * along[i] PLUS_ACROSS(across[i] * across[i]);
+        const double4 square = nodal_x[i] * nodal_x[i] PLUS_ACROSS(nodal_y[i] * nodal_y[i]);
         rise[i] = ((matrix4)warmth)[i] TIMES_AREA(row) - cooling * square;
         ((field4)first)[i] = gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise[i];
     }
@@ -131,38 +125,31 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     along_t(g, g->time_derivative, first, second, 0);
     subtract(out, -sigma, second, g->count4);
     for (int axis = 0; axis < AXES; axis++) {
-        field u = velocity + axis * g->count;
-        matrix amplitude = ON_AXIS(axis, flux_amplitude), values = ON_AXIS(axis, flux_values);
-        field4 pressure = (field4)first, warmer = (field4)second, cooler = (field4)third;
+        matrix amplitude = ON_AXIS(axis, flux_amplitude);
+        matrix4 pressure = (matrix4)state_field(g, film, axis, PRESSURE);
+        matrix4 along = (matrix4)state_field(g, film, axis, ALONG);
+        matrix4 across = (matrix4)state_field(g, film, axis, ACROSS);
         field4 share = (field4)state_field(g, film, axis, WARM_SHARE);
         field4 lag = (field4)state_field(g, film, axis, WARM_LAG);
-        along_axis(g, axis, values, NODES_TO_NODES, (field)film->p, first, 0);
-        along_axis(g, axis, values, NODES_TO_NODES, warmth, second, 0);
-#if AXES > 1
-        along_axis(g, axis, values, NODES_TO_NODES, nodal + (1 - axis) * g->count, third, 0);
-#endif
+        field4 flux = (field4)first, warmer = (field4)second, rises = (field4)third;
+        along_axis(g, axis, ON_AXIS(axis, flux_values), NODES_TO_NODES, warmth, second, 0);
         FOR_EACH(i, g->count4)
-        {
-            const double4 own = ((matrix4)u)[i];
-            cooler[i] = cooling OVER_AREA_ON(axis, i) *
-                        (own * own PLUS_ACROSS(cooler[i] * cooler[i]));
-            ((field4)fourth)[i] = warmer[i] - cooler[i];
-        }
+            rises[i] = warmer[i] - cooling OVER_AREA_ON(axis, i) *
+                                       (along[i] * along[i] PLUS_ACROSS(across[i] * across[i]));
         SYNC;
-        along_t(g, g->time_derivative, fourth, work, 0);
-        along_t(g, g->time_derivative, u, fourth, 0);
+        along_t(g, g->time_derivative, third, work, 0);
+        along_t(g, g->time_derivative, (field)along, fourth, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);
-            const double4 density = 1.0 + pressure[i];
-            const double4 own = ((matrix4)u)[i], hot = warmer[i], cold = cooler[i];
+            const double4 density = 1.0 + pressure[i], lags = lag_of(film, gap, density);
+            const double4 hot = warmer[i], cold = hot - rises[i];
             const double4 lighter = 6.0 / 5.0 * hot - 9.0 / 14.0 * cold;
             const double4 thicker = 3.0 / 5.0 * hot - 3.0 / 7.0 * cold;
-            const double4 lags = lag_of(film, gap, density);
             share[i] = lighter + kappa * thicker - lags * ((matrix4)work)[i] / 7.0;
-            lag[i] = -9.0 / 7.0 * lags * (hot - cold);
-            pressure[i] =
-                sigma * gap * density * (share[i] * own + lag[i] * ((matrix4)fourth)[i]);
+            lag[i] = -9.0 / 7.0 * lags * rises[i];
+            flux[i] =
+                sigma * gap * density * (share[i] * along[i] + lag[i] * ((matrix4)fourth)[i]);
         }
         SYNC;
         along_axis(g, axis, ON_AXIS(axis, flux_divergence), NODES_TO_SLOPES, first, out, 1);
