@@ -5,8 +5,9 @@
  * (time_modes.py) are transposed. */
 typedef struct {
     constant_vector laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
-    constant_vector to_time_modes, time_modes, time_derivative;
+    constant_vector to_time_modes, time_modes;
 #ifdef HAS_outline
+    constant_vector mass_rate; /* time_modes.py */
     constant_vector modes_by, to_modes_by; /* terms/outline.py */
 #endif
 } Operators;
@@ -104,7 +105,7 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     g.mean_resistance = values + row->mean_resistance;
     g.time_derivative = values + row->time_derivative;
 #ifdef HAS_outline
-    g.linear.time_derivative = taken(g.time_derivative, g.nt * g.nt, room);
+    g.linear.mass_rate = taken(values + row->mass_rate, g.nt * g.nt, room);
     g.around = row->around;
     const int by = g.rows * (g.around ? g.ny : g.nx);
     g.linear.modes_by = taken(values + row->modes_by, by, room);

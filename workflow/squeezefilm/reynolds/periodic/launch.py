@@ -124,9 +124,13 @@ class States:
 
 @lru_cache(maxsize=256)
 def _most_krylov(grid: Grid, terms: Terms) -> int:
-    """Krylov iterations that a Newton step may take: as many as there is room for."""
+    """Krylov iterations that a Newton step may take: as many as there is room for.
+
+    Where their vectors will stand there is room for four matrices in time (thermal_over_period.cl).
+    """
     room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
-    return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
+    least = max(LEAST_KRYLOV, -(-4 * (grid.nt + 1) // (grid.nx * grid.ny)))
+    return max(min(room, MOST_KRYLOV), least)
 
 
 @lru_cache(maxsize=64)

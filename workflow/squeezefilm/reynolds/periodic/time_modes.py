@@ -1,14 +1,16 @@
 """The basis in time in which the periodic state is preconditioned: it knows how the gap moves.
 
-Where the film is compressed its gas flows more easily in proportion to the gap, and where the gas
-has inertia its flow lags. Averaged over the pad, a change w of the mass obeys
+Where the film is compressed its gas flows more easily in proportion to the gap, where the gas has
+inertia its flow lags, and where compression warms the gas it holds less of it. Averaged over the
+pad, a change w of the mass obeys
 
-    D Δw − σ A dw/dT = A r,      A = 1/h + lag L d/dT,      h = 1 + variation sin T + lagging cos T,
+    D Δw − σ A d/dT (1 − B) w = A r,      A = 1/h + lag L d/dT,
+    h = 1 + variation sin T + lagging cos T,      B = warming/(1 + 1/(warming_lag d/dT)),
 
 with the right-hand side r of the film's linear system, h the mean gap, D the mean of what diffuses
 the mass over h and L the part of a force that inertia is given (``_time_modes``). In the
-eigenvectors of A d/dT, which are Fourier's for h = 1, this is one number for each mode of space
-and of time.
+eigenvectors of A d/dT (1 − B), which are Fourier's for h = 1, this is one number for each mode of
+space and of time.
 """
 
 from __future__ import annotations
@@ -30,7 +32,8 @@ VARIATION_STEP = 0.05
 MOST_VARIATION = round(1 / VARIATION_STEP) - 1
 LAGS_PER_DECADE = 20
 SLOW_FRACTION_STEP = 1 / 32
-# What a film without inertia has for a lag.
+WARMING_STEP = 1 / 64
+# What a film without inertia, or that stays at ambient temperature, has for a lag.
 LEAST_LAG = 1e-12
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.
 LEAST_SPEED = 1e-3
@@ -45,16 +48,19 @@ def modes_of(
         numbers: of the films' equation, a row for each.
         motion: factors of sin T and cos T of their mean gaps, both together below 1, (2, films).
     """
-    near, lag = np.rint(motion / VARIATION_STEP), numbers["lag"]
-    steps = [*near]
-    if lag.any():
-        lags = np.rint(LAGS_PER_DECADE * np.log10(np.maximum(lag, LEAST_LAG)))
+    steps = [*np.rint(motion / VARIATION_STEP)]
+    if numbers["lag"].any() or numbers["warming"].any():
+        lags, warming_lags = (
+            np.rint(LAGS_PER_DECADE * np.log10(np.maximum(numbers[name], LEAST_LAG)))
+            for name in ("lag", "warming_lag")
+        )
+        warming = np.rint(numbers["warming"] / WARMING_STEP)
         across = [max(grid.nodes_per_length(aspect)) for grid in grids]
         waves = np.multiply.outer(across, numbers["waves_per_node"])
         half = np.array([[grid.nt / 2] for grid in grids])
         slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_FRACTION_STEP)
         slows = np.maximum(slows, 1.0)
-        steps += [lags, *slows]
+        steps += [lags, warming, warming_lags, *slows]
     first, which = distinct(*steps)
     instants = tuple([grid.nt for grid in grids])
     kinds = np.array(steps)[:, first].T.tolist()
@@ -63,31 +69,44 @@ def modes_of(
 
 @lru_cache(maxsize=4096)
 def _packed_modes(
-    instants: tuple[int, ...], variation: float, lagging: float, lag: float = -inf, *slows: float
+    instants: tuple[int, ...],
+    variation: float,
+    lagging: float,
+    lag: float = -inf,
+    warming: float = 0.0,
+    warming_lag: float = -inf,
+    *slows: float,
 ) -> Packed:
     """The arrays of one kind of films, on each of some grids."""
     stages = []
     shrunk = MOST_VARIATION / max(hypot(variation, lagging), MOST_VARIATION)
     for nt, slow in zip(instants, slows or [1 / SLOW_FRACTION_STEP] * len(instants), strict=True):
-        arrays = _time_modes(nt, shrunk * variation, shrunk * lagging, lag, slow)
+        numbers = lag, warming, warming_lag, slow
+        arrays = _time_modes(nt, shrunk * variation, shrunk * lagging, *numbers)
         stages.append({name: array[None] for name, array in arrays.items()})
     return packed(stages)
 
 
 @lru_cache(maxsize=4096)
 def _time_modes(
-    instants: int, variation: float, lagging: float, lag: float, slow: float
+    instants: int,
+    variation: float,
+    lagging: float,
+    lag: float,
+    warming: float,
+    warming_lag: float,
+    slow: float,
 ) -> dict[str, np.ndarray]:
     """Real modes over one period, as kernels know them, of films whose numbers are within steps.
 
-    They come in pairs, beside each other. With the decays g and speeds s of a pair, A d/dT maps its
-    coefficients (c, d) to (g c + s d, g d − s c). The first pair has neither: it is the mean and
-    the last cosine.
+    They come in pairs, beside each other. With the decays g and speeds s of a pair, A d/dT (1 − B)
+    maps its coefficients (c, d) to (g c + s d, g d − s c). The first pair has neither: it is the
+    mean and the last cosine.
 
     ``to_time_modes`` gives coefficients of A r from the values of r on the instants, ``time_modes``
     values from coefficients; its 2-norm is 1, so that a change is no larger than its coefficients.
-    ``settling`` is (1 + lag L h d/dT)⁻¹, how a flow follows what drives it, ``settling_of_slow``
-    the same after L. Matrices are transposed.
+    ``mass_rate`` is d/dT (1 − B). ``settling`` is (1 + lag L h d/dT)⁻¹, how a flow follows what
+    drives it, ``settling_of_slow`` the same after L. Matrices are transposed.
 
     L leaves of a force, about, a share ``slow`` of the harmonics that the instants know, those in
     which the gas has inertia; in the others it follows the pressure at once. Which they are, the
@@ -100,9 +119,12 @@ def _time_modes(
     inert = period(instants).harmonics_up_to(SLOW_FRACTION_STEP * slow * instants / 2)
     lag_of_rate = 10 ** (lag / LAGS_PER_DECADE) * inert
     resistance = np.diag(1 / mean_gap) + lag_of_rate @ rate
-    pairs = _pairs(resistance @ rate, mean_gap)
+    warm_rate = 10 ** (warming_lag / LAGS_PER_DECADE) * rate
+    warms = np.linalg.solve(np.eye(instants) + warm_rate, WARMING_STEP * warming * warm_rate)
+    mass_rate = rate - rate @ warms
+    pairs = _pairs(resistance @ mass_rate, mean_gap)
     if pairs is None:
-        return _time_modes(instants, 0.0, 0.0, lag, slow)
+        return _time_modes(instants, 0.0, 0.0, lag, warming, warming_lag, slow)
     vectors, decays, speeds = pairs
     settling = np.linalg.inv(np.eye(instants) + lag_of_rate @ (mean_gap[:, None] * rate))
     beside = np.arange(instants).reshape(2, -1).T.ravel()
@@ -112,13 +134,14 @@ def _time_modes(
         "speeds": speeds,
         "decays": decays,
         "mean_resistance": 1 / mean_gap,
+        "mass_rate": mass_rate.T,
         "settling": settling.T,
         "settling_of_slow": (settling @ inert).T,
     }
 
 
 def _pairs(operator: np.ndarray, mean_gap: np.ndarray) -> tuple[np.ndarray, ...] | None:
-    """Real vectors (nt, nt), decays and speeds (nt / 2,) of A d/dT; None if not all are pairs.
+    """Real vectors (nt, nt), decays and speeds (nt / 2,) of A d/dT (1 − B), None if not in pairs.
 
     Its null space is what d/dT maps to zero: the constant and the last cosine.
     """

@@ -95,7 +95,8 @@ def numbers_of(scene: Scenes, terms: Terms) -> Numbers:
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
     the harmonics that lag (time_modes.py), no more of them than ``waves_per_node`` for each node
-    across the pad.
+    across the pad. ``warming`` is the gas' relative rise of temperature over that of the pressure
+    in a fast change, and ``warming_lag`` the lag within which a change is fast.
     """
     numbers: dict[str, Any] = {
         "epsilon": scene.epsilon,
@@ -104,6 +105,8 @@ def numbers_of(scene: Scenes, terms: Terms) -> Numbers:
         "lag": 0.0,
         "slow": 1.0,
         "waves_per_node": inf,
+        "warming": 0.0,
+        "warming_lag": 0.0,
     }
     for term in terms:
         numbers.update(term.numbers(scene))

@@ -85,7 +85,7 @@ class Inertia(VelocityTerm):
     OVER_PERIOD = "terms/inertia_over_period.cl"
     HOOKS = ("residual", "response", "step", "carry")
     VELOCITIES = 1
-    OWN_FIELDS = 27
+    OWN_FIELDS = 31
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 10
     IN_EXPANSIONS = True

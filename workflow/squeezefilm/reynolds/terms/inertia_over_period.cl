@@ -8,8 +8,10 @@
 
 /* Fields of a direction that the state has: gauge pressure and its slope at its flux points, velocity
  * along and across, the first's derivatives along and across, d ln(ρH)/dT, and what is in braces in
- * inertia.py. Then those of a change: of the density, of the deficit, of the velocity. */
-enum { PRESSURE, SLOPE, ALONG, ACROSS, ALONG_RATE, ACROSS_RATE, FILLING, FORCES, STATE_FIELDS };
+ * inertia.py; and what warm gas flows less (thermal.py) for each velocity and for each rate of it.
+ * Then those of a change: of the density, of the deficit, of the velocity. */
+enum { PRESSURE, SLOPE, ALONG, ACROSS, ALONG_RATE, ACROSS_RATE, FILLING, FORCES, WARM_SHARE,
+       WARM_LAG, STATE_FIELDS };
 enum { DENSITY, DEFICIT, VELOCITY, CHANGE_FIELDS };
 
 static double4 density_rise(const Film *film, double4 p);
@@ -120,6 +122,26 @@ static void add_carried_out(const Grid *g, const Film *film, const Direction *d,
     const double4 gap = 1.0 + beyond_even(g, film, d.amplitude, row, t);                         \
     const double4 density = 1.0 + density_rise(film, p[i]);
 
+/* Pressure, its slope and the velocity along an axis, at its flux points. */
+static void set_velocity(const Grid *g, const Film *film, int axis)
+{
+    const Direction d = direction_of(film, axis);
+    field pressure = state_field(g, film, axis, PRESSURE), slope = state_field(g, film, axis, SLOPE);
+    field4 u = (field4)state_field(g, film, axis, ALONG);
+    matrix4 p = (matrix4)pressure, b = (matrix4)(film->own + axis * g->count);
+    along_axis(g, axis, d.values, NODES_TO_NODES, (field)film->p, pressure, 0);
+    along_axis(g, axis, d.slope, NODES_TO_SLOPES, (field)film->p, slope, 0);
+    add_edge_pressure(g, film, axis, pressure, slope);
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        EACH_OF(d)
+        u[i] = -mobility(film, gap, density) * ((matrix4)slope)[i];
+        if (film->row->has_inertia)
+            u[i] -= b[i];
+    }
+    SYNC;
+}
+
 static void residual_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
                              field out)
 {
@@ -130,21 +152,11 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
     for (int axis = 0; axis < AXES; axis++) {
         const Direction d = direction_of(film, axis);
-        field4 p = (field4)state_field(g, film, axis, PRESSURE);
-        field4 slope = (field4)state_field(g, film, axis, SLOPE);
-        field4 u = (field4)state_field(g, film, axis, ALONG);
+        matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
+        field u = state_field(g, film, axis, ALONG);
         field4 filling = (field4)state_field(g, film, axis, FILLING);
-        matrix4 b = (matrix4)(film->own + axis * g->count);
-        field4 logarithm = (field4)spare;
-        along_axis(g, axis, d.values, NODES_TO_NODES, (field)film->p, (field)p, 0);
-        along_axis(g, axis, d.slope, NODES_TO_SLOPES, (field)film->p, (field)slope, 0);
-        add_edge_pressure(g, film, axis, (field)p, (field)slope);
-        FOR_EACH_POINT(g, row, t, i)
-        {
-            EACH_OF(d)
-            u[i] = -mobility(film, gap, density) * slope[i] - b[i];
-            logarithm[i] = log(density);
-        }
+        set_velocity(g, film, axis);
+        FOR_EACH(i, g->count4) ((field4)spare)[i] = log(1.0 + density_rise(film, p[i]));
         SYNC;
         along_t(g, g->time_derivative, spare, (field)filling, 0);
         FOR_EACH_POINT(g, row, t, i)
@@ -154,10 +166,10 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         }
         SYNC;
         along_axis(g, axis, d.along, NODES_TO_SLOPES,
-                   (field)u, state_field(g, film, axis, ALONG_RATE), 0);
+                   u, state_field(g, film, axis, ALONG_RATE), 0);
 #if AXES > 1
         along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES,
-                   (field)u, state_field(g, film, axis, ACROSS_RATE), 0);
+                   u, state_field(g, film, axis, ACROSS_RATE), 0);
 #endif
     }
     for (int axis = 0; axis < AXES; axis++) {
@@ -257,6 +269,8 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         matrix4 u_across = (matrix4)state_field(g, film, axis, ACROSS_RATE);
         matrix4 filling = (matrix4)state_field(g, film, axis, FILLING);
         matrix4 forces = (matrix4)state_field(g, film, axis, FORCES);
+        matrix4 warm_share = (matrix4)state_field(g, film, axis, WARM_SHARE);
+        matrix4 warm_lag = (matrix4)state_field(g, film, axis, WARM_LAG);
         matrix4 b = (matrix4)(film->own + axis * g->count);
         matrix4 rises = (matrix4)change_field(g, film, axis, DENSITY);
         matrix4 deficit = (matrix4)change_field(g, film, axis, DEFICIT);
@@ -294,6 +308,9 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
             EACH_OF(d)
             lagging[i] = -lag_of(film, gap, density) * (((matrix4)rate)[i] + crossing[i]) -
                          lag_slope(film, gap) * rises[i] * forces[i];
+            crossing[i] = film->row->has_thermal
+                              ? warm_share[i] * v[i] + warm_lag[i] * ((matrix4)rate)[i]
+                              : (double4)(0.0);
         }
         SYNC;
         along_t(g, ARRAY(film, settling), (field)deficit, (field)settled, 0);
@@ -301,7 +318,8 @@ static void response_inertia(const Grid *whole_grid, const Film *whole_film, fie
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
-            flux[i] = sigma * gap * (density * (deficit[i] - settled[i]) + rises[i] * b[i]);
+            flux[i] = sigma * gap *
+                      (density * (deficit[i] - settled[i] + crossing[i]) + rises[i] * b[i]);
         }
         SYNC;
         along_axis(g, axis, d.divergence, NODES_TO_SLOPES, rate, out, 1);

@@ -3,7 +3,7 @@
 /* The same for a change, of which the modes in space know a part: J/J̄ averaged along an axis. */
 static void response_outline(const Grid *g, const Film *film, vector mass, vector work, vector out)
 {
-    along_t(g, g->linear.time_derivative, mass, work, 0);
+    along_t(g, g->linear.mass_rate, mass, work, 0);
     matrix uneven = ARRAY(film, uneven);
     const double sigma = film->sigma;
     FOR_EACH_POINT(g, row, t, i)

@@ -27,17 +27,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
-
-import numpy as np
+from typing import Any, ClassVar
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, VelocityTerm
-from squeezefilm.reynolds.terms.term import AbsentTerm, Arrays, Numbers
-
-if TYPE_CHECKING:
-    from squeezefilm.reynolds.grid import Grid
-
+from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers
 
 # What a jump of temperature at the walls, over its slope there, adds to the warming and to its lag.
 JUMP_WARMS, JUMP_LAGS = 6.0, 4.0
@@ -64,8 +58,7 @@ class Thermal(VelocityTerm):
     ABSENT = AbsentTerm("thermal effects", "gas.thermal does not include them", "isothermal")
     OVER_PERIOD = "terms/thermal_over_period.cl"
     HOOKS = ("residual", "response")
-    OWN_FIELDS = 9
-    OPERATORS = ("warming",)
+    OWN_FIELDS = 8
 
     @classmethod
     def of(cls, scene: Scene) -> Thermal | None:
@@ -73,19 +66,18 @@ class Thermal(VelocityTerm):
 
     def numbers(self, scene: OperatingPoints) -> Numbers:
         conduction = scene.gas.prandtl * scene.modified_reynolds
+        adiabatic = 1 - 1 / scene.gas.heat_capacity_ratio
+        jump = temperature_jump(scene)
+        warms, lags = JUMP_WARMS * jump, JUMP_LAGS * jump
         return {
-            "heating": (1 - 1 / scene.gas.heat_capacity_ratio) * conduction,
+            "heating": adiabatic * conduction,
             "thermal_lag": LAG_PER_REYNOLDS * conduction,
             "viscosity_exponent": scene.gas.viscosity_exponent,
-            "jump_warms": JUMP_WARMS * temperature_jump(scene),
-            "jump_lags": JUMP_LAGS * temperature_jump(scene),
+            "jump_warms": warms,
+            "jump_lags": lags,
+            "warming_lag": LAG_PER_REYNOLDS * conduction * (1 + lags),
+            "warming": adiabatic / (12 * LAG_PER_REYNOLDS) * (1 + warms) / (1 + lags),
         }
-
-    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
-        rate = grid.t.derivative
-        lags = numbers["thermal_lag"][:, None, None] * rate + np.eye(grid.nt)
-        warming = np.linalg.solve(lags, numbers["heating"][:, None, None] / 12 * rate)
-        return {"warming": warming.swapaxes(1, 2)}
 
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.polytropic_exponent != 1:
