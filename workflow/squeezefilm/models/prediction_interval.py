@@ -44,8 +44,8 @@ THIRDS = ("low", "middle", "high")
 FACTOR_WORDS = {
     "h0_m": ("h0", "µm", 1e6, "gap h0"),
     "hv_m": ("hv", "µm", 1e6, "amplitude hv"),
-    "phi_r_m": ("φr", "mm", 1e3, "distance of the pad from the centre"),
-    "phi_deg": ("φφ", "°", 1.0, "direction of the pad"),
+    "phi_r_m": ("r", "mm", 1e3, "distance of the pad from the centre"),
+    "phi_deg": ("φ", "°", 1.0, "direction of the pad"),
     "x_m": ("x", "mm", 1e3, "position of the pad along x"),
     "y_m": ("y", "mm", 1e3, "position of the pad along y"),
 }
