@@ -11,7 +11,7 @@ from pathlib import Path
 from PIL import Image
 
 DOCS = Path(__file__).resolve().parent
-COLOURS = 64
+COLOURS, WIDEST_PX = 48, 800
 FIGURES = {
     **{f"pictures/fig{number:02}.png": f"fig{number:02}" for number in range(5, 17)},
     "overview.png": "overview",
@@ -39,8 +39,10 @@ def run(command: str) -> None:
 
 
 def with_palette(picture: Path) -> None:
-    """Write a picture again with few colours, as flat as its background: a fifth of the size."""
-    few = Image.open(picture).convert("RGB").quantize(COLOURS)
+    """Write a picture again, as wide as a page and with few colours: a tenth of the size."""
+    image = Image.open(picture).convert("RGB")
+    image.thumbnail((WIDEST_PX, image.height))
+    few = image.quantize(COLOURS)
     few.save(picture, optimize=True)
 
 
