@@ -9,7 +9,7 @@ from .commands import outputs_on, to_run
 from .conftest import packages_here
 
 ROOT = Path(__file__).resolve().parents[2]
-WITH_OUTPUT = ("docs/tutorials/your-actuator.md",)
+WITH_OUTPUT = ("docs/tutorials/your-actuator.md", "docs/how-to/levitate.md")
 
 
 @pytest.mark.parametrize("command", to_run(ROOT), ids=lambda each: f"{each.page}: {each.text}")
@@ -24,11 +24,8 @@ def test_a_command_ends_well(outcomes, command):
 )
 def test_a_page_shows_what_its_command_prints(outcomes, command, shown):
     """Word by word; of a model, which is fitted to a smaller study here, values but no errors."""
-    printed = dict(
-        re.split("  +", line, maxsplit=1)
-        for line in outcomes[command].told.splitlines()
-        if "  " in line.strip()
-    )
+    lines = [line.strip() for line in outcomes[command].told.splitlines()]
+    printed = dict(re.split("  +", line, maxsplit=1) for line in lines if "  " in line)
     for line in shown:
         label, value = re.split("  +", line, maxsplit=1)
         if "$FIT" not in command:

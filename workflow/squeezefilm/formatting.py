@@ -103,6 +103,8 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
     if unit in ("m", "s") and 0 < abs(value) < 1:
         prefix, size = ("m", 1e3) if abs(value) >= LEAST_MILLI else ("µ", 1e6)
         unit = prefix + unit
+    if unit == "N/m" and abs(value) >= 1000:
+        unit, size = "kN/m", 1e-3
     text = f"{size * value:.{max(digits, len(f'{abs(size * value):.0f}'))}g}"
     if error is not None:
         text = " ± ".join(to_its_error(size * value, size * error))
