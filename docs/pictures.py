@@ -15,6 +15,8 @@ COLOURS, WIDEST_PX = 48, 800
 FIGURES = {
     **{f"pictures/fig{number:02}.png": f"fig{number:02}" for number in range(5, 17)},
     "overview.png": "overview",
+    "fitted_model.png": "fitted_model",
+    "levitation.png": "levitation",
     "error_budget.png": "error_budget",
     "published.png": "numerics/published",
     "pictures/work_precision.png": "numerics/work_precision",

@@ -61,6 +61,9 @@ ELSEWHERE = {
 BY_HAND = {
     "git clone <this repository> && cd <its folder>": "the address is the reader's",
     "apt install python3 python3-venv make gcc libc6-dev": "a system's own packages",
+    "git pull": "the address is the reader's",
+    "make clean": "removes what the others made; a unit test runs the recipe",
+    "pip uninstall squeezefilm": "removes what the others need",
     "podman build .": "needs a container engine and a registry",
     "squeezefilm-verification random-studies --studies 100 --seed 1 --output TABLE.csv": (
         "minutes; eleven such studies are a test"
