@@ -196,7 +196,7 @@ def check_scene(scene: Scene) -> None:
     )
     surface, outline_m = scene.actuator.surface, np.add(scene.pad.edge_m(), (scene.x_m, scene.y_m))
     reach = surface.reach(*outline_m.T)
-    part = "a corner" if scene.pad.shape == "rectangle" else "the rim"
+    part = "a corner" if scene.pad.shape == "rectangle" else "the edge"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
     off = f"{surface.where(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
     refuse(
