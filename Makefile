@@ -32,7 +32,7 @@ Snakemake runs no script there. Move the folder to a path without)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability mutants docs lint format lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability mutants docs pictures lint format lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -52,6 +52,7 @@ help:
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make test-install   the library from its wheel, in an environment of its own; needs a network"
 	@echo "make docs     the documentation as pages of HTML: $(DOCS)"
+	@echo "make pictures  the pictures of the documentation; minutes, nothing else should run"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
 	@echo "make resume   go on after a run was killed"
@@ -119,6 +120,10 @@ docs: $(VENV)/.dev
 test-device: $(VENV)/.dev
 	@command -v oclgrind >/dev/null || $(call debian,oclgrind)
 	$(RUN) pytest tests/device
+
+# Not in .ci/run: run times are drawn too, so nothing else should run. Some minutes.
+pictures: $(VENV)/.dev
+	$(RUN) python docs/pictures.py
 
 test-stability: $(VENV)/.run
 	$(SNAKEMAKE) results/paper/numerics/stability.csv

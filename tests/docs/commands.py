@@ -13,6 +13,8 @@ PROGRAMS = "make|squeezefilm(?:-verification)?|snakemake|python|pip|pytest|apt|a
 STARTS = rf"(?:{PROGRAMS}|git|\. \.venv|[A-Z]+=\S+$)"
 BLOCK_LINE = re.compile(rf"^    (?:\$ )?({STARTS}(?![\w:=-]).*)$", re.MULTILINE)
 INLINE = re.compile(rf"(?<!`)`((?:{PROGRAMS}) [^`]+)`(?!`)")
+SHOWN_LINE = re.compile(r"…$|\S.*\S {2,}\S")
+"""A line of a result: a label and a value, or what is not shown."""
 NAMES = {
     "squeezefilm": re.compile(r"squeezefilm ([a-z][a-z-]*)"),
     "verification": re.compile(r"squeezefilm-verification ([a-z][a-z-]*)"),
@@ -59,6 +61,9 @@ ELSEWHERE = {
 BY_HAND = {
     "git clone <this repository> && cd <its folder>": "the address is the reader's",
     "apt install python3 python3-venv make gcc libc6-dev": "a system's own packages",
+    "git pull": "the address is the reader's",
+    "make clean": "removes what the others made; a unit test runs the recipe",
+    "pip uninstall squeezefilm": "removes what the others need",
     "podman build .": "needs a container engine and a registry",
     "squeezefilm-verification random-studies --studies 100 --seed 1 --output TABLE.csv": (
         "minutes; eleven such studies are a test"
@@ -111,6 +116,17 @@ def commands_on(page: Path, *, root: Path) -> Iterator[Command]:
     for _, words, in_a_sentence in sorted(found):
         without_comment = re.split(r"\s+# ", words)[0]
         yield Command(name, " ".join(without_comment.split()), in_a_sentence)
+
+
+def outputs_on(page: Path) -> Iterator[tuple[str, list[str]]]:
+    """Every command of a page that is followed by what it prints, with the lines shown of that."""
+    command = ""
+    for block in re.findall(r"(?:^    .*\n)+", page.read_text(encoding="utf-8"), re.MULTILINE):
+        commands = BLOCK_LINE.findall(block)
+        lines = [line.strip() for line in block.splitlines()]
+        if not commands and command and all(SHOWN_LINE.match(line) for line in lines):
+            yield command, [line for line in lines if line != "…"]
+        command = commands[-1] if commands else ""
 
 
 def all_commands(repository: Path) -> list[Command]:

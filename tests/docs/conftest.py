@@ -22,7 +22,7 @@ PACKAGES = Path(sysconfig.get_path("purelib"))
 LONGEST_S = 1200
 TAIL = 3000
 ASSIGNMENT = re.compile(r"([A-Z]+)=(\S+)")
-OWN_STUDIES = re.compile(r"my-actuator|plate|\bFIT\b")
+OWN_STUDIES = re.compile(r"\bmy-|plate|\bFIT\b")
 # What a study says of sizes; a default is for results that count.
 SIZES = """
 error_map: {h0: {levels: 5}, hv: {levels: 5}}

@@ -1,5 +1,7 @@
 """The check sees what differs, by how much, and nothing else."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -38,6 +40,15 @@ def failed(table: pd.DataFrame) -> list[str]:
     """The names of the quantities that fail beside FORCES."""
     rows = compare(quantities(table), stored(quantities(FORCES)))
     return rows.loc[rows["verdict"] != PASSED, "quantity"].tolist()
+
+
+def test_what_failed_is_shown_once_with_its_file_and_what_to_do():
+    found = [item._replace(part="simulations", item="screen") for item in quantities(FORCES)]
+    table = compare(found, stored(found) | {found[2][:3]: {"row 1": "7"}})
+    text = check.on_screen(table)
+    assert len(re.findall(r"\bforce_n\b", text)) == 1
+    assert "simulations/screen/forces.csv" in text
+    assert "`make reference`" in text
 
 
 def with_cell(row: int) -> pd.Series:

@@ -43,6 +43,12 @@ def test_a_typo_is_answered_with_the_nearest_command_alone(word, hint, capsys):
     assert len(told.splitlines()) == 2
 
 
+def test_an_option_in_capitals_is_answered_with_the_small_one(capsys):
+    with pytest.raises(SystemExit):
+        main(["simulate", "--X", "1mm", "--h0", "5um", "--hv", "2um"])
+    assert "did you mean '--x'?" in capsys.readouterr().err
+
+
 def part(path: Path, *ids: str, status: str = "ok") -> Path:
     rows = [
         dict.fromkeys(FORCE_COLUMNS, 1) | {"point_id": name, "status": status, "force_n": 0.5}

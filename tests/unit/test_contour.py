@@ -72,5 +72,5 @@ def test_a_film_with_an_outline_off_its_plate_is_refused(tmp_path):
     force = film.force("20 um", "5 um")
     assert float(force) > 0
     assert "µm off it: what that leaves open of the force is not in its error" in str(force)
-    with pytest.raises(InputError, match="the rim of the pad lies"):
+    with pytest.raises(InputError, match="the edge of the pad lies"):
         film.force("20 um", "5 um", phi_r="1.5 mm", phi="0 deg")

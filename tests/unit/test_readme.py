@@ -5,6 +5,7 @@ import re
 import shlex
 
 import pytest
+import yaml
 
 from squeezefilm.cli.main import main
 
@@ -48,3 +49,16 @@ def test_the_page_on_the_modelling_error_shows_what_the_command_gives(repository
         names += ("modelling_error_lower", "modelling_error_upper")
         shown = [float(text.replace("−", "-")) for text in re.findall(r"[+−][\d.]+", cells)]
         assert shown == pytest.approx([budget[f"{name}_percent"] for name in names], rel=0.05)
+
+
+def test_the_citation_is_of_this_version_of_the_software(repository, capsys):
+    citation = yaml.safe_load((repository / "CITATION.cff").read_text(encoding="utf-8"))
+    changes = (repository / "CHANGELOG.md").read_text(encoding="utf-8")
+    with pytest.raises(SystemExit):
+        main(["--version"])
+    version = capsys.readouterr().out.split()[-1]
+    assert (citation["type"], citation["version"]) == ("software", version)
+    assert "preferred-citation" not in citation
+    released = citation["date-released"]
+    assert f"## {version} – {released.day} {released:%B %Y}" in changes
+    assert citation["references"][0]["doi"] == "10.1109/TIA.2013.2288415"

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
+from squeezefilm.formatting import in_lines
 
 ONE = ["response", "--h0", "5um", "--hv", "2.2um"]
 
@@ -40,6 +41,17 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     )
     late = film["time_s"] > summary["settling_start_s"]
     assert (abs(film["rising_n"][late] / settled - 1) < 0.05).all()
+
+
+def test_a_change_within_its_own_error_is_shown_as_a_bound(capsys):
+    assert main([*ONE, "--frequencies", "100Hz", "--json"]) == 0
+    row = json.loads(capsys.readouterr().out)
+    names = "thermal_gain_percent", "thermal_gain_error_percent"
+    bound = sum(abs(row[name]) for name in names)
+    assert abs(row[names[0]]) < row[names[1]]
+    (line,) = [each for each in in_lines(row).splitlines() if "gain by thermal effects" in each]
+    shown = float(re.search(r"  within ± ([\d.]+) %$", line)[1])
+    assert bound <= shown <= 1.1 * bound
 
 
 def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):

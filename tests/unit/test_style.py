@@ -2,6 +2,7 @@
 
 import ast
 import re
+import runpy
 
 PRIVATE = re.compile(
     r"\b(left out|leaves? out|in all|two phases|two-phase|yardstick|dear|anew|judged?|bearable"
@@ -46,6 +47,21 @@ def test_a_page_is_short_and_in_the_words_of_the_field(repository):
     lengths = {place: len(text.split()) for place, text in texts.items()}
     assert lengths.pop(repository / "README.md") <= 650
     assert sum(lengths.values()) <= 16000
+
+
+def test_every_picture_of_a_page_is_there_small_and_made_by_a_command(repository):
+    shown = [
+        (place.parent / name).resolve()
+        for place, text in pages(repository).items()
+        for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", text)
+    ]
+    assert not [picture for picture in shown if not picture.is_file()]
+    made = runpy.run_path(str(repository / "docs" / "pictures.py"))
+    known = {*made["FIGURES"], *(f"pictures/{name}.png" for name in made["TABLES"])}
+    kept = [path for path in (repository / "docs").rglob("*.png") if "_build" not in path.parts]
+    assert {path.relative_to(repository / "docs").as_posix() for path in kept} <= known
+    assert {path.resolve() for path in kept} == {*shown}
+    assert max(path.stat().st_size for path in kept) < 150_000
 
 
 def test_a_docstring_opens_with_what_it_is_and_is_in_the_words_of_the_field(repository):

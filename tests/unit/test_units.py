@@ -84,3 +84,9 @@ def test_a_row_in_lines_has_texts_and_says_what_is_not_known():
     shown = [line.split("  ")[-1].strip() for line in in_lines(row).splitlines()]
     assert shown == ["not available", "5263 %", "h0 = 4 µm"]
     assert percent(-0.499, 7e-5) == "-0.50 to +0.000070 %"
+
+
+def test_a_stiffness_is_shown_without_an_exponent():
+    row = {"static_stiffness_n_per_m": 61760.0, "static_stiffness_error_n_per_m": 820.0}
+    assert in_lines(row) == "static stiffness  61.76 ± 0.82 kN/m"
+    assert in_lines({"static_stiffness_n_per_m": 320.0}) == "static stiffness  320 N/m"

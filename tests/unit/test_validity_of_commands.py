@@ -77,3 +77,8 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
     write_json(values | {"film": {"gas": {}}}, path)
     assert main([*point, "20um"]) == 2
     assert "fit.json: film.gas: " in capsys.readouterr().err
+
+
+def test_a_single_point_outside_is_named_without_a_number(refused):
+    text = refused("simulate", "--h0", "5mm", "--hv", "2um")
+    assert "operating point: h0 = 5000 µm must lie between 0.001 and 1000 µm" in text

@@ -296,7 +296,7 @@ FRONT_PAGES = ["check", "equations", "summary"]
 STARTED_S = time.time()
 
 
-# Names the page to look at among those that were made.
+# Names the pages and figures that were asked for, or the page to look at first.
 onsuccess:
     made = [
         path for path in Path("results", STUDY).rglob("*.*") if path.stat().st_mtime > STARTED_S
@@ -304,5 +304,7 @@ onsuccess:
     pages = [path for path in made if path.suffix == ".html"]
     fronts = [path for name in FRONT_PAGES for path in pages if path.stem == name]
     figures = [path for path in made if path.suffix == ".png" and ".plain" not in path.name]
-    for page in [*fronts, *sorted(pages), *sorted(figures)][:1]:
+    targets = {Path(str(target)).stem for target in workflow.dag_settings.targets}
+    asked = sorted(path for path in [*pages, *figures] if path.stem in targets)
+    for page in asked or [*fronts, *sorted(pages), *sorted(figures)][:1]:
         print(f"Open {page}", flush=True)

@@ -16,7 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 # The names of the library, in the file that tells type checkers of them.
 _STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")

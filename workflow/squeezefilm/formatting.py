@@ -97,10 +97,14 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
         return {"True": "yes", "False": "no", "nan": NOT_AVAILABLE}.get(str(value), str(value))
     if unit == "%" and error is None:
         return percent(value, sign="")
+    if unit == "%" and error is not None and error >= abs(value):
+        return f"within ± {percent(rounded_up(abs(value) + error), sign='')}"
     size = 1.0
     if unit in ("m", "s") and 0 < abs(value) < 1:
         prefix, size = ("m", 1e3) if abs(value) >= LEAST_MILLI else ("µ", 1e6)
         unit = prefix + unit
+    if unit == "N/m" and abs(value) >= 1000:
+        unit, size = "kN/m", 1e-3
     text = f"{size * value:.{max(digits, len(f'{abs(size * value):.0f}'))}g}"
     if error is not None:
         text = " ± ".join(to_its_error(size * value, size * error))

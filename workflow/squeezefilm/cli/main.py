@@ -152,7 +152,7 @@ def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) ->
 def _nearest(word: str, known: Iterable[str]) -> str:
     import difflib
 
-    near = difflib.get_close_matches(word, [*known], n=1)
+    near = difflib.get_close_matches(word.lower(), [*known], n=1)
     return f"did you mean {near[0]!r}? " if near else ""
 
 

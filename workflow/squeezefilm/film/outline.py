@@ -244,7 +244,7 @@ def conformal_map(
 
 
 CONTOUR_FORMAT = (
-    "a header x_mm,y_mm (or another unit) and a point of the rim in each row, one after the other"
+    "a header x_mm,y_mm (or another unit) and a point of the edge in each row, one after the other"
 )
 FEWEST, MOST = 16, 4000
 # Waves around the edge, the shortest that a smooth curve through the points may have.
@@ -385,7 +385,7 @@ def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float)
         raise InputError(
             "the outline is not star-shaped: seen from its middle it lies behind itself, or it "
             "crosses itself; such pads are not supported, and points must follow each other "
-            "around the rim"
+            "around the edge"
         )
 
     def first_guess(nu: np.ndarray) -> np.ndarray:

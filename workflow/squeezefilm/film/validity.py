@@ -11,7 +11,7 @@ import csv
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -100,7 +100,8 @@ class Limit:
         never = not value <= self.not_above
         bound = self.not_above if never else self.unknown_above
         kind = "" if self.films == "all" else f" ({self.films})"
-        named = f"{self.quantity} {self.symbol} = {value:.3g}"
+        number = f"{value:.3g}" if isfinite(value) else "infinite (the gap closes)"
+        named = f"{self.quantity} {self.symbol} = {number}"
         above = f"{float(f'{bound:.2g}'):g}{kind}"
         return f"{named} is above {above}: {NOT_APPLICABLE if never else ERROR_UNVERIFIED}"
 
@@ -158,7 +159,7 @@ EDGE_TOLERANCE = 1e-9
 def check_scenes(scenes: Scenes) -> None:
     """Reject scenes as ``check_scene`` does, the first of them that has no solution."""
     for row in np.flatnonzero(~exist(scenes)).tolist():
-        check_scene(scenes[row])
+        check_scene(scenes[row], place="operating point" if len(scenes) == 1 else None)
 
 
 def exist(scenes: Scenes) -> np.ndarray:
@@ -176,17 +177,21 @@ def exist(scenes: Scenes) -> np.ndarray:
     return sound
 
 
-def check_scene(scene: Scene) -> None:
+def check_scene(scene: Scene, *, place: str | None = None) -> None:
     """Reject a scene that has no solution or lies off the actuator.
+
+    Args:
+        place: words for the scene in a message, instead of its name.
 
     Raises InputError naming the point, the factor and what is allowed.
     """
-    source, h0_m, hv_m = f"point {scene.point_id}", scene.h0_m, scene.hv_m
+    source, h0_m, hv_m = place or f"point {scene.point_id}", scene.h0_m, scene.hv_m
+    least_um, largest_um = (1e6 * gap_m for gap_m in GAPS_M)
     refuse(
         source,
         {
-            f"h0_m = {h0_m:g} must lie between {GAPS_M[0]:g} and {GAPS_M[1]:g} m: the model of a "
-            "gas film is not valid outside this range": not GAPS_M[0] <= h0_m <= GAPS_M[1],
+            f"h0 = {1e6 * h0_m:g} µm must lie between {least_um:g} and {largest_um:g} µm: the model"
+            " of a gas film is not valid outside this range": not GAPS_M[0] <= h0_m <= GAPS_M[1],
             f"hv_m = {hv_m:g} must not be negative": not hv_m >= 0,
             f"hv_m = {hv_m:g} reaches h0_m = {h0_m:g}: surface and pad touch; the amplitude "
             "must stay below the mean gap": hv_m >= h0_m,
@@ -194,7 +199,7 @@ def check_scene(scene: Scene) -> None:
     )
     surface, outline_m = scene.actuator.surface, np.add(scene.pad.edge_m(), (scene.x_m, scene.y_m))
     reach = surface.reach(*outline_m.T)
-    part = "a corner" if scene.pad.shape == "rectangle" else "the rim"
+    part = "a corner" if scene.pad.shape == "rectangle" else "the edge"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
     off = f"{surface.where(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
     refuse(

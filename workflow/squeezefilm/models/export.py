@@ -167,7 +167,7 @@ def _about(fit: FittedModel, table: LimitTable | None) -> list[str]:
         *textwrap.wrap(f"Formula: {model.expression}", 90, subsequent_indent="  "),
         f"Parameters: {', '.join(model.parameter_names) or 'none'}",
         f"Fitted to {fit.points} points with a global error of {100 * fit.global_error:.3g} %.",
-        *textwrap.wrap(fit.statement.replace("φ", "phi_"), 90),
+        *textwrap.wrap(fit.statement.replace("φ", "phi"), 90),
     ]
     if re.fullmatch(r"[0-9a-f]{64}", digest):
         lines.append(f"Forces (SHA-256): {digest}")

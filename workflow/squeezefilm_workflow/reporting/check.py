@@ -39,6 +39,18 @@ REFERENCE_COLUMNS = ("item", "quantity", "cell", "value")
 WIDEST_CELL = 40
 """Characters of a cell on the screen; all of it is in the table."""
 PICTURES, PICTURES_FOLDER = "pictures", "check/figures"
+FILE_OF_PART = {
+    "figure data": "figures/{}.csv",
+    "results": "{}.csv",
+    "tables": "tables/{}.csv",
+    "claims": "claims.csv",
+    "simulations": "simulations/{}/forces.csv",
+    "fits": "fits/{}.json",
+    "designs": "designs/{}.csv",
+    "numerics": "numerics/{}.csv",
+    PICTURES: "check/figures/{}.plain.png",
+}
+"""The file of an item, in the study's results."""
 RANDOM_FIGURE = "fig09"
 """The figure of many searches: which of them ended where is chance."""
 PICTURE_RMS = 1.5
@@ -259,7 +271,10 @@ def summary(table: pd.DataFrame) -> str:
     """Return a sentence with the number of quantities that passed or failed."""
     failed = int((table["verdict"] != PASSED).sum())
     if failed:
-        return f"{failed} of {len(table)} quantities failed."
+        return (
+            f"{failed} of {len(table)} quantities failed. Delete the files and run again; where "
+            "the change is intended, `make reference` makes a new reference."
+        )
     return f"All {len(table)} quantities passed."
 
 
@@ -267,15 +282,18 @@ def on_screen(table: pd.DataFrame) -> str:
     """Return each part's worst quantity, all that failed, and the summary."""
     failed = table["verdict"] != PASSED
     worst = table.loc[table.groupby("part", sort=False)["of_tolerance"].idxmax()]
+    worst = worst[worst["verdict"] == PASSED]
     kinds = {"Worst of each part": worst[["part", "item", "quantity", "of_tolerance"]]}
     if failed.any():
-        kinds["Failed"] = table[failed]
+        rows = table[failed]
+        items = zip(rows["part"], rows["item"], strict=True)
+        kinds["Failed"] = rows.assign(file=[FILE_OF_PART[p].format(item) for p, item in items])
     how: dict[str, Any] = {
         "index": False,
         "max_colwidth": WIDEST_CELL,
         "float_format": "{:.2g}".format,
     }
-    shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items()]
+    shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items() if len(rows)]
     return "".join([*shown, summary(table)])
 
 

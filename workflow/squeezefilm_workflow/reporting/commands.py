@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from squeezefilm.cli.options import OUTPUT, command, option, write_rows
 from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, read_columns, write_table
 from squeezefilm_workflow.reporting.results import Results
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 RESULTS = option("results", "RESULTS", "the study's results", type=Path)
 STUDY = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
 FILES = option("--output", "FILE", required=True, nargs="+", type=Path)
+RECOMMENDED_SHOWN = (
+    *("space", "model", "validation_error", "worst_error", *FACTOR_COLUMNS, *CARTESIAN),
+    *("force_n", "hv_error_95_m", "note"),
+)
 PICTURES = (".png", ".svg", ".pdf")
 
 # matplotlib is imported where something is drawn or pictures are compared.
@@ -116,13 +121,18 @@ def recommend(options: argparse.Namespace) -> None:
     ranks. `worst_error` is the largest relative error at any simulation of the validation samples
     and the plan `four_factor`, fitted or not; that plan has the positions. The amplitude gives the
     study's target force at its gap (section `extrapolation`), its errors are those of `squeezefilm
-    amplitude-for`. The study's candidates must be compared (`snakemake models`).
+    amplitude-for`. The study's candidates must be compared (`snakemake models`). The screen shows
+    the positions with the least and the largest amplitude, --output has all.
     """
     from squeezefilm_workflow.reporting.models import recommend
 
     table = recommend(Results.of(options.results, options.config))
     if table["model"].isna().all():
         raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
+    if options.output is None:
+        # On the screen the least and the largest amplitude of each space, and no wide columns.
+        ends = table.sort_values("hv_m").groupby("space", sort=False)["hv_m"].nth([0, -1]).index
+        table = table.loc[ends, [name for name in table if name in RECOMMENDED_SHOWN]]
     write_rows(table, options)
 
 

@@ -66,7 +66,9 @@ def summary_values(
         **headline_values(results),
         "frequency_khz": f"{config.actuator.frequency_hz / 1e3:g}",
         "terms": list(_terms(config.gas, tables)),
-        "position": "radius φr and angle φφ" if on_disc else "x and y from the surface's centre",
+        "position": "distance r and direction φ"
+        if on_disc
+        else "x and y from the surface's centre",
         "total": sum(len(table) for table in tables.values()),
         "plans": pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]),
         "settings": settings.rename_axis("setting").reset_index(name="value"),

@@ -1,0 +1,70 @@
+"""Draw the pictures of the pages again (`make pictures`), from studies that are made first.
+
+The numbered figures of the paper and those of its study come from `results/paper`; the other
+pictures from the commands that their pages show.
+"""
+
+import subprocess
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+DOCS = Path(__file__).resolve().parent
+COLOURS, WIDEST_PX = 48, 800
+FIGURES = {
+    **{f"pictures/fig{number:02}.png": f"fig{number:02}" for number in range(5, 17)},
+    "overview.png": "overview",
+    "fitted_model.png": "fitted_model",
+    "levitation.png": "levitation",
+    "error_budget.png": "error_budget",
+    "published.png": "numerics/published",
+    "pictures/work_precision.png": "numerics/work_precision",
+    "pictures/stability.png": "numerics/stability",
+}
+"""Figures of the paper's study, by their places in the docs."""
+TABLES = {
+    "profile": "squeezefilm profile --config config/my-actuator.yaml --table {table}",
+    "curve": "squeezefilm simulate --h0 5:10:6um --hv 1um,1.5um,2um"
+    " --config config/my-actuator.yaml --output {table}",
+    "amplitude": "squeezefilm amplitude-for results/my-actuator/models/four_factor/limit_1.json"
+    " --force 0.15N --h0 5:10:11um --x 0mm,2mm --output {table}",
+    "levitation": "squeezefilm levitate --load 0.4:1:7N --hv 2um,3um,4um"
+    " --config config/levitation.yaml --output {table}",
+}
+"""Commands of the pages whose table is drawn by `squeezefilm plot`."""
+
+
+def run(command: str) -> None:
+    """Run a command in the checkout, which must end well."""
+    subprocess.run(["bash", "-c", command], cwd=DOCS.parent, check=True)
+
+
+def with_palette(picture: Path) -> None:
+    """Write a picture again, as wide as a page and with few colours: a tenth of the size."""
+    image = Image.open(picture).convert("RGB")
+    image.thumbnail((WIDEST_PX, image.height))
+    few = image.quantize(COLOURS)
+    few.save(picture, optimize=True)
+
+
+def main() -> None:
+    """Make the studies, draw every picture, and reduce its colours."""
+    for study in ("paper", "my-actuator"):
+        run(f"[ -f config/{study}.yaml ] || squeezefilm new {study}")
+    run("snakemake figures verification --configfile config/paper.yaml")
+    run("snakemake models --configfile config/my-actuator.yaml")
+    for place, figure in FIGURES.items():
+        run(f"squeezefilm plot {figure} results/paper --output docs/{place}")
+    with tempfile.TemporaryDirectory() as folder:
+        for name, command in TABLES.items():
+            table = f"{folder}/{name}.csv"
+            run(command.format(table=table))
+            words = "profile " * (name == "profile")
+            run(f"squeezefilm plot {words}{table} --output docs/pictures/{name}.png")
+    for place in [*FIGURES, *(f"pictures/{name}.png" for name in TABLES)]:
+        with_palette(DOCS / place)
+
+
+if __name__ == "__main__":
+    main()
