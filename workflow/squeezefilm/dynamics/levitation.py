@@ -53,7 +53,7 @@ RANGE_BUDGETS = 4
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2
 # Loads and amplitudes over the range of a table of forces.
-TABLE_LOADS, TABLE_AMPLITUDES = 8, 3
+TABLE_LOADS, TABLE_AMPLITUDES = 8, 4
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
 LEAST_OSCILLATION = 1e-3
 OVERDAMPED = "no oscillation: gas that is pressed out damps the motion away (overdamped)"

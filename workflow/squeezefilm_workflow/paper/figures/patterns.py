@@ -117,8 +117,8 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     ]
     parts.label_points(axes, design, labels=labels)
     note = (
-        f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches; (12) is "
-        f"{pattern['objective']:.7g}"
+        f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches; criterion (12) "
+        f"in SI units: {pattern['objective']:.7g}"
     )
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]
