@@ -54,10 +54,9 @@ def forces(results: Results) -> Figure:
     grid = parts.grid_of(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
     wide = low > 0 and high > DECADE * low
-    if wide:
-        levels = np.asarray(LogLocator(subs=(1, 2, 5)).tick_values(low / 3, 3 * high))
-    else:
-        levels = MaxNLocator(nbins=12).tick_values(low, high)
+    ends = (low / 3, 3 * high) if wide else (low, high)
+    ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
+    levels = np.asarray(ticks.tick_values(*ends))
     first, last = np.searchsorted(levels, [low, high])
     levels = levels[max(first - 1, 0) : last + 1]
     figure, axes = style.subplots(height_in=3.2)
