@@ -137,7 +137,7 @@ def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, rectangle:
     labels = (r"$h_0$ (µm)", r"$h_v$ (µm)", "")
     axes = parts.add_space(figure, labels=labels, pads=(-9, -4), ticks=3)
     left, bottom, width, height = rectangle
-    axes.set_position((left - 0.03, bottom - 0.07, width + 0.03, height + 0.09))
+    axes.set_position((left - 0.04, bottom - 0.07, width + 0.02, height + 0.09))
     axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
     axes.tick_params(labelsize=TICK_SIZE)
     for axis in (axes.xaxis, axes.yaxis):
