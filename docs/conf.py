@@ -1,6 +1,8 @@
 """Configuration of Sphinx (`make docs`), and the pages that are made from the code."""
 
 import csv
+import os
+import re
 import subprocess
 import sys
 from math import isfinite
@@ -9,6 +11,9 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 WORKFLOW = HERE.parent / "workflow"
 sys.path.insert(0, str(WORKFLOW))
+os.environ["PYTHONPATH"] = str(WORKFLOW)  # for the notebook's kernel
+
+import yaml
 
 from squeezefilm import __version__
 from squeezefilm.cli.main import commands_of
@@ -18,10 +23,15 @@ from squeezefilm.film.gas import GASES_TABLE
 from squeezefilm.film.validity import LIMITS
 
 project, version, release = "squeezefilm", __version__, __version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
+extensions = [
+    *("myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"),
+    "sphinx-mathjax-offline",  # formulas need no network
+]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
-html_theme, html_title, html_show_copyright = "furo", "squeezefilm", False
+nb_execution_mode, nb_execution_timeout, nb_execution_raise_on_error = "force", 600, True
+html_theme, html_title, html_show_copyright = "furo", f"squeezefilm {version}", False
+html_static_path, html_css_files = ["_static"], ["site.css"]
 exclude_patterns = ["_build", "**/_generated"]
 autodoc_member_order = "bysource"
 GENERATED = HERE / "reference" / "_generated"
@@ -51,6 +61,32 @@ def claims() -> list[str]:
         rows.append(f"| {' | '.join(cells)} |")
     agreeing = sum(verdict == "agrees" for (_, name), verdict in ours.items() if name == "verdict")
     return [f"{agreeing} of {len(claims)} claims agree.", "", *rows]
+
+
+def repository() -> str:
+    """Return the address of the repository's pages, empty where none is known."""
+    git = ["git", "-C", str(HERE), "remote", "get-url", "origin"]
+    remote = subprocess.run(git, capture_output=True, text=True, check=False).stdout.strip()
+    address = os.environ.get("SQUEEZEFILM_REPOSITORY") or remote.removesuffix(".git")
+    address = re.sub(r"^(?:ssh://)?git@([^:/]+)[:/]", r"https://\1/", address)
+    return address if address.startswith("https://") else ""
+
+
+def citation() -> list[str]:
+    """Return CITATION.cff as a sentence and as BibTeX, of the software and of the paper."""
+    cff = yaml.safe_load((HERE.parent / "CITATION.cff").read_text(encoding="utf-8"))
+    year = f"{cff['date-released']}"[:4]
+    address = repository()
+    fields = {
+        "title": f"{{{cff['title']}: {cff['abstract']}}}",
+        "author": f"{{{' and '.join(author['name'] for author in cff['authors'])}}}",
+        "version": f"{{{cff['version']}}}",
+        "year": f"{{{year}}}",
+        **({"url": f"{{{address}}}"} if address else {}),
+    }
+    lines = [f"  {name} = {value}," for name, value in fields.items()]
+    links = ["", f"[Repository]({address}), [issues]({address}/issues)."] if address else []
+    return ["```bibtex", "@software{squeezefilm,", *lines, "}", "```", *links]
 
 
 def stored(path: Path) -> tuple[list[str], list[str]]:
@@ -87,6 +123,7 @@ def write_generated() -> None:
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
     table, sources = stored(GASES_TABLE)
     (GENERATED / "gases.md").write_text("\n".join([*table, "", *sources]), encoding="utf-8")
+    (GENERATED / "citation.md").write_text("\n".join(citation()), encoding="utf-8")
     (GENERATED / "claims.md").write_text("\n".join(claims()), encoding="utf-8")
     for path in sorted((HERE / "data").glob("*.csv")):
         (GENERATED / f"{path.stem}.md").write_text(measured(path), encoding="utf-8")
@@ -98,4 +135,10 @@ def write_generated() -> None:
     (GENERATED / "commands.md").write_text("\n".join(helps), encoding="utf-8")
 
 
+if address := repository():
+    html_theme_options = {
+        "source_repository": f"{address}/",
+        "source_branch": "main",
+        "source_directory": "docs/",
+    }
 write_generated()

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from squeezefilm import __version__
+
 CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
 PACKAGES = ("squeezefilm", "squeezefilm_workflow")
 DISTRIBUTION = {
@@ -64,3 +66,12 @@ def test_the_environment_has_all_that_jobs_import():
     text = ENVIRONMENT.read_text(encoding="utf-8")
     missing = {name for name in wanted if f" {CONDA_NAME.get(name, name)} =" not in text}
     assert missing <= NOT_OF_A_JOB
+
+
+def test_the_citation_is_of_this_version_of_the_software():
+    citation = yaml.safe_load((REPOSITORY / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == __version__
+    assert citation["type"] == "software"
+    assert citation["date-released"]
+    assert "preferred-citation" not in citation  # would be cited in place of the software
+    assert any(work["type"] == "article" for work in citation["references"])

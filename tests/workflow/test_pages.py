@@ -170,6 +170,21 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     assert "−2 to +11 % of the force, by neglected effects, solved for together" in text
 
 
+def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repository, tmp_path):
+    shutil.copytree(study.root, tmp_path, dirs_exist_ok=True)
+    (tmp_path / "models/recommended.csv").write_text(
+        "space,model\ntwo_factor,limit_1\nfour_factor,limit_2\nfour_factor,limit_2\n"
+    )
+    results = Results.of(tmp_path, repository / "config/plate.yaml")
+    forces = {"screen": results.forces("screen")}
+    about = {"fits": ["screen"], "forces": forces, "drawing_library": ""}
+    page = explorer_page(results, candidates=["limit_2"], **about)
+    fits = json.loads(re.search(r'id="data">(.*?)</script>', page)[1])["fits"]
+    names = ["limit_2 on four_factor", "limit_1 on two_factor", "screen"]
+    assert [each["name"] for each in fits] == names
+    assert [each["label"].endswith(", best") for each in fits] == [True, True, False]
+
+
 def test_models_and_forces_are_on_the_page_to_the_last_digit(study):
     fits = ["two_factor_design", "four_factor"]
     names = {"screen": "screen", "</script>": "four_factor"}

@@ -1,6 +1,6 @@
 # A page in which the fitted models can be played with.
 
-# The first one is shown first.
+# The first one is shown first, in a study that recommends no model.
 EXPLORER_FITS = ["two_factor_design", "screen", *FITS["four_factor"]]
 EXPLORER_PLANS = ["screen", "error_map", "two_factor_design", *FITS["four_factor"]]
 
@@ -9,6 +9,7 @@ rule explorer:
     input:
         expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
         candidate_files("four_factor"),
+        [] if PAPER else [rules.recommend.output, candidate_files("two_factor")],
         expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
         expand("<results>/simulations/screen/{table}.csv", table=["response", "gains"]),
     output:

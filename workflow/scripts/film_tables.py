@@ -15,7 +15,7 @@ from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm_workflow.job import Job, Study, run
 
-FREQUENCY_HZ = np.array([3, 10, 30, 60, 100, 150, 200, 300, 500, 700, 1e3, 2e3, 4e3])
+FREQUENCY_HZ = np.geomspace(3, 4000, 60).round(1)
 
 
 def gaps_of_loads(study: Film, forces_file: str) -> pd.DataFrame:

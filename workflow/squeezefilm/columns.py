@@ -33,7 +33,7 @@ class Column(NamedTuple):
     @property
     def text_symbol(self) -> str:
         """The symbol without LaTeX."""
-        return self.symbol.replace(r"\varphi", "φ").replace(r"\phi", "φ").replace("_", "")
+        return self.symbol.replace(r"\phi_\varphi", "φ").replace(r"\phi_r", "r").replace("_", "")
 
     @property
     def title(self) -> str:

@@ -59,7 +59,7 @@ EFFECTS_GROW = 2.0
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2
 # Loads and amplitudes over the range of a table of forces.
-TABLE_LOADS, TABLE_AMPLITUDES = 8, 3
+TABLE_LOADS, TABLE_AMPLITUDES = 8, 4
 # Free oscillations are given up to this share of the vibration's frequency: on discs (σ 60–3000, ε
 # 0.05–0.8) stiffness there was within 1.5 % of the full equation's.
 MOST_OSCILLATION = 0.3

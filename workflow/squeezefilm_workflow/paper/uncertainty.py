@@ -24,7 +24,8 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scene_of
-from squeezefilm_workflow.reporting.pages import Page, readable
+from squeezefilm_workflow.reporting.notes import five_digits
+from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
 Forces = Callable[[Sequence[Scene]], np.ndarray]
@@ -68,9 +69,39 @@ def uncertainty_page(results: Results) -> Page:
         return solve(settings.resolved(scenes), **settings.how).force_n
 
     table = compare(config, forces=forces)
-    explaining = (table["verdict"] == "explains").groupby(table["claim"], sort=False).sum()
-    shown = readable(table.drop(columns="claim_id"))
-    return Page({"explaining": explaining, "shown": shown}, {"csv": table})
+    differences = [
+        {
+            "claim": claim,
+            "paper_n": rows["paper_n"].iloc[0],
+            "ours_n": rows["ours_n"].iloc[0],
+            "explaining": int((rows["verdict"] == "explains").sum()),
+            "assumptions": _shown(rows),
+        }
+        for claim, rows in table.groupby("claim", sort=False)
+    ]
+    return Page({"differences": differences}, {"csv": table})
+
+
+def _shown(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the assumptions of a difference for the page, their verdict first, ranges as texts."""
+
+    def texts(name: str) -> pd.Series:
+        return rows[name].map(lambda value: five_digits(value) if np.isfinite(value) else "–")
+
+    def ranges(name: str, unit: str = "") -> pd.Series:
+        return texts(f"{name}_lower{unit}") + " to " + texts(f"{name}_upper{unit}")
+
+    shown = {
+        "assumption": rows["assumption"] + " (" + rows["unit"] + ")",
+        "verdict": rows["verdict"],
+        "assumed": texts("assumed"),
+        "plausible": ranges("plausible"),
+        "force (N)": ranges("force", "_n"),
+        "needed": texts("needed"),
+        "reached (N)": ranges("reached", "_n"),
+        "because": rows["because"],
+    }
+    return pd.DataFrame(shown)
 
 
 def compare(config: Study, *, forces: Forces) -> pd.DataFrame:

@@ -26,7 +26,7 @@ from squeezefilm.models.prediction_interval import (
     relative_errors,
 )
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
-from squeezefilm_workflow.reporting.notes import VERDICTS
+from squeezefilm_workflow.reporting.notes import VERDICTS, percent
 from squeezefilm_workflow.reporting.pages import Page, readable
 from squeezefilm_workflow.reporting.results import Results
 
@@ -36,6 +36,23 @@ MODEL_COLUMNS = (
     *("error_95_percent", "coverage", "coverage_min", "coverage_min_region", "expression"),
     *("about", "note"),
 )
+SHOWN = {
+    "model": "model",
+    "verdict": "verdict",
+    "validation_error": "global error",
+    "validation_worst_relative": "largest error of a point",
+    "error_95_percent": "95 % error, median",
+    "coverage": "coverage",
+    "least_coverage": "least coverage",
+    "parameters": "parameters",
+    "fit_points": "fitted points",
+    "fit_error": "global error of the fit",
+    "cv_error": "of the cross-validation",
+    "validation_points": "validation points",
+    "validation_failed": "without a force",
+    "validation_worst_n": "largest error (N)",
+}
+"""Columns of a comparison as its page has them, in words."""
 COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
 RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in FACTOR_SPACES))
 """The plans that the recommended model is judged by; the first has the positions."""
@@ -46,11 +63,11 @@ RECOMMENDED = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "forc
 def models_page(results: Results, *, space: str) -> Page:
     """The page of a space's candidates (see ``compare``), the best on the sample first."""
     table, errors = compare(results, space)
-    judged = table[table["validation_error"].notna()].sort_values("validation_error", kind="stable")
+    judged = ranked(table)
     fits = [read_fit(results.candidate(space, model)) for model in judged["model"]]
     values = {
         "space": space,
-        "shown": readable(judged.drop(columns=["expression", "about", "note"])),
+        "shown": shown_table(judged),
         "statement": next((fit.statement for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
         "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),
@@ -59,6 +76,23 @@ def models_page(results: Results, *, space: str) -> Page:
         "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
     }
     return Page(values, {"table": table, "errors": errors})
+
+
+def ranked(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the models that are validated, the recommended one first."""
+    known = table[table["validation_error"].notna()]
+    return known.sort_values(["validation_error", "parameters"], kind="stable")
+
+
+def shown_table(judged: pd.DataFrame) -> pd.DataFrame:
+    """Return ranked models as their page shows them, errors beside the recommended one's."""
+    times = judged["validation_error"] / judged["validation_error"].min()
+    verdict = times.map("{:.3g} times the error".format)
+    verdict.iloc[:1] = "recommended"
+    percent_95 = judged["error_95_percent"].map("{:.3g} %".format)
+    least = judged["coverage_min"].map(percent) + ", " + judged["coverage_min_region"]
+    judged = judged.assign(verdict=verdict, error_95_percent=percent_95, least_coverage=least)
+    return readable(judged[list(SHOWN)]).set_axis([*SHOWN.values()], axis="columns")
 
 
 def _parameters(results: Results, space: str, fits: Sequence[FittedModel]) -> pd.DataFrame:
@@ -164,10 +198,10 @@ def _recommended(
     """A space's model at its positions; nothing where none can be validated."""
     names = ("model", "parameters", "validation_points", "validation_error")
     table = results.table(f"models/{space}.csv", *names)
-    judged = table[table["validation_error"].notna()]
+    judged = ranked(table)
     if judged.empty:
         return
-    best = judged.sort_values(["validation_error", "parameters"], kind="stable").iloc[0]
+    best = judged.iloc[0]
     fit = read_fit(results.candidate(space, best["model"]))
     every = pd.concat(list(forces.values()), ignore_index=True)
     known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every

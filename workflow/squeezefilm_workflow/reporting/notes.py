@@ -16,7 +16,7 @@ VERDICTS = {
     "budget": "out of simulations",
 }
 """How the refinement of a model ended, where the model was refined."""
-CLAIM_COLUMNS_SHOWN = ("claim", "paper", "ours", "unit", "verdict")
+CLAIM_COLUMNS_SHOWN = ("claim", "verdict", "paper", "ours", "unit")
 """Columns of claims in a summary."""
 
 

@@ -18,7 +18,7 @@ from squeezefilm.files import write_text
 from squeezefilm_workflow.reporting.notes import five_digits, percent, rounded_up
 
 VERDICTS = {
-    "good": ("agrees", "passed", "solved"),
+    "good": ("agrees", "passed", "solved", "explains", "recommended"),
     "bad": ("differs", "failed", "killed"),
 }
 """How a cell begins that is coloured as good or bad."""

@@ -73,7 +73,8 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
     left.set_title("(a)")
     radius = 1e3 * float(plan["phi_r_m"].max())
     parts.set_up_positions(right, plan["phi_deg"], margin=0.1)
-    right.set_ylim(-0.13 * radius, 1.15 * radius)
+    for axes, low, high in ((left, *left.get_ylim()), (right, 0.0, 1.05 * radius)):
+        axes.set_ylim(low - 0.14 * (high - low), high + 0.1 * (high - low))  # room for numbers
     right.set_title("(b)")
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.3)
     note = "Equal numbers in (a) and (b): one point; at radius 0 all angles are the same position."

@@ -116,12 +116,10 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
         for row in design.itertuples()
     ]
     parts.label_points(axes, design, labels=labels)
-    note = (
-        f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches; (12) is "
-        f"{pattern['objective']:.7g}"
-    )
+    count = f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches."
+    note = f"Criterion (12) in SI units: {pattern['objective']:.7g}"
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]
         note += f", {behind:.0e} above A in proportion"
-    style.add_note(figure, f"{note}.", "Dashed: hv/h0 as at a point.", results.beyond)
+    style.add_note(figure, count, f"{note}.", "Dashed: hv/h0 as at a point.", results.beyond)
     return figure, data

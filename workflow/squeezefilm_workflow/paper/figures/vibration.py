@@ -25,7 +25,7 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     surface = profile_table(config, radii=41, angles=61)
     layers = {"surface": surface, "centre_limit": circle, "pad": outline}
     data = pd.concat([table.assign(layer=layer) for layer, table in layers.items()])
-    figure, axes = style.subplots(height_in=3.5)
+    figure, axes = style.subplots(height_in=3.1)
     x, y, amplitude = _polar_grid(surface)
     levels = np.linspace(-1, 1, 41)
     levels = levels[(levels >= amplitude.min() - 0.05) & (levels <= amplitude.max() + 0.01)]

@@ -14,7 +14,7 @@ import pandas as pd
 
 from squeezefilm.film.positions import as_in, form_of
 from squeezefilm.models.export import source
-from squeezefilm.models.fit_file import FittedModel, fit_of
+from squeezefilm.models.fit_file import FittedModel, fit_of, read_fit
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 from squeezefilm_workflow.reporting.notes import inertia
 from squeezefilm_workflow.reporting.pages import render
@@ -36,7 +36,8 @@ def explorer_page(
     """The page as text.
 
     Args:
-        fits: names of the study's fits, each of its plan; the first is shown first.
+        fits: names of the study's fits, each of its plan; the first is shown first, but for the
+            models that the study recommends.
         candidates: names of models with the pad anywhere.
         forces: simulated forces, by the name of their plan, for the drawings.
         drawing_library: plotly.js as text.
@@ -44,16 +45,19 @@ def explorer_page(
     Raises InputError for a fit that is missing or that the page cannot compute with.
     """
     config, not_available = results.config, {}
-    models = {name: (results.fit(name), name) for name in fits}
+    best = _recommended(results)
+    models = best | {name: (results.fit(name), name) for name in fits if name not in best}
     for name in candidates:
         path = results.folder / f"models/four_factor/{name}.json"
         values = read_json(path)
         if "not_supported" in values:
             not_available[name] = str(values["not_supported"])
         else:
-            models[f"{name} on four_factor"] = fit_of(values, source=path), "four_factor"
+            models.setdefault(
+                f"{name} on four_factor", (fit_of(values, source=path), "four_factor")
+            )
     data = {
-        "fits": [_fit(name, fit, plan) for name, (fit, plan) in models.items()],
+        "fits": [_fit(name, fit, plan, best=name in best) for name, (fit, plan) in models.items()],
         "not_available": not_available,
         "plans": list(forces),
         "simulations": [
@@ -73,13 +77,30 @@ def explorer_page(
     return render("explorer.html", study=config.study, **texts)
 
 
-def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
+def _recommended(results: Results) -> dict[str, tuple[FittedModel, str]]:
+    """Return the models that the study recommends and their plans, that of any position first.
+
+    Nothing of the paper, whose own models are shown first.
+    """
+    if results.config.paper:
+        return {}
+    table = results.table("models/recommended.csv", "space", "model").dropna(subset="model")
+    models = {}
+    for space, model in table[["space", "model"]].drop_duplicates()[::-1].to_numpy():
+        plan = "screen" if space == "two_factor" else space
+        name = plan if model == space else f"{model} on {space}"
+        models[name] = read_fit(results.candidate(space, model)), plan
+    return models
+
+
+def _fit(name: str, fit: FittedModel, plan: str, *, best: bool) -> dict[str, Any]:
     model = fit.force_model
     kind = next((kind for end, kind in KINDS.items() if plan.endswith(end)), "points")
     return {
         "name": name,
         "label": f"{fit.model.replace('_factor', ' factors')}, "
-        + (f"{fit.points} {kind}" if fit.theta else "nothing fitted"),
+        + (f"{fit.points} {kind}" if fit.theta else "nothing fitted")
+        + ", best" * best,
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
@@ -121,10 +142,9 @@ def _film(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
         return {"why": row["status"]}
     if gains["gain"].isna().all():
         return {"why": gains["status"].iloc[0]}
-    lines = gains[["gain", "phase_deg"]]
+    lines = gains[["gain", "phase_deg", "error"]]
     known: dict[Any, Any] = lines.astype(object).where(lines.notna(), None).to_dict("list")
     return {
         **{name: row[name] for name in ("corner_hz", "static_gain", "instantaneous_gain")},
-        "error": float(gains["error"].max()),
         **known,
     }

@@ -152,7 +152,7 @@
       const [digits, error] = toItsError(value, error_n);
       const fine = document.createElement("span");
       fine.className = "fine";
-      fine.textContent = error ? ` ± ${error} N` : " (error not known)";
+      fine.textContent = error ? ` ±\u00a0${error}\u00a0N` : " (error not known)";
       output.append(digits, "\u00a0N", fine);
     } else {
       output.value = now.hv_m >= now.h0_m ? "no force" : "not known";
@@ -232,12 +232,20 @@
     }
     const [slow, fast, corner] = [["static_gain", 3], ["instantaneous_gain", 3], ["corner_hz", 2]].map(
       ([name, digits]) => span(reach(films, (film) => film[name]), digits));
-    const [, error] = reach(films, (film) => film.error);
+    // The gains' error grows with the frequency: at the corner, and where the drawing ends.
+    const frequency_hz = data.modulation.frequency_hz;
+    const [, highestCorner] = reach(films, (film) => film.corner_hz);
+    const last = frequency_hz.findLast((_, i) => films.every((film) => film.gain[i] !== null));
+    const errorAt = (hz) => {
+      const place = frequency_hz.findIndex((each) => each >= Math.min(hz, last));
+      return share(reach(films, (film) => film.error[place])[1]);
+    };
+    const errors = last === undefined ? "" : ` Error of the gains by period averaging: `
+      + `${errorAt(highestCorner)} at the corner, ${errorAt(last)} at ${plain(last)} Hz.`;
     const source = films.length > 1 ? `between the ${films.length} films examined around this point`
       : "for this film";
     about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz, `
-      + `${source}.${moved} Error of the gains by period averaging: ${share(error)}; inertia and thermal `
-      + "effects of the gas are neglected."
+      + `${source}.${moved}${errors} Inertia and thermal effects of the gas are neglected.`
       + (byId("validity").hidden ? "" : " At this gap the neglected effects rule the film.");
     return films;
   }
@@ -309,12 +317,13 @@
     return { x: h0.map((v) => v / UM), y: hv.map((v) => v / UM), z };
   }
 
-  // The surface up to half as much again as the target force to begin with: lines of equal gap, each
-  // with as many points.
+  // The surface up to the largest simulated force, or half as much again as the target force: lines
+  // of equal gap, each with as many points.
+  const highest_n = Math.max(1.5 * data.start.force_n, 1.05 * limits("force_n")[1]);
   function sheet(fit, at) {
     const h0 = steps(seen.h0, 41), share = steps([0, 1], 41);
     const most = h0.map((gap) => {
-      const top = amplitudeForForce(fit, { ...at, h0_m: gap * UM }, 1.5 * data.start.force_n) / UM;
+      const top = amplitudeForForce(fit, { ...at, h0_m: gap * UM }, highest_n) / UM;
       return Math.min(seen.hv[1], Number.isFinite(top) ? top : 0.99 * gap);
     });
     const x = share.map(() => h0), y = share.map((each) => most.map((top) => each * top));
@@ -404,7 +413,7 @@
   }
 
   // Seen from farther away where the page is narrow.
-  const view = { azimuth: -130, distance: innerWidth < 500 ? 2.3 : 1.9, height: 0.85 };
+  const view = { azimuth: -130, distance: innerWidth < 500 ? 3.2 : 1.9, height: 0.85 };
   function eye() {
     const angle = (view.azimuth * Math.PI) / 180;
     return { x: view.distance * Math.cos(angle), y: view.distance * Math.sin(angle), z: view.height };
@@ -428,10 +437,10 @@
 
   function drawContours(now, ink) {
     const { fit } = state, { points } = positionOf(fit, now), at = fit.moves ? now : { ...now, ...centre };
-    const x = steps(seen.h0, 61), y = steps(seen.hv, 61), most = 1.5 * data.start.force_n;
+    const x = steps(seen.h0, 61), y = steps(seen.hv, 61);
     const z = y.map((hv) => x.map((h0) => {
       const value = hv < h0 ? force(fit, { ...at, h0_m: h0 * UM, hv_m: hv * UM }) : NaN;
-      return value <= most ? value : null;
+      return value <= highest_n ? value : null;
     }));
     const known = z.flat().filter((value) => value !== null);
     const scale = { colorscale: "Viridis", cmin: Math.min(...known), cmax: Math.max(...known) };
@@ -488,7 +497,7 @@
         hovertemplate: `${hover}<br>%{z:.4f} N<extra>this point</extra>`,
       },
     ], {
-      font: { ...FONT, size: 12, color: ink.ink }, paper_bgcolor: ink.card,
+      font: { ...FONT, size: innerWidth < 500 ? 10 : 12, color: ink.ink }, paper_bgcolor: ink.card,
       margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: "kept",
       scene: {
         xaxis: line("h₀ (µm)", seen.h0), yaxis: line("hᵥ (µm)", seen.hv), zaxis: line("force (N)"),
@@ -511,7 +520,7 @@
     const { xaxis, yaxis, ...layout } = planeLayout(ink);
     Plotly.react("gain", [line(0, "least"), line(1, "largest", { fill: "tonexty" })], {
       ...layout, showlegend: false, shapes: marks,
-      xaxis: { ...xaxis, type: "log", dtick: 1, title: { text: "frequency of modulation (Hz); shaded: corner", standoff: 8 }, range: null, autorange: true },
+      xaxis: { ...xaxis, type: "log", dtick: 1, title: { text: "frequency (Hz)", standoff: 8 }, range: null, autorange: true },
       yaxis: { ...yaxis, title: { text: "gain", standoff: 8 }, range: [0, 1.1 * Math.max(...films.flatMap((f) => f.gain))] },
     }, CONFIG);
   }

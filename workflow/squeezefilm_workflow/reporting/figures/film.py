@@ -26,7 +26,7 @@ EDGE = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
 LABEL_HEIGHT_FRACTION = 0.065
 """Height of a label, as a share of the axes."""
-COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
+COLOURS = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE)
 MOST_ERROR = 0.03
 """Of a gain that is drawn."""
 MOST_REYNOLDS = reynolds_limit("inertia neglected").not_above
@@ -43,16 +43,23 @@ def error_budget(results: Results) -> Figure:
     for letter, axes, (name, colour) in zip("abcde", panels, EFFECTS.items(), strict=True):
         look: dict[str, Any] = {"colors": colour, "linestyles": "solid"}
         look["levels"] = _inner_levels(screen[f"{name}_percent"])
-        title = f"({letter}) {label_of(name)} (%)"
+        title = f"({letter}) {_panel_title(screen['included_effects'], name)} (%)"
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
     shown = _draw_effects(last, along)
-    present = screen["included_effects"].iloc[0]
     first = "Differences of solved forces; total: middle of the interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
     notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
-    included = f"Included in the forces: {present}." if present else ""
-    style.add_note(figure, *notes, included, results.beyond)
+    style.add_note(figure, *notes, results.beyond)
     return figure
+
+
+def _panel_title(included_effects: pd.Series, name: str) -> str:
+    """Return an effect's name and in how many of the films the forces include the effect."""
+    if name == "total":
+        return "all neglected effects"
+    films, number = len(included_effects), sum(name in row for row in included_effects)
+    state = {0: "neglected", films: "included"}.get(number, f"included in {number} of {films}")
+    return f"{label_of(name)}, {state}"
 
 
 def _budgets(results: Results, plan: str) -> pd.DataFrame:
@@ -102,7 +109,8 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
             axes, text, (farthest, last), (6, 0), va="center", color=colour, fontsize=6
         )
     axes.set_xlim(least - 0.05 * farthest, farthest + 0.7 * (farthest - least) or 1.0)
-    axes.axhline(0, color="black", linewidth=0.5)
+    axes.hlines(0, least, farthest, color="black", linewidth=0.5)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
     axes.set(xlabel=label, ylabel="change of the force (%)")
     axes.set_title(f"(f) along {'the radius' if on_disc else 'x'}")
@@ -179,14 +187,14 @@ def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
 
 
 def levitation(results: Results) -> Figure:
-    """Gap and stiffness over the load, for each amplitude; hollow beyond Re 10."""
+    """Gap and stiffness over the load, for each amplitude of the table; hollow beyond Re 10."""
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
-    gaps_um = parts.micrometres(results.scenes("screen")["h0_m"])
+    screen = parts.in_micrometres(results.scenes("screen"))
     data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
     figure, (gap, stiffness) = style.subplots(1, 2, wide=True, height_in=2.6)
-    gap.axhspan(gaps_um.min(), gaps_um.max(), color="0.92", zorder=0)
+    gap.axhspan(screen["h0_um"].min(), screen["h0_um"].max(), color="0.92", zorder=0)
     amplitudes = sorted(data["hv_um"].unique())
-    for amplitude, colour in zip(amplitudes, COLOURS[: len(amplitudes)], strict=True):
+    for amplitude, colour in zip(amplitudes, COLOURS, strict=False):
         rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")
         within = rows["modified_reynolds"] <= MOST_REYNOLDS
         label = f"$h_v$ = {amplitude:.3g} µm"
@@ -194,7 +202,9 @@ def levitation(results: Results) -> Figure:
             axes.plot(rows["load_n"], rows[name], color=colour, label=label)
             for fill, some in ((colour, rows[within]), ("white", rows[~within])):
                 axes.plot(some["load_n"], some[name], "o", color=colour, markerfacecolor=fill, ms=4)
-        gap.axhline(amplitude, color=colour, linestyle=":", linewidth=0.8)
+        # Beyond the amplitude's last load: no line of another amplitude is crossed.
+        last_n, most_n = rows["load_n"].max(), data["load_n"].max()
+        gap.plot([last_n, 1.2 * most_n], 2 * [amplitude], ":", color=colour, linewidth=1.2)
     gap.set(title="(a) gap", ylabel="gap $h_0$ (µm)")
     stiffness.set(title="(b) stiffness", ylabel="stiffness (N/µm)")
     for axes in (gap, stiffness):
@@ -208,7 +218,9 @@ def levitation(results: Results) -> Figure:
     ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
     if (shares := (ends / known["h0_m"]).dropna()).size:
         note += f"; modelling error up to {percent(float(shares.max()))} of a gap"
-    marks = "Dotted: contact; grey: gaps of the study"
+    marks = "Dotted: contact, beyond the last load; grey: gaps of the study"
+    if len(amplitudes) < (levels := screen["hv_um"].nunique()):
+        marks = f"{len(amplitudes)} of the screen's {levels} amplitudes. {marks}"
     if (known["modified_reynolds"] > MOST_REYNOLDS).any():
         marks += f"; hollow: Re above {MOST_REYNOLDS:g}"
     style.add_note(figure, f"{note}.", f"{marks}.", results.beyond)

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from squeezefilm.models.data import factors_of
 from squeezefilm_workflow.reporting.figures import parts, style
-from squeezefilm_workflow.reporting.notes import percent, simulations_note
+from squeezefilm_workflow.reporting.notes import percent, signed, simulations_note
 from squeezefilm_workflow.reporting.results import Results
 
 DECADE = 10.0
@@ -34,7 +34,7 @@ def error_map(results: Results) -> Figure:
     filled, lines = parts.error_contours(
         axes, results, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
     )
-    axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
+    axes.clabel(lines, fontsize=6, fmt=lambda level: signed(level, 3) if level else "0")
     look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
     parts.dots(axes, design, fill="black", markersize=6, label="design point", **look)
     axes.set(**parts.PLANE)
@@ -54,13 +54,15 @@ def forces(results: Results) -> Figure:
     grid = parts.grid_of(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
     wide = low > 0 and high > DECADE * low
+    ends = (low / 3, 3 * high) if wide else (low, high)
     ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
-    levels = np.asarray(ticks.tick_values(low, high))
-    levels = levels[(levels > low / 3) & (levels < 3 * high)]
+    levels = np.asarray(ticks.tick_values(*ends))
+    first, last = np.searchsorted(levels, [low, high])
+    levels = levels[max(first - 1, 0) : last + 1]
     figure, axes = style.subplots(height_in=3.2)
     figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
     norm = "log" if wide else None
-    drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm, extend="both")
+    drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm)
     axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
     if len(rows) <= FEW_POINTS:
         parts.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
@@ -115,13 +117,18 @@ def amplitudes(results: Results) -> Figure:
 
 
 def vibration(results: Results) -> Figure:
-    """Amplitude of the vibration over the surface, as a fraction of its maximum, and the pad."""
+    """Vibration over the surface as a fraction of its maximum, with its sign, and the pad."""
     surface, pad = results.config.actuator.surface, results.config.read_pad()
     x_m, y_m = np.meshgrid(*(np.linspace(-half, half, MAP_LINES) for half in surface.half_m))
-    s = np.minimum(np.abs(results.config.read_profile().amplitude(x_m=x_m, y_m=y_m)), 1.0)
+    s = results.config.read_profile().amplitude(x_m=x_m, y_m=y_m)
+    s = np.clip(np.abs(s) if np.iscomplexobj(s) else s, -1.0, 1.0)
     figure, axes = style.subplots(height_in=3.2)
-    look = {"levels": np.linspace(0, 1, 21), "cmap": style.SEQUENTIAL}
-    filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, **look)
+    signed_profile = bool((s < 0).any())
+    cmap = style.DIVERGING if signed_profile else style.SEQUENTIAL
+    levels = np.linspace(-1 if signed_profile else 0, 1, 21)
+    filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, levels=levels, cmap=cmap)
+    if signed_profile:
+        axes.contour(1e3 * x_m, 1e3 * y_m, s, levels=[0], colors="black", linewidths=0.7)
     outside = surface.reach(x_m, y_m)
     axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")
     edge_mm = 1e3 * pad.edge_m()
@@ -131,7 +138,8 @@ def vibration(results: Results) -> Figure:
     figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)
     figure.legend(loc="outside upper center")
     note = "Colours: interpolated linearly between computed points."
-    style.add_note(figure, f"Surface: {surface.text}.", note, results.beyond)
+    sign = " Negative: opposite phase; thin line: no vibration." if signed_profile else ""
+    style.add_note(figure, f"Surface: {surface.text}.{sign}", note, results.beyond)
     return figure
 
 

@@ -1,5 +1,6 @@
 """The whole study at a glance: a film, the model, its design, its error."""
 
+from textwrap import wrap
 from typing import Any
 
 import matplotlib as mpl
@@ -13,12 +14,17 @@ from squeezefilm_workflow.reporting.notes import percent, rounded_up
 from squeezefilm_workflow.reporting.results import Results
 
 FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "pad_um", "gauge_pressure_kpa")
-# Left edge and width of each step's axes, as shares of the figure's width.
-STEP_AXES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
-AXES_TOP = 0.82
+# Two rows: on a phone, letters are as large as those of the text around.
+STEP_LEFT, STEP_WIDTH = (0.13, 0.62, 0.13, 0.62), (0.33, 0.36, 0.33, 0.2)
+"""Left edge and width of each step's axes, as shares of the figure's width."""
+HEADING = 0.095
+"""Height of a step's heading, and in the row's bottom that of labels, as shares of the figure's."""
+LABELS = 0.08
 Rectangle = tuple[float, float, float, float]
 """Left, bottom, width and height, as shares of the figure's."""
 LABEL_SIZE, TICK_SIZE = 6.5, 6
+NOTE_LETTERS = 70
+"""Of a line of the note, at most."""
 DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
 PLANE = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
 
@@ -33,29 +39,36 @@ def overview(results: Results) -> Figure:
     errors = results.validation("two_factor_design", "error_map")
     force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
     captions = {
-        "Simulate": f"{force_n:.3f} N, numerical error {rounded_up(error_n / force_n)} of it",
-        "Fit": f"{len(screen)} simulations, error {percent(fit.global_error)}",
-        "Design": f"{len(design)} points instead of {len(screen)}",
-        "Validate": f"{errors['points']:.0f} simulations, largest error "
+        "Simulate": f"{force_n:.3f} N, numerical\nerror {rounded_up(error_n / force_n)} of it",
+        "Fit": f"{len(screen)} simulations,\nerror {percent(fit.global_error)}",
+        "Design": f"{len(design)} points\ninstead of {len(screen)}",
+        "Validate": f"{errors['points']:.0f} simulations, largest\nerror "
         f"{percent(abs(errors['worst_relative_error']))}",
     }
-    figure = style.new_figure(wide=True, height_in=2.8)
+    figure = style.new_figure(height_in=5.0)
     figure.set_layout_engine("none")
+    pressure = bool(film["gauge_pressure_kpa"].notna().all())
+    point = f"h0 = {1e6 * simulated['h0_m']:g} µm, hv = {1e6 * simulated['hv_m']:g} µm"
     notes = (
-        f"1: pressure and gap at h0 = {1e6 * simulated['h0_m']:g} µm, hv = "
-        f"{1e6 * simulated['hv_m']:g} µm; red: surface up, blue: down, black: mean pressure. "
+        f"1: {'pressure and gap' if pressure else 'gap'} at {point};",
+        f"red: surface up, blue: down{', black: mean pressure' * pressure}.",
         "2: model (mesh) fitted to the screen (dots).",
-        "3: screen (white), D-optimal points (black). 4: error of the model fitted to the black "
-        f"points, interpolated linearly; thick line, if any: ±{100 * errors['band']:g} %.",
+        "3: screen (white), D-optimal points (black). 4: error of the model",
+        "fitted to the black points, interpolated linearly;",
+        f"thick line, if any: ±{100 * errors['band']:g} %.",
+        *wrap(results.beyond, NOTE_LETTERS),
     )
-    bottom = style.add_note(figure, *notes, results.beyond) + 0.135
-    for order, ((left, width), step) in enumerate(zip(STEP_AXES, captions, strict=True), start=1):
-        middle = left + width / 2
-        figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
-        figure.text(middle, 0.87, captions[step], ha="center", fontsize=LABEL_SIZE, color="0.25")
-    first, second, third, fourth = (
-        (left, bottom, width, AXES_TOP - bottom) for left, width in STEP_AXES
-    )
+    below = style.add_note(figure, *notes)
+    row_height = (1 - below) / 2
+    bottoms = [below + row_height + LABELS] * 2 + [below + LABELS] * 2
+    height = row_height - LABELS - HEADING
+    look: dict[str, Any] = {"ha": "center", "va": "top"}
+    places = zip(STEP_LEFT, bottoms, STEP_WIDTH, [height] * 4, strict=True)
+    first, second, third, fourth = rectangles = [*places]
+    for order, (place, step) in enumerate(zip(rectangles, captions, strict=True), start=1):
+        middle, top = (0.27, 0.77)[order % 2 == 0], place[1] + height + HEADING - 0.01
+        figure.text(middle, top, f"{order}  {step}", fontsize=8, weight="bold", **look)
+        figure.text(middle, top - 0.031, captions[step], fontsize=LABEL_SIZE, color="0.25", **look)
     points, few = (parts.plane_table(table, layer="") for table in (screen, design))
     _film(figure, film, first)
     _model(figure, parts.model_mesh(fit, screen), points, second)
@@ -69,9 +82,9 @@ def overview(results: Results) -> Figure:
     parts.dots(axes, few, fill="black", **DOTS, markersize=4.5)
     _label(axes, *PLANE)
     box = axes.get_position()
-    bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
+    bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.015, box.y0, 0.018, box.height)))
     bar.ax.tick_params(labelsize=TICK_SIZE, direction="out", pad=1, length=2)
-    bar.set_label("error (%)", fontsize=LABEL_SIZE, labelpad=0)
+    bar.set_label("error (%)", fontsize=LABEL_SIZE, labelpad=3)
     return figure
 
 
@@ -124,11 +137,11 @@ def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, rectangle:
     labels = (r"$h_0$ (µm)", r"$h_v$ (µm)", "")
     axes = parts.add_space(figure, labels=labels, pads=(-9, -4), ticks=3)
     left, bottom, width, height = rectangle
-    axes.set_position((left, bottom - 0.12, width, height + 0.14))
+    axes.set_position((left - 0.04, bottom - 0.07, width + 0.02, height + 0.09))
     axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
     axes.tick_params(labelsize=TICK_SIZE)
     for axis in (axes.xaxis, axes.yaxis):
         axis.label.set_fontsize(LABEL_SIZE)
-    figure.text(left - 0.005, bottom + 0.76 * height - 0.0136, "force (N)", fontsize=LABEL_SIZE)
+    figure.text(left - 0.06, bottom + 0.86 * height, "force (N)", fontsize=LABEL_SIZE)
     parts.force_mesh(axes, model)
     parts.force_points(axes, points, color=style.VERMILLION, s=5)

@@ -159,7 +159,7 @@ def error_contours(
     style.plain_numbers(axes.yaxis, at=ticks)
     axes.yaxis.set_minor_locator(NullLocator())
     filled = axes.contourf(*grid, levels=levels, cmap=style.DIVERGING)
-    drawn = axes.contour(*grid, levels=levels, **lines)
+    drawn = axes.contour(*grid, levels=levels, linestyles="solid", **lines)
     band = float(data["band_percent"].iloc[0])
     if reach > band:
         thick: dict[str, Any] = {"colors": "black", "linestyles": "solid", "linewidths": 1.8}

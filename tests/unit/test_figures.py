@@ -1,0 +1,99 @@
+"""What figures of a study show, drawn from small tables."""
+
+from itertools import product
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.colors import to_hex
+
+from squeezefilm.config.loading import load_config
+from squeezefilm_workflow.reporting.figures import film, maps, style
+
+EFFECTS = ("inertia", "slip", "thermal", "edge_loss")
+SCREEN = pd.DataFrame(product([5e-6, 7e-6, 9e-6], [0.5e-6, 1e-6, 1.5e-6, 2e-6]))
+SCREEN = SCREEN.set_axis(["h0_m", "hv_m"], axis="columns")
+
+
+def results(**tables):
+    """The results of a study that has these tables alone."""
+    return SimpleNamespace(
+        beyond="",
+        budget=lambda plan: tables[plan],
+        scenes=lambda plan: SCREEN,
+        table=lambda file, *columns: tables[file.rpartition("/")[2]],
+    )
+
+
+def budget(included):
+    table = SCREEN.assign(included_effects=included, phi_r_m=0.0, phi_deg=0.0)
+    for number, name in enumerate(EFFECTS, start=1):
+        table[f"{name}_percent"] = number * 1e5 * table["h0_m"]
+    ends = {f"modelling_error_{end}_percent": table["slip_percent"] for end in ("lower", "upper")}
+    return table.assign(**ends)
+
+
+@pytest.mark.parametrize(
+    ("included", "shown"),
+    [
+        ([[]] * 12, "inertia, neglected (%)"),
+        ([["inertia"]] * 12, "inertia, included (%)"),
+        ([[]] * 4 + [["inertia", "thermal"]] * 8, "inertia, included in 8 of 12 (%)"),
+    ],
+)
+def test_a_panel_of_the_budget_says_whether_its_effect_is_in_the_forces(included, shown):
+    table = budget(["; ".join(names) for names in included])
+    positions = pd.concat([table, table.assign(phi_r_m=1e-3), table.assign(phi_deg=45.0)])
+    with style.settings():
+        figure = film.error_budget(results(screen=table, four_factor=positions))
+    titles = [axes.get_title() for axes in figure.axes]
+    assert titles[0] == f"(a) {shown}"
+    assert titles[1] == "(b) slip, neglected (%)"
+
+
+def test_levitation_shows_every_amplitude_and_no_line_of_contact_crosses_another_amplitude():
+    table = SCREEN.assign(load_n=1e-6 / SCREEN["h0_m"] * SCREEN["hv_m"] / 1e-6, status="ok")
+    table = table.assign(stiffness_n_per_m=1e5, modified_reynolds=1.0)
+    ends = dict.fromkeys(("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"), 1e-8)
+    with style.settings():
+        figure = film.levitation(results(**{"levitation.csv": table.assign(**ends)}))
+    gap, stiffness = figure.axes
+    assert len(stiffness.get_legend().get_texts()) == 4
+    curves = [line for line in gap.lines if line.get_label().startswith("$h_v$")]
+    dotted = [line for line in gap.lines if line.get_linestyle() == ":"]
+    assert len({to_hex(line.get_color()) for line in dotted}) == len(curves) == len(dotted) == 4
+    for line, curve in product(dotted, curves):
+        beside = curve.get_xdata() > min(line.get_xdata())
+        assert (curve.get_ydata()[beside] > max(line.get_ydata())).all()
+
+
+@pytest.mark.parametrize(
+    ("profile", "lowest"),
+    [("{kind: formula, expression: cos(500*x)}", -1.0), ("{kind: piston}", 0.0)],
+)
+def test_the_picture_of_a_vibration_has_its_sign(profile, lowest, tmp_path):
+    study = tmp_path / "study.yaml"
+    study.write_text(
+        "study: mine\nactuator:\n  frequency: 30 kHz\n  surface: {shape: rectangle, "
+        f"length_x: 60 mm, length_y: 40 mm}}\n  profile: {profile}\npad: {{length_x: 8 mm, "
+        "length_y: 8 mm}\nscreen:\n  h0: {start: 5 µm, stop: 9 µm, levels: 3}\n"
+        "  hv: {start: 1 µm, stop: 2 µm, levels: 3}\nextrapolation: {force: 0.1 N}\n",
+        encoding="utf-8",
+    )
+    with style.settings():
+        figure = maps.vibration(SimpleNamespace(config=load_config(study), beyond=""))
+    bar = figure.axes[-1]
+    assert bar.get_ylim() == pytest.approx((lowest, 1.0))
+    note = " ".join(text.get_text() for text in figure.texts)
+    assert ("opposite phase" in note) == (lowest < 0)
+
+
+def test_the_colours_of_the_forces_reach_over_all_of_them():
+    forces = SCREEN.assign(force_n=np.geomspace(0.0012, 0.78, len(SCREEN)), force_error_n=1e-6)
+    target = SimpleNamespace(extrapolation=SimpleNamespace(force_n=0.1))
+    with style.settings():
+        figure = maps.forces(SimpleNamespace(config=target, beyond="", forces=lambda plan: forces))
+    low, high = figure.axes[-1].get_ylim()
+    assert low <= 0.0012
+    assert high >= 0.78

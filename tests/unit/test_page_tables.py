@@ -1,0 +1,73 @@
+"""Tables on pages for people have their verdict first and their columns in words."""
+
+from itertools import pairwise
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+
+from squeezefilm_workflow.paper import uncertainty
+from squeezefilm_workflow.reporting import models
+from squeezefilm_workflow.reporting.notes import verdicts
+from squeezefilm_workflow.reporting.pages import body_of, render
+
+
+def heads(markdown):
+    """Return the columns of a page's tables."""
+    lines = markdown.splitlines()
+    return [
+        line.strip("| ").split(" | ")
+        for line, below in pairwise(lines)
+        if below.startswith("| ---")
+    ]
+
+
+def test_the_claims_have_their_verdict_beside_them():
+    claim = {"claim_id": "a", "claim": "force", "paper": "1", "ours": "2", "unit": "N"}
+    claims = pd.DataFrame([claim | {"verdict": "differs because", "explanation": "long"}])
+    page = render("claims.md", claims=claims, **verdicts(claims))
+    assert heads(page)[0][:2] == ["claim", "verdict"]
+    assert '<td class="bad">differs' in body_of(page)
+
+
+def test_assumptions_are_told_by_difference_with_their_verdict_first(monkeypatch):
+    row = {"claim_id": "a", "claim": "force at rest", "paper_n": 0.99, "ours_n": 0.96}
+    row |= {"assumption": "amplitude", "unit": "µm", "assumed": 2.2, "plausible_lower": 2.15}
+    row |= {"plausible_upper": 2.25, "force_lower_n": 0.9, "force_upper_n": 1.0}
+    row |= {"needed": float("nan"), "reached_lower_n": 0.1, "reached_upper_n": 5.0}
+    rows = [row | {"verdict": verdict, "because": "digits"} for verdict in ("explains", "cannot")]
+    monkeypatch.setattr(uncertainty, "compare", lambda config, forces: pd.DataFrame(rows))
+    monkeypatch.setattr(uncertainty, "solver_settings", lambda config, outputs: None)
+    page = render(
+        "uncertainty.md", **uncertainty.uncertainty_page(SimpleNamespace(config=None)).values
+    )
+    (columns,) = heads(page)
+    assert columns[:2] == ["assumption", "verdict"]
+    assert "## Force at rest" in page
+    assert "1 of 2 assumptions explains" in page
+    assert "| amplitude (µm) | explains | 2.2 | 2.15 to 2.25 | 0.9 to 1 | – |" in page
+
+
+def test_models_have_their_verdict_first_and_columns_in_words():
+    row = {"parameters": 3, "fit_points": 9, "fit_error": 0.01, "cv_error": float("nan")}
+    row |= {"validation_points": 50, "validation_failed": 0, "validation_worst_relative": 0.3}
+    row |= {"validation_worst_n": 0.1, "error_95_percent": 2.0, "coverage": 0.95}
+    row |= {"coverage_min": 0.9, "coverage_min_region": "high third of the gap h0"}
+    errors = {"worse": 0.04, "long": 0.02, "short": 0.02, "unknown": float("nan")}
+    table = pd.DataFrame(
+        [row | {"model": name, "validation_error": error} for name, error in errors.items()]
+    )
+    table.loc[table["model"] == "short", "parameters"] = 1
+    shown = models.shown_table(models.ranked(table))
+    assert list(shown.columns[:3]) == ["model", "verdict", "global error"]
+    assert list(shown["model"]) == ["short", "long", "worse"]
+    assert list(shown["verdict"]) == ["recommended", "1 times the error", "2 times the error"]
+    assert not any("_" in name for name in shown.columns)
+    assert shown["95 % error, median"].iloc[0] == "2 %"
+    assert shown["global error"].iloc[0] == "2 %"
+    assert shown["least coverage"].iloc[0] == "90 %, high third of the gap h0"
+
+
+@pytest.mark.parametrize("word", ["recommended", "explains"])
+def test_a_verdict_that_is_good_is_coloured(word):
+    assert f'<td class="good">{word}' in body_of(f"| a |\n| --- |\n| {word} |\n")
