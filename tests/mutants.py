@@ -61,8 +61,8 @@ MUTATIONS = {
     ),
     "thermal": Mutation(
         "reynolds/terms/thermal_over_period.cl",
-        "own * (lighter + kappa * thicker)",
-        "own * (lighter - kappa * thicker)",
+        "share[i] = lighter + kappa * thicker",
+        "share[i] = lighter - kappa * thicker",
         (
             f"{NUMERICS}/test_inertia.py::test_the_middle_of_a_long_pad_is_the_strip"
             "[0.2-583.0-1.81-included]",
@@ -85,8 +85,8 @@ MUTATIONS = {
     ),
     "edge pressure": Mutation(
         "quantities/edge_loss.py",
-        "return -coefficient * films.sigma",
-        "return +coefficient * films.sigma",
+        "return -scale * films.sigma",
+        "return +scale * films.sigma",
         (f"{NUMERICS}/test_budget.py::test_the_edge_loss_is_that_of_a_strip_at_every_order",),
     ),
     "outline": Mutation(
