@@ -15,10 +15,12 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Scene
+from squeezefilm.quantities import derivatives as module
 from squeezefilm.quantities.derivatives import with_derivatives, with_number_changed
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import Derivatives
 from squeezefilm.tables import read_forces, write_table
+from squeezefilm_workflow.verification.random_films import random_film
 
 
 def derivatives(scene: Scene, *, tolerance: float) -> Derivatives:
@@ -142,6 +144,26 @@ def test_errors_hold(tolerance: float) -> None:
     assert max(found) <= 1
 
 
+def test_derivatives_to_the_place_over_a_spot_that_grids_do_not_resolve() -> None:
+    """Two grids agree by chance on a wrong one."""
+    film_of_spot = random_film(0, seed=77)
+    assert film_of_spot.group == "ellipse"
+    some, closer = (derivatives(film_of_spot.scene, tolerance=each) for each in (1e-2, 1e-4))
+    assert max(shares([some], [closer])["x_m"]) < 1
+    assert abs(some.value["x_m"] - closer.value["x_m"]) > 0.5 * abs(closer.value["x_m"])
+
+
+def test_a_derivative_that_agrees_by_chance_has_the_error_of_others(monkeypatch) -> None:
+    """Of a film whose stiffness changes less from grid to grid than it is off."""
+    scene = random_film(33, seed=77).scene
+    ratios = []
+    closer = derivatives(scene, tolerance=3e-4)
+    for fraction in (module.FRACTION_OF_OTHERS, 0.0):
+        monkeypatch.setattr(module, "FRACTION_OF_OTHERS", fraction)
+        ratios.append(max(shares([derivatives(scene, tolerance=1e-2)], [closer])["h0_m"]))
+    assert ratios[0] < 1 < ratios[1]
+
+
 def test_a_gas_with_inertia_and_thermal_effects_has_derivatives() -> None:
     """Against quotients of forces solved anew, for each number that such a gas has."""
     terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
@@ -156,6 +178,42 @@ def test_a_gas_with_inertia_and_thermal_effects_has_derivatives() -> None:
         assert abs(found.value[name] - quotient) <= found.error[name] + 2e-3 * abs(quotient)
     # Another exponent would stand for thermal effects, which this gas has.
     assert np.isnan(found.value["polytropic_exponent"])
+
+
+@pytest.mark.parametrize("reynolds", [1.0, 3.0])
+def test_derivatives_with_thermal_effects_are_those_of_a_tight_tolerance(reynolds: float) -> None:
+    """A film beside another is a short step away, which one linear system does not take whole."""
+    scene = film(epsilon=0.13, sigma=100.0, profile=PISTON, inertia="included", thermal="included")
+    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
+    heavy = scene.with_gas(density_kg_per_m3=density)
+    some, closer = (derivatives(heavy, tolerance=tolerance) for tolerance in (1e-3, 1e-6))
+    for number, ratios in shares([some], [closer]).items():
+        assert max(ratios) < 0.3, number
+
+
+@pytest.mark.parametrize(
+    ("guard", "value"), [("DIFFERENCE_STEP", 3e-4), ("DIFFERENCE_STEP_ERROR", 0.0)]
+)
+def test_step_of_a_difference_is_in_the_error(guard: str, value: float, monkeypatch) -> None:
+    """Of a film that all but touches, at a tight tolerance; with another guard it is not."""
+    scene = film(epsilon=0.9, sigma=5.0, profile=PISTON)
+    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    how = {"tolerance": 1e-7, "names": ("h0_m",)}
+    solutions = solve([scene], tolerance=1e-7, method="periodic", keep_states=True)
+
+    def value_and_error() -> tuple[float, float]:
+        (solution,) = with_derivatives([scene], solutions, **how)
+        return solution.derivatives.value["h0_m"], solution.derivatives.error["h0_m"]
+
+    value_of_film, error = value_and_error()
+    with monkeypatch.context() as patched:
+        patched.setattr(module, guard, value)
+        value_without, error_without = value_and_error()
+    monkeypatch.setattr(module, "DIFFERENCE_STEP", 3e-6)
+    right, _ = value_and_error()
+    assert abs(value_of_film - right) <= error
+    assert abs(value_without - right) > error_without
 
 
 def test_what_has_no_derivatives_says_why() -> None:
