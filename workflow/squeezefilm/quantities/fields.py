@@ -6,7 +6,7 @@ an outline vectors are along its coordinates, times |dz/dζ|, and sources of mas
 the typical (reynolds/terms/outline.py).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import nan
@@ -59,6 +59,7 @@ class Fields:
         equation: the numbers of each scene's equation; they come as columns, to go with fields:
             ``number``.
         gap: H.
+        area, turn, bend: those of an outline at the nodes (grid.py), (x, y, 1).
     """
 
     scenes: Scenes
@@ -67,6 +68,9 @@ class Fields:
     edge: np.ndarray
     equation: np.ndarray
     gap: np.ndarray
+    area: np.ndarray
+    turn: np.ndarray
+    bend: np.ndarray
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], grid: Grid, unknowns: np.ndarray) -> Self:
@@ -79,7 +83,9 @@ class Fields:
         moving = numbers_of(equation, "epsilon", absent=0.0) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
-        return cls(scenes, grid, unknowns, np.zeros_like(gap), equation, gap)
+        across = grid.x.all_nodes[: gap.shape[1]]
+        outline = (np.asarray(at(across))[..., None] for at in (grid.area, grid.turn, grid.bend))
+        return cls(scenes, grid, unknowns, np.zeros_like(gap), equation, gap, *outline)
 
     @property
     def inner(self) -> tuple[slice, slice, slice]:
@@ -113,22 +119,6 @@ class Fields:
             if not axis.folded:
                 at_ends[-1] = -1.0
         return inward
-
-    @cached_property
-    def area(self) -> np.ndarray:
-        return self._on_nodes(self.grid.area)
-
-    @cached_property
-    def turn(self) -> np.ndarray:
-        return self._on_nodes(self.grid.turn)
-
-    @cached_property
-    def bend(self) -> np.ndarray:
-        return self._on_nodes(self.grid.bend)
-
-    def _on_nodes(self, of: Callable[[np.ndarray], np.ndarray | float]) -> np.ndarray:
-        """Return values of an outline at the nodes, (x, y, 1), or one of a rectangle."""
-        return np.asarray(of(self.grid.x.all_nodes[: self.gap.shape[1]]))[..., None]
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean over film and period, shape (..., scenes)."""
