@@ -1,4 +1,4 @@
-"""Films on the host, apart from the kernels: fields, means and the film equation's residual."""
+"""Films on the host, apart from the kernels: fields and the film equation's residual."""
 
 from collections.abc import Sequence
 from functools import cached_property

@@ -245,6 +245,11 @@ class Film:
         start = np.stack([p, -(gap**2) / strip.sigma * self.by_x(p)])
         return fixed_point(improved, start.ravel(), gap.size)[: gap.size].reshape(gap.shape)
 
+    def thrust(self, u: np.ndarray, theta: np.ndarray) -> float:
+        """Mean shear of the wall at rest, in p0 h0 over the strip's length."""
+        shear = (1 + theta[-1]) ** self.strip.exponent * self.by_z(u)[-1]
+        return float(self.along @ (-self.strip.sigma / 12 * shear / self.gap).mean(axis=-1))
+
     def force(self, p: np.ndarray) -> float:
         """Mean overpressure over strip and period."""
         return float(self.along @ (p - 1).mean(axis=-1))
@@ -279,9 +284,15 @@ def fixed_point(
 
 def forces(strip: Strip) -> tuple[float, float]:
     """Mean overpressure without inertia and heat, and with them."""
+    film, (p, _, _) = resolved(strip)
+    return film.force(film.base()[0]), film.force(p)
+
+
+def resolved(strip: Strip) -> tuple[Film, list[np.ndarray]]:
+    """Return a strip and its pressure, velocity and temperature rise."""
     film = Film(strip)
     fields = film.base()
-    plain, sizes = film.force(fields[0]), [each.size for each in fields]
+    sizes = [each.size for each in fields]
 
     def improved(state: np.ndarray) -> np.ndarray:
         parts = np.split(state, np.cumsum(sizes)[:2])
@@ -298,7 +309,8 @@ def forces(strip: Strip) -> tuple[float, float]:
 
     start = np.concatenate([each.ravel() for each in fields])
     state = fixed_point(improved, start, sizes[0], settle)
-    return plain, film.force(state[: sizes[0]].reshape(fields[0].shape))
+    parts = np.split(state, np.cumsum(sizes)[:2])
+    return film, [part.reshape(field.shape) for part, field in zip(parts, fields, strict=True)]
 
 
 def first_order(strip: Strip) -> tuple[float, float]:

@@ -58,7 +58,7 @@ class Fields:
         edge: P − 1 on the film's edge, a field that is zero inside and at corners.
         equation: the numbers of each scene's equation; they come as columns, to go with fields:
             ``number``.
-        gap: H.
+        rest_gap, gap: H at rest, and H.
         area, turn, bend: those of an outline at the nodes (grid.py), (x, y, 1).
     """
 
@@ -67,6 +67,7 @@ class Fields:
     unknowns: np.ndarray
     edge: np.ndarray
     equation: np.ndarray
+    rest_gap: np.ndarray
     gap: np.ndarray
     area: np.ndarray
     turn: np.ndarray
@@ -79,13 +80,14 @@ class Fields:
         equation = numbers_table(scenes, terms_of_all(scenes))
         nodes = (slice(len(weights_with_edge(axis))) for axis in (grid.x, grid.y))
         parts = gap_parts(scenes, grid).swapaxes(0, 1)[..., *nodes, None]
-        rest = 1 + numbers_of(equation, "per_rise", absent=0.0) * sum(parts[2:])
+        rest_gap = 1 + numbers_of(equation, "per_rise", absent=0.0) * sum(parts[2:])
         moving = numbers_of(equation, "epsilon", absent=0.0) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
-        gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
+        gap = rest_gap + sum(map(np.multiply, moving, (sine, cosine)))
         across = grid.x.all_nodes[: gap.shape[1]]
         outline = (np.asarray(at(across))[..., None] for at in (grid.area, grid.turn, grid.bend))
-        return cls(scenes, grid, unknowns, np.zeros_like(gap), equation, gap, *outline)
+        ambient = np.zeros_like(gap)
+        return cls(scenes, grid, unknowns, ambient, equation, rest_gap, gap, *outline)
 
     @property
     def inner(self) -> tuple[slice, slice, slice]:
@@ -129,6 +131,15 @@ class Fields:
     def numbers(self, name: str, *, absent: float) -> np.ndarray:
         """A number that a term gives the scenes, a column, or what it is without the term."""
         return numbers_of(self.equation, name, absent=absent)
+
+    def along_axes(self, vector: np.ndarray) -> np.ndarray:
+        """Return a vector field (..., 2, scenes, x, y, t) along the pad's x and y, for its mean."""
+        if self.grid.outline is None:
+            return vector
+        turned = (vector[..., 0, :, :, :, :] + 1j * vector[..., 1, :, :, :, :]) * (
+            self.turn / self.area
+        )
+        return np.stack([turned.real, turned.imag], axis=-5)
 
     @cached_property
     def gauge_pressure_ratio(self) -> np.ndarray:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,9 @@ from squeezefilm.errors import unexpected
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.fields import Fields
+from squeezefilm.quantities.sheared_gas import remainder_of, thrust_change
 from squeezefilm.quantities.states import remainder, with_states
-from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUND_OFF_FACTOR
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import States
@@ -111,12 +113,19 @@ def _without_formula(scene: Scene) -> dict[str, str]:
         )
     if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
         reasons["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
-    elif scene.bearing_number != 0 and scene.gas.inertia == "included":
+    elif _drags_gas(scene) and isnan(remainder_of(scene, vibrating=1.0)):
         reasons["thrust"] = (
-            "the momentum of gas that a sliding wall drags is not derived; gas.inertia: none has "
-            "the thrust without it"
+            "inertia and heat of the gas that a sliding wall drags are known to first order; here "
+            "higher orders are as large; gas.inertia: none with gas.thermal: none has the thrust "
+            "without them"
         )
     return reasons
+
+
+def _drags_gas(scene: Scene) -> bool:
+    """Return whether a sliding wall drags gas that has inertia or heat."""
+    included = "included" in (scene.gas.inertia, scene.gas.thermal)
+    return included and bool(scene.bearing_number != 0)
 
 
 def _from_states(
@@ -135,7 +144,7 @@ def _from_states(
                 continue
             try:
                 alone = scenes[k : k + 1], solved[row : row + 1]
-                outputs_of_row[k], holds = _outputs_of(*alone, tolerance=tolerance)
+                outputs_of_row[k], holds = _outputs_of(*alone, tolerance=tolerance, device=device)
             except Exception as error:  # that of one film is no one else's
                 outputs_of_row[k], holds = _refused(unexpected(error)), True
             if not holds:
@@ -151,7 +160,7 @@ def _refused(reason: str) -> ValuesAndReasons:
 
 
 def _outputs_of(
-    scenes: Scenes, solutions: Solutions, *, tolerance: float
+    scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
 ) -> tuple[ValuesAndReasons, bool]:
     """Outputs of one film from its states on two grids, and whether they hold the tolerance."""
     (scene,), (states,) = scenes, solutions.states
@@ -209,6 +218,14 @@ def _outputs_of(
         for k, (one, other) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
             off = factor * abs(other - one) + warm * abs(other)
             parts[k] = parts[k][0] - other / 2, parts[k][1] + off / 2
+    if _drags_gas(scene) and "thrust" not in missing:
+        with_gas = thrust_change(scene, solutions[0], device=device or choose_device())
+        by_gas, off_gas = with_gas * scene.force_scale_n * scene.h0_m / scene.pad.length_x_m
+        missed = remainder_of(scene, vibrating=1.0) * np.abs(film.momentum_n) / 2
+        for k, (value, off) in enumerate(parts):
+            parts[k] = value + by_gas[k], off + off_gas[k] + missed[k]
+        if np.isnan(by_gas).any():
+            missing["thrust"] = "not converged: the film with the gas that the sliding wall drags"
     x, y = scene.pad.turned(1.0, 0.0)
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
         for (drawn, off), component in zip(parts, turned, strict=True):

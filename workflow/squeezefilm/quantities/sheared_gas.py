@@ -16,6 +16,16 @@ the mass per area μ that inertia and heat add at first order; they join the fil
                                + ū (1/10 + κ/20) A}.
 
 The wall that slides may also vibrate: ζ follows both walls.
+
+The stress on the wall at rest, the pad, is μU/h − (h/2) ∇p and less the moment of ρ Du/Dt with ζ
+over the gap. Its mean over pad and period, where p is ambient on the edge, has by U beyond the
+(3/5) ∮ρh ū ū·n of ū alone, in p₀ h₀/l₀,
+
+    by inertia:  − (Re σ/12) {(1/5) M (U·∇)ū + (3/10) ū (U·∇M) + (1/30) U (U·∇H)},
+    by heat:     κ {(σ/12) (U/H) θ + (β σ²/240) (U·ū) ū/H},
+                 θ = β H² {(1/12) ∂P/∂T − b ū²/20 + A/12}.
+
+With μ(θ) the wall that slides drags by its mean, ∇p by the part of θ that is odd about the middle.
 """
 
 from __future__ import annotations
@@ -34,6 +44,8 @@ from squeezefilm.solution import Solution
 
 # Relative error of the force that an iteration of the state may leave.
 STATE_TOLERANCE = 1e-6
+# The same, where the quantity is a thrust, a small part of the force.
+THRUST_TOLERANCE = 1e-8
 # What first order misses, over its second order and the sizes of the effects, and the largest
 # second order of which that is known (tests/numerics/data/sheared_strips.csv).
 SECOND_ORDER_FACTOR, MOST_SECOND_ORDER = 0.3, 2.0
@@ -63,18 +75,75 @@ def mean_changes(
     return changes_with_errors(scenes, solutions, on_grid, changes=1, tolerance=STATE_TOLERANCE)
 
 
+def thrust_change(scene: Scene, solution: Solution, *, device: Device) -> np.ndarray:
+    """Return what inertia and heat of the dragged gas add to the forces along the pad's x and y.
+
+    Args:
+        scene: with inertia, thermal effects or both, whose gas has no flow factor.
+        solution: of the scene, with its states on two grids.
+
+    Returns:
+        Values and errors in p0 h0/l0 times the pad's area, shape (2, 2); NaN where the state with
+        the dragged gas is not found or what first order misses is unknown.
+    """
+    in_y = np.array([1.0, solution.states[0].grid.fold_y == 0])
+
+    def on_grid(own: Fields) -> np.ndarray:
+        pressed = []
+        for added in ({}, {"edge_flow": mass_source(own)}):
+            films, means = solved_beside(own, added, tolerance=THRUST_TOLERANCE, device=device)
+            # −(h/2) ∇p, and p on the pad's own slope; NaN where there is no state.
+            by_slope = (films.rest_gap - films.gap / 2) * films.slope
+            pressed.append(by_slope + 0 * means[:, None, None, None])
+        parts = (pressed[1] - pressed[0], *stress_on_pad(films))
+        by_place = films.along_axes(np.stack(parts, axis=1))
+        by_part = films.mean(by_place)
+        # Parts of a stress may cancel, and no less is missed of them.
+        sizes = np.abs(by_part[:, 0]) + films.mean(np.abs(by_place[:, 1:])).sum(axis=1)
+        return np.concatenate([by_part.sum(axis=1), sizes]) * np.tile(in_y, 2)[:, None]
+
+    (values, errors) = changes_with_errors(
+        [scene], [solution], on_grid, changes=4, tolerance=THRUST_TOLERANCE
+    )[..., 0]
+    missed = remainder_of(scene, vibrating=1.0)
+    missed += SECOND_ORDER_FACTOR * _widest_square(scene) * scene.modified_reynolds
+    missed += 6 * scene.slip_knudsen  # of the wall's velocity no slip is known
+    return np.array([values[:2], in_y * errors[:2] + missed * values[2:]])
+
+
+def stress_on_pad(films: Fields) -> tuple[np.ndarray, np.ndarray]:
+    """Return what has the mean of the stress on the pad that U adds by inertia and by heat."""
+    v, wall, mass = films.velocity, wall_velocity(films), films.mass
+    by_wall = films.carried(v + wall) - films.carried(v)
+    passed = wall_speed(films) * films.slide(mass) / films.area
+    steepened = wall_speed(films) * films.slide(films.gap) / films.area
+    shortfall = by_wall * mass / 5 + v * (0.3 * passed) + wall * (steepened / 30)
+    by_inertia = -films.numbers("reynolds", absent=0.0) * films.sigma / 12 * shortfall
+    heating, square = films.numbers("heating", absent=0.0), films.gap**2
+    friction, mixed, sheared, jump = warmth(films)
+    warm = (square * films.pressure_rate * jump + sheared) / 12 - friction / 20
+    exponent = films.numbers("viscosity_exponent", absent=0.0)
+    thicker = exponent * heating * films.sigma / films.gap
+    return by_inertia, thicker * (wall * (warm / 12) + v * (mixed / 240))
+
+
 def remainder_of(scene: Scene, *, vibrating: float) -> float:
     """Return the bound of the second order over the sizes of the effects of inertia and heat.
 
     Args:
         vibrating: fraction of the effects that is not there in the same film without vibration.
     """
-    widest = float(Scenes.of([scene]).static_gap_range[1][0]) ** 2
+    widest = _widest_square(scene)
     return remainder(
         bearing=abs(scene.bearing_number),
         shear_reynolds=widest * scene.shear_reynolds,
         vibrating_reynolds=widest * scene.modified_reynolds * vibrating,
     )
+
+
+def _widest_square(scene: Scene) -> float:
+    """Return the square of the widest gap at rest over h0."""
+    return float(Scenes.of([scene]).static_gap_range[1][0]) ** 2
 
 
 def remainder(*, bearing: float, shear_reynolds: float, vibrating_reynolds: float) -> float:
@@ -124,16 +193,22 @@ def flux_and_mass_by_heat(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     v, wall, square = films.velocity, wall_velocity(films), films.gap**2
     heating = films.numbers("heating", absent=0.0)
     exponent = films.numbers("viscosity_exponent", absent=0.0)
-    jump = 1 + films.numbers("jump_warms", absent=0.0) / films.mass
-    # Under an outline a product of two velocities is |dz/dζ|² times theirs.
-    friction = films.sigma * dot(v, v) / films.area  # b ū² H²
-    mixed = films.sigma * dot(v, wall) / films.area
-    sheared = (films.sigma * wall_speed(films) ** 2 / 12 - mixed / 2) * jump
+    friction, mixed, sheared, jump = warmth(films)
     warming = sheared + square * films.pressure_rate * jump
     with_wall = warming / 24 - friction / 40 + (exponent - 1) * mixed / 240
     lost = heating * films.mass
     flux = -lost * (wall * with_wall + v * ((1 / 10 + exponent / 20) * sheared))
     return flux, -lost * sheared / 12
+
+
+def warmth(films: Fields) -> tuple[np.ndarray, ...]:
+    """Return b ū² H², b U·ū H², A H² and the factor by which a jump at the walls warms more."""
+    v, wall = films.velocity, wall_velocity(films)
+    jump = 1 + films.numbers("jump_warms", absent=0.0) / films.mass
+    # Under an outline a product of two velocities is |dz/dζ|² times theirs.
+    friction, mixed = (films.sigma * dot(v, other) / films.area for other in (v, wall))
+    sheared = (films.sigma * wall_speed(films) ** 2 / 12 - mixed / 2) * jump
+    return friction, mixed, sheared, jump
 
 
 def wall_speed(films: Fields) -> np.ndarray:
