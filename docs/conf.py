@@ -12,10 +12,10 @@ sys.path.insert(0, str(WORKFLOW))
 
 from squeezefilm import __version__
 from squeezefilm.cli.main import commands_of
+from squeezefilm.columns import COLUMNS
 from squeezefilm.config.keys import key_table, schema
 from squeezefilm.film.gas import GASES_TABLE
 from squeezefilm.film.validity import LIMITS
-from squeezefilm.tables import REGISTERED_COLUMNS
 
 project, version, release = "squeezefilm", __version__, __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
@@ -81,7 +81,7 @@ def write_generated() -> None:
         for limit in LIMITS
     ]
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
-    names = (f"| `{name}` | {' | '.join(about)} |" for name, *about, _ in REGISTERED_COLUMNS)
+    names = (f"| `{name}` | {' | '.join(column[1:4])} |" for name, column in COLUMNS.items())
     head = "| column | unit | meaning | tables |", "| --- | --- | --- | --- |"
     (GENERATED / "columns.md").write_text("\n".join([*head, *names]), encoding="utf-8")
     (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")

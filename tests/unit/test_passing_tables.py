@@ -120,7 +120,7 @@ def test_a_point_without_a_gap_is_counted_and_not_drawn():
     table = points(x_m=0.0, y_m=0.0, load_n=[1.0, 2.0, 3.0, 4.0], h0_m=[5e-6, 4e-6, 3e-6, None])
     figure = curve(table.drop(columns=["force_n", "force_error_n"]))
     (axes,) = figure.axes
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("load (N)", "mean gap $h_0$ (µm)")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("load (N)", "gap $h_0$ (µm)")
     assert axes.containers[0].lines[0].get_ydata() == pytest.approx([5, 4, 3])
     assert "Without a result: 1 of 4 points." in figure.texts[0].get_text()
 

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
 from squeezefilm.tables import (
     FORCE_COLUMNS,
-    REGISTERED_COLUMNS,
     SCENE_COLUMNS,
     read_forces,
     read_json,
@@ -18,7 +18,7 @@ from squeezefilm.tables import (
     table_writer,
     write_table,
 )
-from squeezefilm.units import unit_of_column
+from squeezefilm.units import sizes, unit_of_column
 
 HEADER = ",".join(SCENE_COLUMNS)
 
@@ -170,14 +170,12 @@ def test_a_wrong_parquet_table_is_refused(tmp_path):
         read_scenes(tmp_path / "scenes.parquet")
 
 
-def test_a_column_has_one_meaning_and_the_unit_of_its_name(tmp_path):
-    assert (
-        len({each.name for each in REGISTERED_COLUMNS if each.meaning})
-        == len(REGISTERED_COLUMNS)
-        > 300
-    )
-    for each in REGISTERED_COLUMNS:
+def test_a_column_has_one_meaning_and_the_unit_of_its_name(tmp_path, repository):
+    lines = (repository / "workflow/squeezefilm/columns.csv").read_text("utf-8").splitlines()
+    assert len({each.name for each in COLUMNS.values() if each.meaning}) == len(lines) - 1 > 300
+    for each in COLUMNS.values():
         assert unit_of_column(each.name)[1] in ("", each.unit) or each.unit == "text", each
+        assert each.shown_unit in ("", *sizes(each.unit)), each
     table = pd.DataFrame({"h0_m": [5e-6], "guess_n": [1.0]})
     with pytest.raises(ValueError, match="no guess_n"):
         write_table(table, tmp_path / "table.csv")

@@ -9,6 +9,7 @@ import pytest
 from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
 from squeezefilm.cli.main import main
+from squeezefilm.columns import unregistered
 from squeezefilm.config.loading import load_config
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.errors import InputError
@@ -16,7 +17,7 @@ from squeezefilm.models.data import PHYSICS_COLUMNS as COLUMNS_OF_PHYSICS
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import fit_of, read_fit
 from squeezefilm.studies.tasks.fits import validated
-from squeezefilm.tables import FACTOR_COLUMNS, read_forces, unregistered
+from squeezefilm.tables import FACTOR_COLUMNS, read_forces
 from squeezefilm_workflow.paper.claims import CLAIM_COLUMNS, CLAIMS, judge
 from squeezefilm_workflow.paper.equations import CONDITIONS, FIT_OF_MODEL, compare, conditions
 from squeezefilm_workflow.reporting import models

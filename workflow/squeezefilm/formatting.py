@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from math import floor, isfinite, log10, nan
 from typing import Any
 
+from squeezefilm.columns import COLUMNS, error_columns
 from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
@@ -16,11 +17,10 @@ from squeezefilm.reynolds.terms import absent_terms, terms_of
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.tables import REGISTERED_COLUMNS
-from squeezefilm.units import error_columns, rounded_up, to_its_error, unit_of_column
+from squeezefilm.units import rounded_up, split_unit, to_its_error, unit_of_column
 
 LABEL_OF_QUANTITY = {
-    unit_of_column(each.name)[0]: each.label for each in REGISTERED_COLUMNS if each.label
+    split_unit(column.name)[0]: column.label for column in COLUMNS.values() if column.label
 }
 """Of columns without their unit, where the name itself is none."""
 DIMENSIONLESS_COLUMNS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")

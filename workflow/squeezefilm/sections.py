@@ -25,9 +25,8 @@ from pydantic import (
 from pydantic.json_schema import PydanticOmit
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from squeezefilm.units import in_unit
+from squeezefilm.units import in_unit, split_unit
 
-UNIT_OF_NAME = re.compile(r"_(m|hz|n|deg|k|pa|pa_s|kg_per_m3|m_per_s|per_m|rad_per_m)$")
 KeyPath = tuple[str | int, ...]
 """The keys, and numbers of a list's items, that lead to a value."""
 Items = TypeVar("Items", bound=Iterable[Hashable])
@@ -35,7 +34,7 @@ Items = TypeVar("Items", bound=Iterable[Hashable])
 
 def key_of(name: str) -> str:
     """The key in a file of what Python calls ``name``."""
-    return UNIT_OF_NAME.sub("", name)
+    return split_unit(name)[0]
 
 
 def mistake(

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from squeezefilm.columns import COLUMNS, error_column
 from squeezefilm.errors import InputError
 from squeezefilm.lazy import pd
+from squeezefilm.units import split_unit
 
 
 @dataclass(kw_only=True, slots=True)  # not frozen, which takes three times as long to make
@@ -153,19 +155,11 @@ SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )
 
-# What the force is differentiated to: its name and the derivative's unit in columns.
+ASKED_COLUMNS = [column for column in COLUMNS.values() if column.of]
 DERIVATIVES = {
-    **{name: (name.removesuffix("_m"), "n_per_m") for name in ("h0_m", "hv_m", "x_m", "y_m")},
-    "viscosity_pa_s": ("viscosity", "n_per_pa_s"),
-    "ambient_pressure_pa": ("ambient_pressure", "n_per_pa"),
-    "density_kg_per_m3": ("density", "n_m3_per_kg"),
-    "mean_free_path_m": ("mean_free_path", "n_per_m"),
-    "polytropic_exponent": ("polytropic_exponent", "n"),
-    "prandtl": ("prandtl", "n"),
-    "heat_capacity_ratio": ("heat_capacity_ratio", "n"),
-    "viscosity_exponent": ("viscosity_exponent", "n"),
-    "slip_coefficient": ("slip_coefficient", "n"),
+    column.of: column.name for column in ASKED_COLUMNS if column.name.startswith("dforce_d")
 }
+"""Numbers that the force may be differentiated to, and the columns of the derivatives."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,28 +183,18 @@ class Derivatives:
     def columns(self) -> dict[str, float | str]:
         """A row of a table of forces: ``dforce_dNAME_UNIT``, ``dforce_dNAME_error_UNIT``."""
         row: dict[str, float | str] = {}
-        for number, (name, unit) in DERIVATIVES.items():
-            row[f"dforce_d{name}_{unit}"] = self.value[number]
-            row[f"dforce_d{name}_error_{unit}"] = self.error[number]
+        for number, name in DERIVATIVES.items():
+            row[name] = self.value[number]
+            row[error_column(name)] = self.error[number]
         return row | {"derivatives_status": self.status}
 
 
-# What may be asked for beside the mean force: each output's numbers with their units in columns.
+# What may be asked for beside the mean force: the numbers of each output and their columns.
 # docs/outputs.md has their signs and formulas.
-OUTPUTS: dict[str, dict[str, str]] = {
-    "harmonics": {
-        "force_in_phase": "n",
-        "force_quadrature": "n",
-        "film_stiffness": "n_per_m",
-        "film_damping": "n_s_per_m",
-    },
-    "power": {"power": "w"},
-    "centre": {"centre_x": "m", "centre_y": "m"},
-    "moments": {"moment_x": "n_m", "moment_y": "n_m"},
-    "thrust": {"thrust_x": "n", "thrust_y": "n", "sliding_friction": "n"},
-    "extremes": {"gauge_pressure_max": "pa", "gauge_pressure_min": "pa"},
-    "static_stiffness": {"static_stiffness": "n_per_m"},
-}
+OUTPUTS: dict[str, dict[str, str]] = {}
+for column in ASKED_COLUMNS:
+    if column.of not in DERIVATIVES:
+        OUTPUTS.setdefault(column.of, {})[split_unit(column.name)[0]] = column.name
 
 
 def checked_outputs(names: Iterable[str]) -> tuple[str, ...]:
@@ -265,7 +249,7 @@ class Outputs:
         """A row of a table of forces: ``NAME_UNIT``, ``NAME_error_UNIT``, ``outputs_status``."""
         row: dict[str, float | str] = {}
         for output in self.asked:
-            for name, unit in OUTPUTS[output].items():
-                row[f"{name}_{unit}"] = self.value.get(name, nan)
-                row[f"{name}_error_{unit}"] = self.error.get(name, nan)
+            for quantity, name in OUTPUTS[output].items():
+                row[name] = self.value.get(quantity, nan)
+                row[error_column(name)] = self.error.get(quantity, nan)
         return row | {"outputs_status": self.status}

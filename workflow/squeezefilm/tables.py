@@ -11,13 +11,13 @@ import io
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from fnmatch import fnmatchcase
 from math import nan
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
+from squeezefilm.columns import TEXT_COLUMNS, unregistered
 from squeezefilm.errors import InputError, RunError, naming, needing
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, with_position
@@ -51,30 +51,6 @@ NOT_NEEDED = {*SOLUTION_COLUMNS} - {"force_n", "force_error_n", "status", "absen
 """Columns of forces that a table may lack."""
 MOST_NAMED = 100
 """Points without a force, at most, in a message."""
-
-
-class Column(NamedTuple):
-    """A column that a table may have; ``*`` in its name stands for any text.
-
-    Attributes:
-        unit: as its name ends, 1 for a plain number, ``text`` or ``bool``.
-        tables: the tables that have it.
-        label: its name in lines for people without the unit, where ``name`` itself is none.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    tables: str
-    label: str
-
-
-_REGISTRY = read_text(Path(__file__).with_name("columns.csv"), what="registry").splitlines()
-REGISTERED_COLUMNS = tuple(Column(*row) for row in csv.reader(_REGISTRY[1:]))
-"""Every column that the commands and the workflow write."""
-REGISTERED_NAMES = {each.name for each in REGISTERED_COLUMNS}
-NAME_PATTERNS = [name for name in REGISTERED_NAMES if "*" in name]
-TEXT_COLUMNS = {each.name for each in REGISTERED_COLUMNS if each.unit == "text"}
 
 
 _WORDS_OF = {
@@ -426,14 +402,6 @@ def read_columns(
     return table
 
 
-def unregistered(names: Iterable[str]) -> list[str]:
-    """Return the columns that REGISTERED_COLUMNS does not list."""
-    others = [name for name in names if name not in REGISTERED_NAMES]
-    return [
-        name for name in others if not any(fnmatchcase(name, pattern) for pattern in NAME_PATTERNS)
-    ]
-
-
 def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str] = ()) -> None:
     """Write a table as ``table_writer`` does."""
     with table_writer(path, given=given) as write:
@@ -452,7 +420,7 @@ def table_writer(
         given: columns of the user's own.
 
     Raises InputError for a name that says that something else is in the file, ValueError for a
-    column without a meaning in REGISTERED_COLUMNS.
+    column without a meaning in columns.csv.
     """
     path = Path(path)
     if path.suffix.lower() in OTHER_FORMATS:

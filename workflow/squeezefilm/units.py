@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from squeezefilm.errors import InputError
 
@@ -16,8 +16,6 @@ Dimension = Mapping[str, Fraction]
 BASE_UNITS = ("N", "m", "s", "deg", "K")
 DIMENSIONLESS: Dimension = {}
 MOST_LEVELS = 10_000
-OF_A_FORCE = ("error_95_n", "error_99_n", "measurement_noise_n")
-"""Columns of errors that are those of a force without its name."""
 MOST_DECIMALS, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -30,11 +28,9 @@ UNIT_FACTOR = re.compile(
 )
 PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "m": 1e-3, "c": 1e-2, "h": 1e2, "k": 1e3, "M": 1e6}
 PREFIXES |= dict.fromkeys("µμu", 1e-6)
-IN_NAMES = {unit.lower(): unit for unit in ("N", "m", "s", "Hz", "rad", "Pa", "W", "kg")}
-IN_NAMES |= {"m3": "m³", "deg": "°", "percent": "%"}
-"""How units are called at the end of a column's name: ``stiffness_n_per_m``."""
-_SEVERAL = rf"(?:{'|'.join(IN_NAMES)})(?:_(?:{'|'.join(IN_NAMES)}))*"
-NAME_WITH_UNIT = re.compile(rf"(.+?)_({_SEVERAL}(?:_per_{_SEVERAL})?)")
+UNIT_WORDS = {unit.lower(): unit for unit in ("N", "m", "s", "Hz", "rad", "Pa", "W", "kg", "K")}
+UNIT_WORDS |= {"m3": "m³", "deg": "°", "percent": "%"}
+"""How units are called at the end of a name of Python's or a column's: ``stiffness_n_per_m``."""
 
 
 class Unit(NamedTuple):
@@ -195,21 +191,20 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
     return f"{value:.{digits}e}", error_text(size)
 
 
+def split_unit(name: str) -> tuple[str, str]:
+    """A name without its unit, and the unit as it stands there: ``power`` and ``w``."""
+    words = name.split("_")
+    for end in range(1, len(words)):
+        if {*words[end:]} <= {*UNIT_WORDS, "per"} and words[-1] != "per":
+            return "_".join(words[:end]), "_".join(words[end:])
+    return name, ""
+
+
 def unit_of_column(name: str) -> tuple[str, str]:
     """Quantity of a column, and the unit that its name ends in: ``power_w`` in ``W``."""
-    match = NAME_WITH_UNIT.fullmatch(name)
-    if match is None:
-        return name, ""
+    quantity, suffix = split_unit(name)
     above, *below = (
-        " ".join(IN_NAMES[each] for each in part.split("_")) for part in match[2].split("_per_")
+        " ".join(UNIT_WORDS[word] for word in part.split("_") if word)
+        for part in re.split("_?per_", suffix)
     )
-    return match[1], above + "".join(f"/({each})" if " " in each else f"/{each}" for each in below)
-
-
-def error_columns(name: str, names: Any) -> list[str]:
-    """The columns of a value's errors among those of a table: ``h0_error_m`` of ``h0_m``."""
-    end = f"_{match[2]}" if (match := NAME_WITH_UNIT.fullmatch(name)) else ""
-    start = name.removesuffix(end)
-    known = [f"{start}_{kind}{end}" for kind in ("error", "error_95", "measurement_noise")]
-    known += [*OF_A_FORCE] * (name == "force_n")
-    return [column for column in known if column in names]
+    return quantity, above + "".join(f"/({unit})" if " " in unit else f"/{unit}" for unit in below)

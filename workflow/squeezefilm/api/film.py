@@ -154,7 +154,11 @@ class Film:
         Raises InputError naming the key, what is wrong with it and what is allowed.
         """
         given = {"gas": gas, "actuator": actuator, "pad": pad, "solver": solver}
-        sections = {name: dict(keys or {}) for name, keys in given.items()}
+        sections = {
+            name: dict(keys) if isinstance(keys, Mapping) else keys
+            for name, keys in given.items()
+            if keys is not None
+        }
         return Film(config_of(sections, path=Path("film"), model=FilmSections))
 
     @property

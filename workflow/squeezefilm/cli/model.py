@@ -4,6 +4,7 @@ import argparse
 
 from squeezefilm.api.models import Fit
 from squeezefilm.cli.options import FIT, SHOWN, command, option, points, points_in, write_rows
+from squeezefilm.columns import unregistered
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.positions import CARTESIAN
@@ -11,7 +12,7 @@ from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.models.export import LANGUAGES
 from squeezefilm.models.fit_file import FILM_UNKNOWN
-from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_columns, unregistered
+from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_columns
 
 
 @command(FIT, option("--points", "POINTS.csv", "points as a table"), *SHOWN, points())

@@ -12,13 +12,14 @@ from types import SimpleNamespace
 from typing import Any
 
 from squeezefilm.api.film import Film, columns_of
+from squeezefilm.columns import error_columns
 from squeezefilm.config.loading import load_film
 from squeezefilm.errors import InputError
 from squeezefilm.formatting import in_lines, json_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import write_table
-from squeezefilm.units import error_columns, error_text, to_its_error
+from squeezefilm.units import error_text, to_its_error
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""

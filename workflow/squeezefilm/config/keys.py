@@ -43,32 +43,55 @@ def schema() -> Part:
     return whole
 
 
-def part_at(steps: KeyPath, values: Any) -> tuple[KeyPath, Part]:
-    """Return the key path that steps lead to, and its part of the schema, empty if none.
+def key_path_of(location: KeyPath, values: Any, *, missing: bool = False) -> KeyPath:
+    """Return the keys of a value that pydantic locates, without its steps to a union's choices.
 
-    What an error of pydantic says among its steps of the choices of a union is dropped.
+    Args:
+        location: of an error, as pydantic gives it.
+        values: the sections that were validated.
+        missing: the last step is a key that is not there.
     """
     key_path: KeyPath = ()
-    part = schema()
-    for step in steps:
-        if isinstance(step, str) and values is not None:
-            written = isinstance(values, Mapping)
-            if not written or (step not in values and step in ("[key]", values.get("kind"))):
-                continue
-        own = _of_kind(part, values)
-        key = own.get("properties", {}).get(step) or _pattern_schema(own)
-        part = own.get("items", {}) if isinstance(step, int) else key
+    part, kind = schema(), None
+    for position, step in enumerate(location, start=1):
+        written = step in values if isinstance(values, Mapping) else isinstance(step, int)
+        if step == kind or not (written or (missing and position == len(location))):
+            kind = None
+            continue
+        part, values = _part_inside(part, step, values), _inside(values, step)
+        kind = _inside(values, "kind") if "kinds" in part else None
         key_path += (step,)
-        try:
-            values = values[step]
-        except (KeyError, IndexError, TypeError):
-            values = None
-    return key_path, _of_kind(part, values)
+    return key_path
+
+
+def part_at(key_path: KeyPath, values: Any) -> Part:
+    """Return the part of the schema that describes a key's value, empty if none does."""
+    part = schema()
+    for step in key_path:
+        part = _part_inside(part, step, values)
+        values = _inside(values, step)
+    return _of_kind(part, values)
+
+
+def _inside(values: Any, step: str | int) -> Any:
+    """Return the value under a key or at a list's place, None where there is none."""
+    try:
+        return values[step]
+    except (KeyError, IndexError, TypeError):
+        return None
+
+
+def _part_inside(part: Part, step: str | int, values: Any) -> Part:
+    """Return the schema of what is under a key of these values, or in a list of them."""
+    own = _of_kind(part, values)
+    key: Part = own.get("properties", {}).get(step) or _pattern_schema(own)
+    return own.get("items", {}) if isinstance(step, int) else key
 
 
 def _pattern_schema(part: Part) -> Part:
     """Return the schema of the values in a section whose keys the user names."""
-    return next(iter(part.get("patternProperties", {}).values()), {})
+    named = part.get("additionalProperties") or {}
+    return next(iter(part.get("patternProperties", {}).values()), named)
 
 
 def _of_kind(part: Part, values: Any) -> Part:
@@ -88,7 +111,8 @@ def allowed(part: Part) -> str:
     if "maximum" in part:
         low = f"{shown(part['minimum'])} …" if "minimum" in part else "above 0, at most"
         return f"{low} {shown(part['maximum'])}{', whole' if part['type'] == 'integer' else ''}"
-    return {"string": "text", "boolean": "`true`, `false`"}.get(part.get("type", ""), "")
+    words = {"string": "text", "number": "a number", "boolean": "`true`, `false`"}
+    return words.get(part.get("type", ""), "")
 
 
 def shown(value: float, *, digits: int = 5) -> str:

@@ -19,7 +19,7 @@ import yaml
 from pydantic import ValidationError
 
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.keys import Part, allowed, part_at, unit_of
+from squeezefilm.config.keys import Part, allowed, key_path_of, part_at, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
@@ -165,14 +165,14 @@ def _mistakes(
     messages: dict[KeyPath, tuple[int, str]] = {}
     for entry in error.errors(include_url=False):
         further = entry.get("ctx", {}).get("place", ())
-        key_path, part = part_at(entry["loc"] + further, values)
+        missing = entry["type"] == "missing" and not further
+        key_path = key_path_of(entry["loc"], values, missing=missing) + further
         if key_path in messages:  # by another choice of a union
             continue
         if entry["type"] in KEY_ERRORS:
-            section = part_at(key_path[:-1], values)[1]
-            text = _about_key(entry, key_path, section)
+            text = _about_key(entry, key_path, part_at(key_path[:-1], values))
         else:
-            text = _about_value(entry, key_path, part)
+            text = _about_value(entry, key_path, part_at(key_path, values))
         inner = next(
             (key_path[:end] for end in range(len(key_path), 0, -1) if key_path[:end] in lines), ()
         )
@@ -192,7 +192,9 @@ def _about_key(error: Any, key_path: KeyPath, part: Part) -> str:
         close = _close(key, known) or _close(key_of(key), known)
         hint = f"did you mean {close!r}?" if close else f"allowed are {', '.join(sorted(known))}"
         return f"{where}: unknown key {key!r}; {hint}"
-    if any(_close(name, known) == key for name in error["input"] if name not in known):
+    if key not in known:  # below a key that is not text
+        return ""
+    if any(_close(str(name), known) == key for name in error["input"] if name not in known):
         return ""
     wanted = known[key]
     inner = ", ".join(wanted.get("else", wanted).get("required", ()))
@@ -206,6 +208,8 @@ def _about_value(error: Any, key_path: KeyPath, part: Part) -> str:
     where, wrong, kind = ".".join(map(str, key_path)) or "top level", error["input"], error["type"]
     if kind == "relation":
         return f"{where}: {error['msg']}"
+    if kind == "invalid_key" or (kind == "string_type" and error["loc"][-1] == "[key]"):
+        return f"{where}: the key {reprlib.repr(wrong)} is not text"
     if kind.startswith("union_tag"):
         kinds = part["properties"]["kind"]
         if kind == "union_tag_not_found":
@@ -223,7 +227,8 @@ def _about_value(error: Any, key_path: KeyPath, part: Part) -> str:
         return f"{where}: {value} is no section; its keys are {', '.join(part['properties'])}"
     unit = part.get("unit")
     like = f" {unit}, as a number or with its unit, like {examples(unit)}" if unit else ""
-    return f"{text}; allowed: {allowed(part)}{like}"
+    words = allowed(part)
+    return f"{text}; allowed: {words}{like}" if words else text
 
 
 def _close(key: str, known: Iterable[str]) -> str:
@@ -283,7 +288,7 @@ def origin(config: Study, key_path: KeyPath) -> str:
 
 
 def _schema_part(config: Study, key_path: KeyPath) -> Part:
-    return part_at(key_path, config.sections())[1]
+    return part_at(key_path, config.sections())
 
 
 def _lines(values: Mapping[str, Any], key_path: KeyPath, config: Study) -> Iterator[str]:

@@ -5,14 +5,14 @@ all of it moves in one phase s is real; of two quadrature components, such as th
 wave, it is complex.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from math import cos, inf, isfinite, pi, radians, remainder, sin
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainSerializer, StrictBool
+from pydantic import AfterValidator, Field, GetPydanticSchema, PlainSerializer, StrictBool
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Disc, Orders, Surface
@@ -170,14 +170,11 @@ class BesselMode(Profile):
         return mode + self.edge_share * iv(self.nodal_diameters, phase) if self.edge_share else mode
 
 
-def _pairs(values: Any) -> Any:
-    """The items of a mapping: a profile can be told from others, and kept, by its values."""
-    return tuple(values.items()) if isinstance(values, Mapping) else values
-
-
+# A mapping in a study; in a profile, which is hashable, its items.
 Constants = Annotated[
     tuple[tuple[str, str | float], ...],
-    BeforeValidator(_pairs, json_schema_input_type=dict[str, str | float]),
+    GetPydanticSchema(lambda _, schema: schema(dict[str, str | float])),
+    AfterValidator(lambda values: tuple(values.items())),
     PlainSerializer(dict),
 ]
 

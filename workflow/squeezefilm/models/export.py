@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from string import Template
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN, POLAR, form_of
 from squeezefilm.formulas import Expression, Operation, fold
@@ -18,7 +19,6 @@ from squeezefilm.models.data import FACTOR_OF_NAME, PHYSICS_COLUMNS, POSITION_CO
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import LimitTable
-from squeezefilm.models.prediction_interval import MEANINGS
 
 FOLDER = Path(__file__).with_name("templates")
 LINE_WIDTH, LARGEST_FINITE = 92, 1e300
@@ -72,7 +72,7 @@ def source(fit: FittedModel, language: str) -> str:
         "NAME": fit.model.upper(),
         "own": own,
         "about": "\n".join(_about(fit, table)),
-        "meaning": "\n".join(f"    {name}: {MEANINGS[name]}" for name in arguments),
+        "meaning": "\n".join(f"    {name}: {COLUMNS[name].label}" for name in arguments),
         "arguments": ", ".join(arguments),
         "parameters": ", ".join(f"double {name}" for name in arguments),
         "unused": " ".join(f"(void){name};" for name in arguments),

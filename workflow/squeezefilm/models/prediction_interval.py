@@ -28,7 +28,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, computed_field, model_validator
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
+from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.lazy import pd
 from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.fitting import local_fit
@@ -41,17 +43,6 @@ LEAST_FORCE_FRACTION = 0.1
 NORMAL_QUANTILES = {0.95: 1.959964, 0.99: 2.575829}
 """Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
 THIRDS = ("low", "middle", "high")
-FACTOR_WORDS = {
-    "h0_m": ("h0", "µm", 1e6, "gap h0"),
-    "hv_m": ("hv", "µm", 1e6, "amplitude hv"),
-    "phi_r_m": ("φr", "mm", 1e3, "distance of the pad from the centre"),
-    "phi_deg": ("φφ", "°", 1.0, "direction of the pad"),
-    "x_m": ("x", "mm", 1e3, "position of the pad along x"),
-    "y_m": ("y", "mm", 1e3, "position of the pad along y"),
-}
-"""Symbol, unit with its size, and meaning."""
-MEANINGS = {name: meaning for name, (*_, meaning) in FACTOR_WORDS.items()}
-MEANINGS["epsilon"] = "ratio hv/h0"
 
 
 class PredictionInterval(BaseModel):
@@ -83,8 +74,8 @@ class PredictionInterval(BaseModel):
 
     @model_validator(mode="after")
     def _ranges_of_factors(self) -> PredictionInterval:
-        if not {"h0_m", "hv_m"} <= set(self.ranges) <= set(FACTOR_WORDS):
-            raise ValueError(f"ranges must be of h0_m, hv_m and of {', '.join(FACTOR_WORDS)} alone")
+        if not {"h0_m", "hv_m"} <= set(self.ranges) <= {"h0_m", "hv_m", *POLAR, *CARTESIAN}:
+            raise ValueError(f"ranges must be of h0_m, hv_m and of a position, not {self.ranges}")
         return self
 
     @computed_field  # type: ignore[prop-decorator]
@@ -107,9 +98,9 @@ class PredictionInterval(BaseModel):
         """The declared space in words."""
         parts = []
         for name, (low, high) in self.ranges.items():
-            symbol, unit, factor, _ = FACTOR_WORDS[name]
-            extent = f"{factor * low:.4g} to {factor * high:.4g}"
-            parts.append(f"{symbol} {extent if high > low else f'{factor * low:.4g}'} {unit}")
+            column = COLUMNS[name]
+            extent = " to ".join(f"{column.shown(end):.4g}" for end in sorted({low, high}))
+            parts.append(f"{column.text_symbol} {extent} {column.shown_unit}")
         return ", ".join(parts)
 
     def error_n(self, force_n: ArrayLike, *, level: float = 0.95) -> Array:
@@ -294,7 +285,7 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
     for name, third, inside in regions(factors):
         fraction = float(squares[inside].sum() / squares.sum())
         if fraction > worst.get(name, (0.0, ""))[0]:
-            worst[name] = fraction, f"{third} third of the {MEANINGS[name]}"
+            worst[name] = fraction, f"{third} third of the {COLUMNS[name].label}"
     ordered = sorted(worst.values(), key=lambda fraction_and_region: -fraction_and_region[0])[:2]
     return "; ".join(
         f"{fraction:.0%} of the squared error lies in the {where}" for fraction, where in ordered

@@ -198,8 +198,14 @@ class FilmWithEffects:
         if scene.bearing_number:
             at_rest = replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.0))
             self.pairs["bearing"] = scene, at_rest
-        presses = scene.bearing_number and scene.epsilon and not scene.pad.gap.flat
-        self.still = FilmWithEffects(replace(scene, hv_m=0.0)) if presses else None
+        self.still: FilmWithEffects | None = None
+        if scene.bearing_number and not scene.pad.gap.flat:
+            self.still = FilmWithEffects(replace(scene, hv_m=0.0)) if scene.epsilon else self
+
+    @property
+    def has_force(self) -> bool:
+        """Return whether vibration or sliding presses on the pad."""
+        return bool(self.scene.epsilon or self.still)
 
     @property
     def by_gas(self) -> list[tuple[Scene, Scene]]:
@@ -222,7 +228,7 @@ class FilmWithEffects:
 def _budgets(
     films: Sequence[FilmWithEffects], tolerances: Sequence[float], device: Device
 ) -> list[ErrorBudget]:
-    moving = [film for film in films if film.scene.epsilon]
+    moving = [film for film in films if film.has_force]
     vibrating = {scene: None for film in moving for scene in (film.scene, film.together)}
     sliding = {film.together: None for film in moving if film.scene.bearing_number}
     with_still = sliding | {film.still.together: None for film in moving if film.still}
@@ -278,7 +284,7 @@ def _budget(
 ) -> ErrorBudget:
     """A scene's budget from the forces of its films and what is beside these."""
     scene = film.scene
-    if not scene.epsilon:
+    if not film.has_force:
         return ErrorBudget(status="no vibration, no force")
     own = solutions[scene]
     if own.status != "ok":

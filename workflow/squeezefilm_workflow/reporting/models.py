@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import scipy
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import as_in, form_of
@@ -20,7 +21,6 @@ from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import FACTOR_SPACES, check_columns
 from squeezefilm.models.prediction_interval import (
-    MEANINGS,
     error_sizes,
     ranking_half,
     relative_errors,
@@ -30,7 +30,7 @@ from squeezefilm_workflow.reporting.notes import VERDICTS
 from squeezefilm_workflow.reporting.pages import Page, readable
 from squeezefilm_workflow.reporting.results import Results
 
-COLUMNS = (
+MODEL_COLUMNS = (
     *("model", "parameters", "fit_points", "fit_error", "cv_error", "validation_points"),
     *("validation_failed", "validation_error", "validation_worst_relative", "validation_worst_n"),
     *("error_95_percent", "coverage", "coverage_min", "coverage_min_region", "expression"),
@@ -77,7 +77,7 @@ def _parameters(results: Results, space: str, fits: Sequence[FittedModel]) -> pd
 
 
 def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The candidates of a space, columns COLUMNS, and their errors at each ranking point.
+    """The candidates of a space, columns MODEL_COLUMNS, and their errors at each ranking point.
 
     A model that cannot be validated keeps its row, with the reason in ``note``.
 
@@ -99,7 +99,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
             continue
         rows.append(row | {"validation_failed": no_force})
         errors.append(scenes.assign(model=name, relative_error=relative))
-    table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(COUNTS, "Int64"))
+    table = pd.DataFrame(rows, columns=list(MODEL_COLUMNS)).astype(dict.fromkeys(COUNTS, "Int64"))
     return table, pd.concat(errors[1:] or errors, ignore_index=True)
 
 
@@ -133,7 +133,7 @@ def _judged(
         "error_95_percent": 100 * np.median(fit.interval.error_n(predicted) / np.abs(predicted)),
         "coverage": fit.interval.mean_coverage,
         "coverage_min": least["coverage"],
-        "coverage_min_region": f"{least['third']} third of the {MEANINGS[least['quantity']]}",
+        "coverage_min_region": f"{least['third']} third of the {COLUMNS[least['quantity']].label}",
         "expression": model.expression,
         "about": model.about or getattr(fit, "about", ""),
         "note": "",

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.film.pad import net
 from squeezefilm.film.positions import POLAR, form_of
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import label_of
-from squeezefilm.models.prediction_interval import FACTOR_WORDS
 from squeezefilm.provenance import provenance
 from squeezefilm.units import error_text, to_its_error
 from squeezefilm_workflow.reporting.notes import (
@@ -139,8 +139,10 @@ def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
 
 def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
     """The pad's positions by name and unit."""
-    shown = {FACTOR_WORDS[name]: table[name] for name in form_of(table)}
-    return {f"{name} ({unit})": scale * values for (name, unit, scale, _), values in shown.items()}
+    return {
+        f"{column.text_symbol} ({column.shown_unit})": column.shown(table[column.name])
+        for column in map(COLUMNS.__getitem__, form_of(table))
+    }
 
 
 def _neglected(results: Results) -> dict[str, Any] | None:

@@ -13,23 +13,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN, POLAR, cartesian
 from squeezefilm.film.validity import OK
 from squeezefilm_workflow.reporting.figures import parts, style
 
-AXES = {
-    "load_n": ("load", "N", 1.0),
-    "h0_m": ("mean gap $h_0$", "µm", 1e6),
-    "hv_m": ("amplitude $h_v$", "µm", 1e6),
-    "x_m": ("position $x$", "mm", 1e3),
-    "y_m": ("position $y$", "mm", 1e3),
-    "phi_r_m": (r"radial position $\phi_r$", "mm", 1e3),
-    "phi_deg": (r"angular position $\phi_\varphi$", "°", 1.0),
-    "force_n": ("mean force $F$", "N", 1.0),
-}
-"""Factors and results in words, the unit in which they are drawn, and how many of it make one of a
-column's."""
 MARKERS = "os^DvPX*<>ph"
 MOST_LINES = len(MARKERS)
 
@@ -92,13 +81,12 @@ def curve(table: pd.DataFrame) -> Figure:
 
 
 def _equation(name: str, value: float) -> str:
-    words, unit, size = AXES[name]
-    return f"{words.split()[-1]} = {value * size:.4g} {unit}"
+    column = COLUMNS[name]
+    return f"{column.title.split()[-1]} = {column.shown(value):.4g} {column.shown_unit}"
 
 
 def _label(name: str) -> str:
-    words, unit, _ = AXES[name]
-    return f"{words} ({unit})"
+    return f"{COLUMNS[name].title} ({COLUMNS[name].shown_unit})"
 
 
 def _lines(
@@ -115,13 +103,13 @@ def _lines(
     axes.set(xlabel=_label(along), ylabel=_label(result.column))
     axes.grid(True)
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, len(lines)))
-    size = AXES[result.column][2]
+    column = COLUMNS[result.column]
     for (_, rows), colour, marker in zip(lines, colours, cycle(MARKERS)):
         text = ", ".join(_equation(name, rows[name].iloc[0]) for name in others)
         rows = rows.sort_values(along)
-        at, value, error = rows[along] * AXES[along][2], rows[result.column] * size, rows["error"]
+        at, value = COLUMNS[along].shown(rows[along]), column.shown(rows[result.column])
         look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 3, "label": text}
-        axes.errorbar(at, value, error * size, **look)
+        axes.errorbar(at, value, column.shown(rows["error"]), **look)
         outside = ~rows["within"]
         look |= {"linestyle": "", "markerfacecolor": "white", "label": "", "zorder": 3}
         axes.plot(at[outside], value[outside], **look)
@@ -129,7 +117,7 @@ def _lines(
         figure.legend(loc="outside upper center", ncols=3)
     predicted = any("95" in name for name in result.errors if name in known)
     what = "prediction error (95 %)" if predicted else "numerical error and scan"
-    largest = f"{size * known['error'].max():.2g} {AXES[result.column][1]}"
+    largest = f"{column.shown(known['error'].max()):.2g} {column.shown_unit}"
     return figure, f"Bars: {what}, at most {largest}."
 
 
@@ -137,8 +125,10 @@ def _map(known: pd.DataFrame, result: Result, position: list[str]) -> tuple[Figu
     """The result over the pad's position."""
     at = {name: known[name] for name in position}
     x_m, y_m = (at if position == [*CARTESIAN] else cartesian(**at)).values()
-    size = AXES[result.column][2]
-    dots = pd.DataFrame({"x": 1e3 * x_m, "y": 1e3 * y_m, "value": size * known[result.column]})
+    column = COLUMNS[result.column]
+    dots = pd.DataFrame(
+        {"x": 1e3 * x_m, "y": 1e3 * y_m, "value": column.shown(known[result.column])}
+    )
     dots = dots.assign(within=known["within"]).round({"x": 9, "y": 9}).drop_duplicates(["x", "y"])
     figure, axes = style.subplots(height_in=3.2)
     try:
@@ -149,5 +139,5 @@ def _map(known: pd.DataFrame, result: Result, position: list[str]) -> tuple[Figu
         parts.dots(axes, dots[dots["within"] == within], fill=fill, x="x", y="y", markersize=2.6)
     axes.set(aspect="equal", xlabel=_label("x_m"), ylabel=_label("y_m"))
     figure.colorbar(drawn, ax=axes, shrink=0.8, pad=0.02, format="%g", label=_label(result.column))
-    error = f"Largest error: {size * known['error'].max():.2g} {AXES[result.column][1]}."
+    error = f"Largest error: {column.shown(known['error'].max()):.2g} {column.shown_unit}."
     return figure, f"{error} Colours: interpolated linearly between dots."
