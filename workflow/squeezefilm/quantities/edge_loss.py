@@ -131,13 +131,9 @@ def solved_with_edge(
 
 def pressure_of_inflow(films: Fields, coefficient: float) -> np.ndarray:
     """Return the pressure on the edge, P − 1, by the velocity of states that have some there."""
-    velocity = films.velocity.copy()
-    for k, axis in enumerate(films.axes_with_ends if films.unknowns.shape[1] > 1 else ()):
-        nodes = axis.all_nodes[: films.gap.shape[1 + k]]
-        deficit_at = axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
-        velocity[k][films.inside_across(k)] -= along(k, deficit_at, films.unknowns[:, 1 + k])
+    square = square_of_inflow(films, films.velocity_on_edge)
     reynolds = films.scenes.modified_reynolds[:, None, None, None]
-    return -coefficient * films.sigma * reynolds / 24 * square_of_inflow(films, velocity)
+    return -coefficient * films.sigma * reynolds / 24 * square
 
 
 def square_of_inflow(films: Fields, velocity: np.ndarray) -> np.ndarray:

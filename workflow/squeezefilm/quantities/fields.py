@@ -17,7 +17,7 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
-from squeezefilm.reynolds.spectral import Around, Axis, even_and_odd
+from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, even_and_odd
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
 
 
@@ -184,6 +184,16 @@ class Fields:
     def velocity(self) -> np.ndarray:
         """Mean velocity over the gap by pressure alone, ū = −(1/σ) ``mobility`` ∇P."""
         return self.slope * (self.mobility * (-1 / self.sigma))
+
+    @cached_property
+    def velocity_on_edge(self) -> np.ndarray:
+        """ū at the ends of x and of y along each: ``velocity`` less its deficit by inertia."""
+        velocity = self.velocity.copy()
+        for k, axis in enumerate(self.axes_with_ends if self.unknowns.shape[1] > 1 else ()):
+            nodes = axis.all_nodes[: self.gap.shape[1 + k]]
+            deficit_at = axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
+            velocity[k][self.inside_across(k)] -= along(k, deficit_at, self.unknowns[:, 1 + k])
+        return velocity
 
     @cached_property
     def mobility(self) -> np.ndarray:
