@@ -15,6 +15,7 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Scene
+from squeezefilm.quantities import derivatives as module
 from squeezefilm.quantities.derivatives import with_derivatives, with_number_changed
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import Derivatives
@@ -156,6 +157,42 @@ def test_a_gas_with_inertia_and_thermal_effects_has_derivatives() -> None:
         assert abs(found.value[name] - quotient) <= found.error[name] + 2e-3 * abs(quotient)
     # Another exponent would stand for thermal effects, which this gas has.
     assert np.isnan(found.value["polytropic_exponent"])
+
+
+@pytest.mark.parametrize("reynolds", [1.0, 3.0])
+def test_derivatives_with_thermal_effects_are_those_of_a_tight_tolerance(reynolds: float) -> None:
+    """A film beside another is a short step away, which one linear system does not take whole."""
+    scene = film(epsilon=0.13, sigma=100.0, profile=PISTON, inertia="included", thermal="included")
+    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
+    heavy = scene.with_gas(density_kg_per_m3=density)
+    some, closer = (derivatives(heavy, tolerance=tolerance) for tolerance in (1e-3, 1e-6))
+    for number, ratios in shares([some], [closer]).items():
+        assert max(ratios) < 0.3, number
+
+
+@pytest.mark.parametrize(
+    ("guard", "value"), [("DIFFERENCE_STEP", 3e-4), ("DIFFERENCE_STEP_ERROR", 0.0)]
+)
+def test_step_of_a_difference_is_in_the_error(guard: str, value: float, monkeypatch) -> None:
+    """Of a film that all but touches, at a tight tolerance; with another guard it is not."""
+    scene = film(epsilon=0.9, sigma=5.0, profile=PISTON)
+    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    how = {"tolerance": 1e-7, "names": ("h0_m",)}
+    solutions = solve([scene], tolerance=1e-7, method="periodic", keep_states=True)
+
+    def value_and_error() -> tuple[float, float]:
+        (solution,) = with_derivatives([scene], solutions, **how)
+        return solution.derivatives.value["h0_m"], solution.derivatives.error["h0_m"]
+
+    value_of_film, error = value_and_error()
+    with monkeypatch.context() as patched:
+        patched.setattr(module, guard, value)
+        value_without, error_without = value_and_error()
+    monkeypatch.setattr(module, "DIFFERENCE_STEP", 3e-6)
+    right, _ = value_and_error()
+    assert abs(value_of_film - right) <= error
+    assert abs(value_without - right) > error_without
 
 
 def test_what_has_no_derivatives_says_why() -> None:

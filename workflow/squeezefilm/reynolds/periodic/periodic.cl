@@ -94,6 +94,12 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 #define LINEAR_ROUNDING 1e-10
 #endif
 #define NONLINEARITY(g) ((g)->length == (g)->count ? 2.0 : 8.0)
+/* Steps by a linear system that lacks a part of the equation: what that leaves no one knows beforehand. */
+#ifdef HAS_thermal
+#define STEPS_LACK(film) ((film)->row->has_thermal)
+#else
+#define STEPS_LACK(film) 0
+#endif
 /* Newton steps that may fail, one after the other, to take a tenth off the least residual. */
 #define PATIENCE 8
 
@@ -163,7 +169,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
             square += factors[k] * factors[k];
         const double bent = fmax(change.x, change.y) * sqrt(square);
         left += LINEAR_ROUNDING * s.residual + NONLINEARITY(g) * bent;
-        if (share == 1.0 && left <= tolerance * fabs(s.mean)) {
+        if (share == 1.0 && left <= tolerance * fabs(s.mean) && !STEPS_LACK(film)) {
             s.residual = left;
             s.newton_steps++;
             s.status = CONVERGED;
