@@ -136,9 +136,8 @@ class Fields:
         """Return a vector field (..., 2, scenes, x, y, t) along the pad's x and y, for its mean."""
         if self.grid.outline is None:
             return vector
-        turned = (vector[..., 0, :, :, :, :] + 1j * vector[..., 1, :, :, :, :]) * (
-            self.turn / self.area
-        )
+        in_x, in_y = np.moveaxis(vector, -5, 0)
+        turned = (in_x + 1j * in_y) * (self.turn / self.area)
         return np.stack([turned.real, turned.imag], axis=-5)
 
     @cached_property

@@ -301,7 +301,7 @@ class Sample:
         self.largest = _extreme(state.unknowns[0], grid, sign=1)
         self.least = -_extreme(state.unknowns[0], grid, sign=-1)
         inert = scene.gas.inertia == "included"
-        self.momentum_n = momentum_out(self.fields) if inert else np.zeros(2)
+        self.momentum_n = momentum_out(self.fields).tolist() if inert else [0.0, 0.0]
 
     @cached_property
     def pressure(self) -> np.ndarray:
