@@ -201,7 +201,7 @@ def test_gas_that_flows_out_carries_its_velocity_along_the_rim(shape: str) -> No
     grid = Grid(32, 32, 24, fold_x=False, fold_y=False, outline=scene.pad.smooth_outline)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     unknowns = state.unknowns[0]
-    leaving = momentum_out(scene, grid, unknowns)
+    leaving = momentum_out(Fields.of([scene], grid, state.unknowns))
     expected = momentum_from_inside(scene, grid, unknowns)
     assert leaving == pytest.approx(expected, rel=2e-4)
 

@@ -175,11 +175,9 @@ def forces_of(
     errors = _scan_errors(with_force, smoothed, device=device, solved=solved)
     scans = dict(zip(known, errors, strict=False))
     warnings = smoothed.warnings if smoothed and errors else ()
+    known_of_device = device.name, settings.tolerance
     return [
-        Force(
-            *(scene, solution, beyond[k], scans.get(k), device.name, settings.tolerance),
-            (*warnings, *notes[k]),
-        )
+        Force(scene, solution, beyond[k], scans.get(k), *known_of_device, (*warnings, *notes[k]))
         for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
     ]
 
@@ -271,11 +269,8 @@ def budget_table(table: pd.DataFrame, film: Film) -> pd.DataFrame:
     """Return a table of scenes with the modelling error of each force."""
     scenes = film.solver().resolved(film.scenes(table))
     budgets = error_budgets(scenes, device=film.device)
-    rows = [
-        budget_row(budget) | {"validity": validity(scene)}
-        for scene, budget in zip(scenes, budgets, strict=True)
-    ]
-    return pd.concat([table, pd.DataFrame(rows)], axis=1)
+    rows = pd.DataFrame(list(map(budget_row, budgets)))
+    return pd.concat([table, rows.assign(validity=list(map(validity, scenes)))], axis=1)
 
 
 def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator[dict[str, Any]]]:

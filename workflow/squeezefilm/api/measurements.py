@@ -73,8 +73,7 @@ def _propagated(
         for sign in (1, -1)
         for k in rows
     ]
-    solved = solved_with(ends, settings=settings)
-    more, less = np.reshape([computed.force_n for computed in solved], (2, -1))
+    more, less = solved_with(ends, settings=settings).force_n.reshape(2, -1)
     parts_n[rows] = np.abs(more - less) / 2
     return parts_n
 

@@ -179,11 +179,6 @@ class Scene(OperatingPoints):
         rest = 1 + self.pad.gap.rise_m(x, y) / self.h0_m
         return rest[..., None] + self.epsilon * moved
 
-    @property
-    def narrowest(self) -> float:
-        """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        return float(self._alone.narrowest[0])
-
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and pad touch (``Scenes``)."""
         return float(self._alone.closure[0])

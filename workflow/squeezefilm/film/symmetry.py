@@ -262,13 +262,10 @@ def _axisymmetric(places: PadPositions) -> np.ndarray:
     if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:
         return same
     draw = np.random.default_rng(1)
-    radius, (angle, other) = (
-        draw.uniform(0, 0.5, MANY_POINTS),
-        draw.uniform(0, 2 * np.pi, (2, MANY_POINTS)),
-    )
-    rows = np.flatnonzero(
-        _same_around(places, radius[:FEW_POINTS], angle[:FEW_POINTS], other[:FEW_POINTS])
-    )
+    radius = draw.uniform(0, 0.5, MANY_POINTS)
+    angle, other = draw.uniform(0, 2 * np.pi, (2, MANY_POINTS))
+    few = (values[:FEW_POINTS] for values in (radius, angle, other))
+    rows = np.flatnonzero(_same_around(places, *few))
     for some in np.array_split(rows, 1 + len(rows) // POSITIONS_PER_BATCH):
         same[some] = _same_around(places.subset(some), radius, angle, other)
     x_m, y_m = landmarks_of(places.under.profile)

@@ -132,13 +132,9 @@ def pressure_of_inflow(films: Fields, coefficients: np.ndarray) -> np.ndarray:
     Args:
         coefficients: C of each scene, (scenes,).
     """
-    velocity = films.velocity.copy()
-    for k, axis in enumerate(films.axes_with_ends if films.unknowns.shape[1] > 1 else ()):
-        nodes = axis.all_nodes[: films.gap.shape[1 + k]]
-        deficit_at = axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
-        velocity[k][films.inside_across(k)] -= along(k, deficit_at, films.unknowns[:, 1 + k])
     scale = (coefficients * films.scenes.modified_reynolds)[:, None, None, None]
-    return -scale * films.sigma / 24 * square_of_inflow(films, velocity)
+    square = square_of_inflow(films, films.velocity_on_edge)
+    return -scale * films.sigma / 24 * square
 
 
 def square_of_inflow(films: Fields, velocity: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ an outline vectors are along its coordinates, times |dz/dζ|, and sources of mas
 the typical (reynolds/terms/outline.py).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import nan
@@ -17,7 +17,7 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
-from squeezefilm.reynolds.spectral import Around, Axis, even_and_odd
+from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, even_and_odd
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
 
 
@@ -58,8 +58,8 @@ class Fields:
         edge: P − 1 on the film's edge, a field that is zero inside and at corners.
         equation: the numbers of each scene's equation; they come as columns, to go with fields:
             ``number``.
-        rest_gap: H of the film at rest.
-        gap: H.
+        rest_gap, gap: H at rest, and H.
+        area, turn, bend: those of an outline at the nodes (grid.py), (x, y, 1).
     """
 
     scenes: Scenes
@@ -69,6 +69,9 @@ class Fields:
     equation: np.ndarray
     rest_gap: np.ndarray
     gap: np.ndarray
+    area: np.ndarray
+    turn: np.ndarray
+    bend: np.ndarray
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], grid: Grid, unknowns: np.ndarray) -> Self:
@@ -77,11 +80,14 @@ class Fields:
         equation = numbers_table(scenes, terms_of_all(scenes))
         nodes = (slice(len(weights_with_edge(axis))) for axis in (grid.x, grid.y))
         parts = gap_parts(scenes, grid).swapaxes(0, 1)[..., *nodes, None]
-        rest = 1 + numbers_of(equation, "per_rise", absent=0.0) * sum(parts[2:])
+        rest_gap = 1 + numbers_of(equation, "per_rise", absent=0.0) * sum(parts[2:])
         moving = numbers_of(equation, "epsilon", absent=0.0) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
-        gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
-        return cls(scenes, grid, unknowns, np.zeros_like(gap), equation, rest, gap)
+        gap = rest_gap + sum(map(np.multiply, moving, (sine, cosine)))
+        across = grid.x.all_nodes[: gap.shape[1]]
+        outline = (np.asarray(at(across))[..., None] for at in (grid.area, grid.turn, grid.bend))
+        ambient = np.zeros_like(gap)
+        return cls(scenes, grid, unknowns, ambient, equation, rest_gap, gap, *outline)
 
     @property
     def inner(self) -> tuple[slice, slice, slice]:
@@ -116,40 +122,23 @@ class Fields:
                 at_ends[-1] = -1.0
         return inward
 
-    @cached_property
-    def area(self) -> np.ndarray:
-        return self._on_nodes(self.grid.area)
-
-    @cached_property
-    def turn(self) -> np.ndarray:
-        return self._on_nodes(self.grid.turn)
-
-    @cached_property
-    def bend(self) -> np.ndarray:
-        return self._on_nodes(self.grid.bend)
-
-    def _on_nodes(self, of: Callable[[np.ndarray], np.ndarray | float]) -> np.ndarray:
-        """Return values of an outline at the nodes, (x, y, 1), or one of a rectangle."""
-        return np.asarray(of(self.grid.x.all_nodes[: self.gap.shape[1]]))[..., None]
-
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean over film and period, shape (..., scenes)."""
         along, around = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
         over_pad = self.area[..., 0] * self.grid.mean_area * np.multiply.outer(along, around)
         return np.asarray((values.mean(axis=-1) * over_pad).sum(axis=(-2, -1)))
 
+    def numbers(self, name: str, *, absent: float) -> np.ndarray:
+        """A number that a term gives the scenes, a column, or what it is without the term."""
+        return numbers_of(self.equation, name, absent=absent)
+
     def along_axes(self, vector: np.ndarray) -> np.ndarray:
         """Return a vector field (..., 2, scenes, x, y, t) along the pad's x and y, for its mean."""
         if self.grid.outline is None:
             return vector
-        turned = (vector[..., 0, :, :, :, :] + 1j * vector[..., 1, :, :, :, :]) * (
-            self.turn / self.area
-        )
+        in_x, in_y = np.moveaxis(vector, -5, 0)
+        turned = (in_x + 1j * in_y) * (self.turn / self.area)
         return np.stack([turned.real, turned.imag], axis=-5)
-
-    def numbers(self, name: str, *, absent: float) -> np.ndarray:
-        """A number that a term gives the scenes, a column, or what it is without the term."""
-        return numbers_of(self.equation, name, absent=absent)
 
     @cached_property
     def gauge_pressure_ratio(self) -> np.ndarray:
@@ -194,6 +183,16 @@ class Fields:
     def velocity(self) -> np.ndarray:
         """Mean velocity over the gap by pressure alone, ū = −(1/σ) ``mobility`` ∇P."""
         return self.slope * (self.mobility * (-1 / self.sigma))
+
+    @cached_property
+    def velocity_on_edge(self) -> np.ndarray:
+        """ū at the ends of x and of y along each: ``velocity`` less its deficit by inertia."""
+        velocity = self.velocity.copy()
+        for k, axis in enumerate(self.axes_with_ends if self.unknowns.shape[1] > 1 else ()):
+            nodes = axis.all_nodes[: self.gap.shape[1 + k]]
+            deficit_at = axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
+            velocity[k][self.inside_across(k)] -= along(k, deficit_at, self.unknowns[:, 1 + k])
+        return velocity
 
     @cached_property
     def mobility(self) -> np.ndarray:

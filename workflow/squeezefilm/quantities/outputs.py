@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import isnan
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
@@ -28,8 +28,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import planned, solve
-from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, flux_points
-from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.spectral import Around, flux_points
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_outputs
 
@@ -302,7 +301,7 @@ class Sample:
         self.largest = _extreme(state.unknowns[0], grid, sign=1)
         self.least = -_extreme(state.unknowns[0], grid, sign=-1)
         inert = scene.gas.inertia == "included"
-        self.momentum_n = momentum_out(scene, grid, state.unknowns) if inert else (0.0, 0.0)
+        self.momentum_n = momentum_out(self.fields).tolist() if inert else [0.0, 0.0]
 
     @cached_property
     def pressure(self) -> np.ndarray:
@@ -386,8 +385,8 @@ def _extreme(field: np.ndarray, grid: Grid, *, sign: int) -> float:
     return float(max(0.0, sign * field[best], -size * minimum.fun))
 
 
-def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float, float]:
-    """Momentum ⟨∮ρ h β ū ū·n⟩ that a gas with inertia carries over the edge, in newtons.
+def momentum_out(film: Fields) -> np.ndarray:
+    """Momentum ⟨∮ρ h β ū ū·n⟩ that a gas with inertia carries over the edge of a film, in newtons.
 
     The momentum equation integrated over gap, pad and period says that both walls together give the
     gas ⟨∫h∇p⟩ and what leaves over the edge, β = 6/5 for a parabola across the gap; and each gives
@@ -395,94 +394,51 @@ def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float,
     across the gap that was true of the shear at the wall to 2e-6, 1e-5 and 3e-4 of it at Re 0.45,
     1.8 and 7.2, where what leaves is 1.7, 7 and 30 % of the shear.
 
-    Args:
-        unknowns: gauge pressure and the velocity's deficits along x and y (terms/inertia.py), shape
-            (3, nx, ny, nt).
+    Returns:
+        Those along the pad's x and y, shape (2,).
     """
-    if grid.fold_x and grid.fold_y:  # as much leaves on each side as on the other
-        return 0.0, 0.0
+    (scene,), grid = film.scenes, film.grid
+    momentum_n, uneven = np.zeros(2), ~np.array([grid.fold_x, grid.fold_y])
     speed = scene.actuator.angular_frequency_rad_per_s * scene.pad.length_x_m
     per_length = scene.gas.density_kg_per_m3 * speed**2 * scene.h0_m
-    whole = Grid(grid.x.full_points, grid.y.full_points, grid.nt, False, False, grid.outline)
-    unfolded = _unfolded(unknowns, grid, whole)
-    if outline := grid.outline:
-        along, around = _momentum_flux_at_ends(scene, whole, unfolded, which=0)[:, 1]
-        # ū ū·n dl, the velocity being that times |z′| over typical lengths.
-        ways = (along + 1j * around) / outline.slope(
-            np.array(outline.edge_mu), whole.y.nodes
-        ).conj()
-        around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
-        momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
-    else:
-        momentum_n = np.zeros(2)
-        for which, side_m in enumerate((scene.pad.length_y_m, scene.pad.length_x_m)):
-            weights = (whole.y, whole.x)[which].weights
-            first, last = (_momentum_flux_at_ends(scene, whole, unfolded, which=which) @ weights).T
+    for k, axis in enumerate(film.axes_with_ends if uneven.any() else ()):
+        flux = _momentum_flux_at_ends(film, k)
+        if outline := grid.outline:  # both ends of μ are all of the edge; ū is that times |z′|
+            along, around = flux[:, 0]
+            ways = (along + 1j * around) / film.turn[0, :, 0].conj() / outline.typical_stretch**0.5
+            around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
+            momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
+        else:
+            side_m = (scene.pad.length_y_m, scene.pad.length_x_m)[k]
+            over_side = (flux @ (grid.y, grid.x)[k].weights).sum(axis=1) * (1 + axis.folded)
             # Along the axis and across it, in the order of x and y.
-            momentum_n += np.roll(last - first, which) * per_length * side_m
+            momentum_n += np.roll(over_side, k) * per_length * side_m
     # Of an even film as much leaves on both sides, to both sides.
-    in_x, in_y = np.where([grid.fold_x, grid.fold_y], 0.0, momentum_n).tolist()
-    return in_x, in_y
+    return momentum_n * uneven
 
 
-def _unfolded(unknowns: np.ndarray, grid: Grid, whole: Grid) -> np.ndarray:
-    """Return a state with inertia on a grid of the same nodes and no symmetry."""
-    nodes = grid.x.at(whole.x.nodes), grid.y.at(whole.y.nodes)
-    flux = [
-        flux_points(one).interpolation_to(flux_points(other))  # type: ignore[arg-type]
-        for one, other in ((grid.x, whole.x), (grid.y, whole.y))
-    ]
-    matrices = nodes, (flux[0], nodes[1]), (nodes[0], flux[1])
-    return np.stack(
-        [
-            np.einsum("pa,abi,qb->pqi", in_x, field, in_y, optimize=True)
-            for (in_x, in_y), field in zip(matrices, unknowns, strict=True)
-        ]
+def _momentum_flux_at_ends(film: Fields, k: int) -> np.ndarray:
+    """Return ⟨ρ h β ū·n ū⟩ along x or y and across it, at its ends: (2, ends, nodes inside)."""
+    axis, other = film.axes_with_ends[k], (film.grid.y, film.grid.x)[k]
+    ends = [0] if axis.folded else [0, -1]
+    at = film.inside_across(k)
+    gap, velocity, outward = (
+        np.moveaxis(each[at], 1 + k, 1)[0, ends]
+        for each in (film.gap, film.velocity_on_edge[k], -film.inward[k])
     )
-
-
-def _momentum_flux_at_ends(
-    scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int
-) -> np.ndarray:
-    """⟨ρ h β ū_n ū⟩ along an axis and across it, at both of its ends, (2, 2, nodes)."""
-    gap, velocity = at_ends(scene, grid, unknowns, which=which)
+    # No pressure drives gas along the edge: its velocity there is the deficit's alone. Gas that
+    # comes in has none.
+    tangential = np.moveaxis(film.unknowns[0, 2 - k], k, 0)
+    near = np.stack([tangential[:4], tangential[:-5:-1]])[: len(ends)]
+    at_edge = -np.einsum("j,ejqt->eqt", axis.to_end, near)
+    out = outward * velocity / film.numbers("reversing", absent=nan)[0]
+    carried = flux_points(other).to_inner @ at_edge * (0.5 + 0.5 * out / np.sqrt(1 + out**2))
     # Mean square of a velocity across the gap over the square of its mean: with slip it is
     # ζ(1 − ζ) + Kn/H, ζ across the gap. There the gas has ambient density.
-    slip = scene.slip_knudsen / gap
+    slip = film.scenes[0].slip_knudsen / gap
     spread = (1 / 30 + slip / 3 + slip**2) / (1 / 6 + slip) ** 2
-    return np.asarray((spread * gap * velocity[0] * velocity).mean(axis=-1))
-
-
-def at_ends(
-    scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Gap over h0 and mean velocity over ω l0 at both ends of an axis of a grid without symmetry.
-
-    The axis is ``which``, 0 or 1, and places are the nodes of the other one: (2, nodes, nt), of the
-    velocity that along the axis, then that across it. Gas that comes in has none across.
-    """
-    along, other = (grid.x, grid.y) if which == 0 else (grid.y, grid.x)
-    assert isinstance(along, Axis)
-    pressure, deficit, tangential = (
-        np.moveaxis(unknowns[k], which, 0) for k in (0, 1 + which, 2 - which)
-    )
-    ends = np.array([0.0, 1.0])
-    length = grid.lengths(scene.aspect)[which]
-    slope = np.tensordot(along.derivative[[0, -1], 1:-1] / length, pressure, axes=1)
-    missing = np.tensordot(FluxPoints(along).at(ends), deficit, axes=1)
-    coordinates = np.meshgrid(ends, other.nodes, indexing="ij")
-    if grid.outline:
-        x, y = grid.outline.positions(*coordinates)
-    else:
-        x, y = coordinates if which == 0 else coordinates[::-1]
-    gap = scene.gap(x, y, grid.t.nodes)
-    velocity = -gap * (gap + 6 * scene.slip_knudsen) / scene.sigma * slope - missing
-    # No pressure drives gas along the edge: its velocity there is the deficit's alone.
-    near = np.stack([tangential[:4], tangential[:-5:-1]])
-    at_edge = -np.einsum("j,ejai->eai", along.to_end, near)
-    carried = np.einsum("qa,eai->eqi", flux_points(other).to_nodes, at_edge)
-    out = np.array([-1, 1])[:, None, None] * velocity / Inertia().numbers(scene)["reversing"]
-    return gap, np.stack([velocity, carried * (0.5 + 0.5 * out / np.sqrt(1 + out**2))])
+    both = np.stack([velocity, carried])
+    return np.asarray((spread * gap * outward * velocity * both).mean(axis=-1))
 
 
 # Half the distance of numbers in a difference quotient, relative; taken once more twice as wide,

@@ -88,14 +88,13 @@ def thrust_change(scene: Scene, solution: Solution, *, device: Device) -> np.nda
     """
     in_y = np.array([1.0, solution.states[0].grid.fold_y == 0])
 
-    def on_grid(films: Fields) -> np.ndarray:
-        source = mass_source(films)
+    def on_grid(own: Fields) -> np.ndarray:
         pressed = []
-        for added in ({}, {"edge_flow": source}):
-            films, means = solved_beside(films, added, tolerance=THRUST_TOLERANCE, device=device)
-            known = np.where(np.isnan(means), nan, 0.0)[:, None, None, None]
-            # −(h/2) ∇p, and p on the pad's own slope.
-            pressed.append((films.rest_gap - films.gap / 2) * films.slope + known)
+        for added in ({}, {"edge_flow": mass_source(own)}):
+            films, means = solved_beside(own, added, tolerance=THRUST_TOLERANCE, device=device)
+            # −(h/2) ∇p, and p on the pad's own slope; NaN where there is no state.
+            by_slope = (films.rest_gap - films.gap / 2) * films.slope
+            pressed.append(by_slope + 0 * means[:, None, None, None])
         parts = (pressed[1] - pressed[0], *stress_on_pad(films))
         by_place = films.along_axes(np.stack(parts, axis=1))
         by_part = films.mean(by_place)

@@ -466,7 +466,7 @@ class FluxPoints:
         spread = axis.inverse_radius[1:-1, None] * to_nodes
         return {
             "values": parts(axis.fold(to_points[:, 1:-1])),
-            "nodes": parts(axis.fold(to_nodes, odd=True)),
+            "nodes": parts(self.to_inner),
             "slope": parts(axis.fold(slope)) / length,
             "along": parts(axis.fold(self._derivative, odd=True)) / length,
             "divergence": parts(axis.fold(to_nodes @ self._derivative + spread, odd=True)) / length,
@@ -479,6 +479,11 @@ class FluxPoints:
     def to_nodes(self) -> np.ndarray:
         """Interpolation from all points to all nodes inside, (full_points, full_points)."""
         return self.at(self.axis.all_nodes[1:-1])
+
+    @property
+    def to_inner(self) -> np.ndarray:
+        """The velocity along the axis at the nodes that carry unknowns, shape (n, n)."""
+        return self.axis.fold(self.to_nodes, odd=True)
 
     def interpolation_to(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""
@@ -523,8 +528,8 @@ class AroundPoints:
         return {**values, **ends, "slope": even, "across": even, "along": odd, "divergence": odd}
 
     @property
-    def to_nodes(self) -> np.ndarray:
-        return np.eye(self.axis.full_points)
+    def to_inner(self) -> np.ndarray:
+        return np.eye(self.axis.points)
 
     def interpolation_to(self, finer: AroundPoints) -> np.ndarray:
         return self.axis.at(finer.axis.nodes, odd=True)

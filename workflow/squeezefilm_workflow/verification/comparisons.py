@@ -139,7 +139,7 @@ def forces_and_errors(
     """Forces and their errors, NaN where there is none, shape (2, n)."""
     settings = study.solver(tolerance=tolerance, outputs=())
     solutions = solve(settings.resolved(scenes), **settings.how)
-    return np.array([(solution.force_n, solution.force_error_n) for solution in solutions]).T
+    return np.array([solutions.force_n, solutions.force_error_n])
 
 
 def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:

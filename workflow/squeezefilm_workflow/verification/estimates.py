@@ -139,11 +139,9 @@ def direct_forces(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
 
 
 def _forces(scenes: Sequence[Scene], tolerance: float) -> np.ndarray:
-    solved = solve(scenes, tolerance=tolerance, method="periodic") if scenes else []
-    pairs = zip(scenes, solved, strict=True)
-    return np.array(
-        [np.array([one.force_n, one.force_error_n]) / scene.force_scale_n for scene, one in pairs]
-    )
+    solved = solve(scenes, tolerance=tolerance, method="periodic")
+    scale_n = np.array([scene.force_scale_n for scene in scenes])
+    return np.stack([solved.force_n, solved.force_error_n], axis=-1) / scale_n[:, None]
 
 
 @contextmanager

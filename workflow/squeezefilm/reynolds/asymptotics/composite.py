@@ -385,11 +385,6 @@ def expanded(
     return found
 
 
-def _reynolds(scenes: Scenes) -> np.ndarray:
-    """Reynolds numbers as expansions have them: 0 without inertia."""
-    return np.where(scenes.gas.inertia == "included", scenes.modified_reynolds, 0.0)
-
-
 def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
     like = scenes.films[scenes.film_index[0]]
@@ -403,6 +398,6 @@ def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
         np.concatenate(amplitudes)[which].reshape(-1, *x.shape),
         aspect=scenes.aspect,
         slip=6 * scenes.slip_knudsen,
-        reynolds=_reynolds(scenes),
+        reynolds=np.where(scenes.gas.inertia == "included", scenes.modified_reynolds, 0.0),
         rest=None if like.pad.gap.flat else 1 + rise_m / scenes.h0_m[:, None, None],
     )

@@ -92,22 +92,14 @@ def first_grids(
     for kind, film, rows_of_group in _groups_of_equal_terms(plan, rows):
         terms, pad = plan.kinds[kind], film.pad
         outline = _outline_of(pad, terms)
-        part_of_tolerance, step = FIRST_GRID_FRACTION, MULTIPLE_FAST
+        part, step = FIRST_GRID_FRACTION, MULTIPLE_FAST
         if pad.smooth_outline is None and not with_velocities(terms) and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
-            part_of_tolerance, step = (
-                1.0 if tolerance > TIGHT_BELOW else TIGHT_GRID_FRACTION,
-                MULTIPLE_LEAST,
-            )
-        columns = _points(
-            plan,
-            rows_of_group,
-            film,
-            tolerance=tolerance,
-            part_of_tolerance=part_of_tolerance,
-            step=step,
-        )
+            part = 1.0 if tolerance > TIGHT_BELOW else TIGHT_GRID_FRACTION
+            step = MULTIPLE_LEAST
+        how: dict[str, Any] = {"tolerance": tolerance, "part_of_tolerance": part, "step": step}
+        columns = _points(plan, rows_of_group, film, **how)
         numbers = np.arange(len(plan.scenes))[rows_of_group]
         for rows_on_grids in rows_by_value(*columns):
             grids = _sequence(tuple(columns[:, rows_on_grids[0]].tolist()), outline, room, step)
@@ -126,12 +118,8 @@ def missed_profile_fraction(tolerance: float) -> float:
 
 def nodes_for_profile(plan: Plan, *, tolerance: float) -> np.ndarray:
     """Least nodes along x and y that resolve the profile, (n, 2)."""
-    missed_fraction = missed_profile_fraction(tolerance)
-    return plan.once(
-        "nodes",
-        lambda missed_fraction: plan.samples(missed_fraction).nodes(missed_fraction),
-        missed_fraction,
-    )
+    missed = missed_profile_fraction(tolerance)
+    return plan.once("nodes", lambda missed: plan.samples(missed).nodes(missed), missed)
 
 
 def unseen_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
