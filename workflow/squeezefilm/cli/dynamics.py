@@ -58,17 +58,20 @@ def levitate(options: argparse.Namespace) -> None:
 
     There is no gap where no gap carries the load, where the modelling error exceeds a tenth of the
     gap, and outside the limits of validity of the film equation. The `status` of a row gives the
-    reason; a single load ends with exit status 1 and the range of loads that have a gap.
+    reason; a single load ends with exit status 1 and the range within the limits of validity.
     `stiffness_n_per_m` is −∂F/∂h0 for slow motion at constant amplitude; its error does not contain
     the noise of the scan. `stable` refers to vertical motion only.
 
     `other_gaps_m` are approximate smaller gaps that carry the same load. Without --load the load is
     the weight of the mass. With a mass, `resonance_hz` = |Im s|/2π and `damping_ratio` = −Re s/|s|
     (1 is critical) describe its vertical free oscillation exp(st), where s is the root of the
-    equation of motion with the film's stiffness at s. `modelling_error_lower_percent` and
-    `…_upper_percent` bound the change of the force by neglected effects; they are unknown with the
-    effects in `unknown_effects`. `note` gives the terms that `auto` does not include, those
-    included near their limit, and the reason for a missing resonance.
+    equation of motion with the film's stiffness at s. Their errors hold that of this stiffness, at
+    the gap found.
+
+    `modelling_error_lower_percent` and `…_upper_percent` bound the change of the force by neglected
+    effects; they are unknown with the effects in `unknown_effects`. `note` gives the terms that
+    `auto` does not include, those included near their limit, and the reason for a missing
+    resonance. Of several loads each gap is told on stderr as soon as it is known.
     """
     film = film_at(options)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")

@@ -63,8 +63,8 @@ TABLE_LOADS, TABLE_AMPLITUDES = 8, 4
 # Free oscillations are given up to this share of the vibration's frequency: on discs (σ 60–3000, ε
 # 0.05–0.8) stiffness there was within 1.5 % of the full equation's.
 MOST_OSCILLATION = 0.3
-# Relative error of the averaged film's stiffness over ε² |s|/ω and the edge layer's thickness: 1.5
-# times what the worst of those discs needed.
+# Error of the averaged film's stiffness in p0 over ε², |s|/ω and the edge layer's thickness: twice
+# what the worst of those discs needed up to there.
 AVERAGING_FACTOR = 2.0
 # Excursion ratio that stands for none, and the steps to a root of the equation of motion.
 TINY_EPSILON = 1e-6
@@ -437,6 +437,11 @@ def _root_of_motion(
     return complex(nan), complex(nan)
 
 
+def averaging_error(epsilon: float, rate: Any, layer_thickness: float) -> Any:
+    """Error of the averaged film's K(s) − K(0), in units of p0, at a rate |s|/ω."""
+    return AVERAGING_FACTOR * epsilon**2 * layer_thickness * rate
+
+
 def _stiffness_error(
     film: AveragedFilm, scene: Scene, root: complex, lag: float, slow: float
 ) -> float:
@@ -450,8 +455,7 @@ def _stiffness_error(
     rest = replace(film, epsilon=TINY_EPSILON)
     stiffness, by_motion = film.stiffness(rates, lag), rest.stiffness(rates, lag)
     excursion = film.epsilon * float(np.abs(film.grid.s).max())
-    layer_lag = abs(root) * film.layer_thickness
-    averaging = AVERAGING_FACTOR * excursion**2 * layer_lag * abs(stiffness[1])
+    averaging = averaging_error(excursion, abs(root), film.layer_thickness)
     # What the vibration adds is in error by about as much as it is in slow motion.
     by_vibration = abs(np.diff(stiffness - by_motion)[0])
     vibration = abs(slow / stiffness[0] - 1) * by_vibration
