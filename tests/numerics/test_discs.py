@@ -79,7 +79,7 @@ def test_errors_fall_through_the_foci():
     pad = scene.pad.smooth_outline
     errors = [
         abs(solve_batch([scene], grid, tolerance=1e-9, device=choose_device()).mean[0] - expected)
-        for grid in (Grid(n, n // 2, 16, True, True, pad) for n in (8, 12, 16))
+        for grid in (Grid(n, n // 2, 16, True, True, pad) for n in (8, 12, 16, 20))
     ]
     assert all(fine < coarse / 5 for coarse, fine in pairwise(errors))
     assert errors[-1] < 2e-5 * expected
