@@ -32,7 +32,7 @@ Snakemake runs no script there. Move the folder to a path without)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability mutants docs pictures lint format lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability mutants docs pictures lint format lock resume clean test-cluster test-fresh
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -51,6 +51,7 @@ help:
 	@echo "make mutants  a wrong sign in each formula, which the tests beside it must find; minutes"
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make test-install   the library from its wheel, in an environment of its own; needs a network"
+	@echo "make test-fresh     a Debian 12 and 13 as a newcomer has them; FRESH=quick: in short; root only"
 	@echo "make docs     the documentation as pages of HTML: $(DOCS)"
 	@echo "make pictures  the pictures of the documentation; minutes, nothing else should run"
 	@echo "make lint     style, types, and Snakemake's own advice"
@@ -112,6 +113,11 @@ test-browser: $(VENV)/.dev
 test-install: $(VENV)/.dev
 	$(RUN) pytest tests/install
 
+# Not in .ci/run: minutes of installation. FRESH=quick is its short form.
+test-fresh: $(VENV)/.dev
+	@command -v mmdebstrap >/dev/null || $(call debian,mmdebstrap)
+	$(RUN) pytest -s --durations=0 tests/fresh $(if $(FRESH),-k $(FRESH))
+
 # Warnings are errors: a link that leads nowhere is one.
 docs: $(VENV)/.dev
 	$(RUN) sphinx-build -q -W --keep-going -b html docs $(DOCS)
@@ -165,6 +171,8 @@ clean:
 	rm -rf $(OURS:%=results/%) results/report.html
 	@find results -mindepth 1 -maxdepth 1 ! -name README.md -exec echo "kept: {}" \;
 	rm -rf $(VENV) .snakemake .mypy_cache .pytest_cache .ruff_cache benchmarks logs
+	@cache="$${XDG_CACHE_HOME:-$$HOME/.cache}"; echo "outside this folder, yours to remove:" \
+		"compiled kernels in $${POCL_CACHE_DIR:-$$cache/pocl} and $$cache/pyopencl"
 
 # The packages as pinned, checked by their hashes; the library itself in place.
 $(VENV)/.run: requirements.lock pyproject.toml | $(BIN)/python

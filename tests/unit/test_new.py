@@ -1,5 +1,6 @@
 """A new study is there with one command, runs as it is, and nothing is ever written over."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -93,7 +94,14 @@ def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path):
     for study in ("paper", "mine"):
         (tmp_path / "results" / study).mkdir(parents=True)
     done = subprocess.run(
-        ["make", "clean"], cwd=tmp_path, capture_output=True, text=True, check=True
+        ["make", "clean"],
+        cwd=tmp_path,
+        env={**os.environ, "POCL_CACHE_DIR": "/kernels", "XDG_CACHE_HOME": "/caches"},
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert [path.name for path in (tmp_path / "results").iterdir()] == ["mine"]
     assert "kept: results/mine" in done.stdout
+    outside = "outside this folder, yours to remove: compiled kernels in /kernels and /caches/"
+    assert outside in done.stdout

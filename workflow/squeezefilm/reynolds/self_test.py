@@ -134,7 +134,7 @@ raise SystemExit(0 if solution.status == "ok" else solution.status)
 
 
 def check_survival(option: str | None) -> None:
-    """Solve films and a force in another process, as a user's command does.
+    """Solve films and a force in another process, as each command is one.
 
     Args:
         option: part of the wanted device's name, as in ``choose_device``.

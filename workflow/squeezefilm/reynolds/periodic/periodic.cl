@@ -190,11 +190,14 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
  * results: per row what is said of it; then, where the row says, the mean of p over the period
  *          (nx, ny) and the state, a first guess on entry if there is one: p (nx, ny, nt) and the
  *          terms' own unknowns. One array, for each that the host
- *          waits for costs it as much as a small solve. */
-__kernel void periodic_state(const int scenes, const int most_newton, __global const int *begins,
-                             __global const Row *rows, matrix values, field results,
-                             __global int *queue, field workspace, const ulong workspace_size,
-                             __local double *scratch)
+ *          waits for costs it as much as a small solve.
+ *
+ * The hint says that the kernel computes with vectors by itself: Intel's compiler would otherwise
+ * look for minutes how to put several work-items into one. */
+__kernel __attribute__((vec_type_hint(double4))) void
+periodic_state(const int scenes, const int most_newton, __global const int *begins,
+               __global const Row *rows, matrix values, field results, __global int *queue,
+               field workspace, const ulong workspace_size, __local double *scratch)
 {
     __local int taken;
 
