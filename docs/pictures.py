@@ -33,6 +33,10 @@ TABLES = {
     " --config config/levitation.yaml --output {table}",
 }
 """Commands of the pages whose table is drawn by `squeezefilm plot`."""
+PRESSURE = (
+    "squeezefilm pressure --h0 5um --hv 2.2um --x 2mm --output {field} --config config/paper.yaml"
+)
+PICTURES = [*FIGURES, *(f"pictures/{name}.png" for name in (*TABLES, "pressure"))]
 
 
 def run(command: str) -> None:
@@ -62,7 +66,10 @@ def main() -> None:
             run(command.format(table=table))
             words = "profile " * (name == "profile")
             run(f"squeezefilm plot {words}{table} --output docs/pictures/{name}.png")
-    for place in [*FIGURES, *(f"pictures/{name}.png" for name in TABLES)]:
+        field = f"{folder}/field.nc"
+        run(PRESSURE.format(field=field))
+        run(f"squeezefilm plot-pressure {field} --output docs/pictures/pressure.png")
+    for place in PICTURES:
         with_palette(DOCS / place)
 
 

@@ -76,6 +76,7 @@ BY_HAND = {
     "squeezefilm-verification auto-terms --films 200 --output TABLE.csv": "an hour",
     "squeezefilm-verification estimates --films 5000 --seed 41 --output FORCES.csv "
     "--summary TABLE.csv": "an hour of a core; four such films are a test",
+    "make pictures": "minutes, and needs a machine where nothing else runs",
     "make benchmarks": "needs a machine where nothing else runs",
     "pip install pyarrow": "a part of requirements-dev.lock",
     "make lock": "takes the newest versions of all packages from the network",

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.config.loading import load_config
+from squeezefilm.config.loading import load_config, notes_on
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.studies.plans import scenes_of
@@ -142,3 +142,24 @@ def test_line_ends_and_byte_order_mark_do_not_matter(paper, tmp_path):
     plain = tmp_path / "plain.yaml"
     plain.write_text(paper, encoding="utf-8")
     assert dict(load(path)) == dict(load(plain))
+
+
+@pytest.mark.parametrize(
+    ("profile", "models", "count"),
+    [
+        ("{kind: standing-wave, wavelength: 12 mm}", "{}", 1),
+        ("{kind: standing-wave, wavelength: 12 mm}", "{mine: {expression: t0*cos(500*x)}}", 0),
+        ("{kind: piston}", "{}", 0),
+    ],
+)
+def test_a_standing_wave_without_a_model_that_repeats_is_noted(profile, models, count, tmp_path):
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        f"study: mine\nactuator: {{frequency: 40 kHz, surface_radius: 10 mm, profile: {profile}}}\n"
+        "pad: {length_x: 4 mm, length_y: 4 mm}\n"
+        "screen: {h0: {start: 5 µm, stop: 10 µm}, hv: {start: 0.2 µm, stop: 2 µm}}\n"
+        f"extrapolation: {{force: 0.1 N}}\nmodels: {models}\n",
+        encoding="utf-8",
+    )
+    notes = [note for note in notes_on(load_config(path)) if "standing wave" in note]
+    assert len(notes) == count

@@ -113,3 +113,9 @@ def test_outside_the_declared_space_a_fit_is_not_validated(point, note):
     found = interval(drawn(100, seed=1))
     (outside,) = found.outside(Factors.of(**{"h0_m": 6e-6, "hv_m": 1e-6} | point))
     assert (note in outside) if note else outside == ""
+
+
+def test_the_space_is_in_the_symbols_of_formulas():
+    """A direction is φ and a distance r, as in the nomenclature; not the paper's φφ and φr."""
+    space = interval(drawn(200, seed=1)).space
+    assert space == "h0 5 to 10 µm, hv 0.2 to 2 µm, r 0 to 2 mm, φ 0 to 45 °"

@@ -57,7 +57,7 @@ def test_every_picture_of_a_page_is_there_small_and_made_by_a_command(repository
     ]
     assert not [picture for picture in shown if not picture.is_file()]
     made = runpy.run_path(str(repository / "docs" / "pictures.py"))
-    known = {*made["FIGURES"], *(f"pictures/{name}.png" for name in made["TABLES"])}
+    known = {*made["PICTURES"]}
     kept = [path for path in (repository / "docs").rglob("*.png") if "_build" not in path.parts]
     assert {path.relative_to(repository / "docs").as_posix() for path in kept} <= known
     assert {path.resolve() for path in kept} == {*shown}

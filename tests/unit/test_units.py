@@ -90,3 +90,7 @@ def test_a_stiffness_is_shown_without_an_exponent():
     row = {"static_stiffness_n_per_m": 61760.0, "static_stiffness_error_n_per_m": 820.0}
     assert in_lines(row) == "static stiffness  61.76 ± 0.82 kN/m"
     assert in_lines({"static_stiffness_n_per_m": 320.0}) == "static stiffness  320 N/m"
+
+
+def test_a_zero_has_no_sign():
+    assert in_lines({"centre_x_m": -0.0, "centre_x_error_m": 0.0}) == "centre x  0 ± 0 m"

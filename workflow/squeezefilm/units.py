@@ -178,7 +178,7 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
     if not math.isfinite(value):
         return "", ""
     if error == 0:
-        return f"{value:g}", "0"
+        return f"{value:zg}", "0"
     if not math.isfinite(error):
         return f"{value:.3g}", "unknown"
     size = rounded_up(abs(error))

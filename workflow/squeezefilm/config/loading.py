@@ -23,7 +23,7 @@ from squeezefilm.config.keys import Part, allowed, key_path_of, part_at, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
-from squeezefilm.film.profiles import Sinc
+from squeezefilm.film.profiles import Sinc, StandingWave
 from squeezefilm.film.scene import Actuator
 from squeezefilm.sections import KeyPath, key_of
 from squeezefilm.units import DECIMAL, examples
@@ -261,14 +261,20 @@ OF_PAPER = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
 
 
 def notes_on(config: Study) -> Iterator[str]:
-    """Yield notes on numbers without a unit that lie outside USUAL_MAGNITUDES, and on the paper.
+    """Yield notes on what is valid and probably not meant.
 
-    The latter where a study of the paper has another actuator.
+    Numbers without a unit that lie outside USUAL_MAGNITUDES, a study of the paper with another
+    actuator, a standing wave without a model that repeats along it.
     """
     if config.paper and config.actuator != OF_PAPER:
         yield (
             "paper: true is of the paper's actuator (43.27 kHz, sinc of 109.8 1/m, 10 mm); here "
             "its claims compare numbers of another; leave paper out"
+        )
+    if isinstance(config.actuator.profile, StandingWave) and not config.models:
+        yield (
+            "models: the force repeats along a standing wave, and formulas in x**2 + y**2 do not; "
+            "add one with cos(4*pi*x/wavelength) (docs/reference/formulas.md)"
         )
     for place, value in config.written.items():
         unit = unit_of(_schema_part(config, place))
