@@ -150,7 +150,9 @@ if PAPER:
                 caption="claims",
             ),
             [
-                listed(f"report/table{number}.html", CATEGORY["Tables"], caption="table", table=number)
+                listed(
+                    f"report/table{number}.html", CATEGORY["Tables"], caption="table", table=number
+                )
                 for number in TABLES
             ],
             "<results>/claims.csv",
