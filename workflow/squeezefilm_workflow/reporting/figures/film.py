@@ -124,7 +124,9 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     name, unit = (r"$\phi_\varphi$", "°") if on_disc else ("$y$", " mm")
     least, largest = ends_of_other
     if scattered:
-        return f"squares: positions, {name} from {least:.3g} to {largest:.3g}{unit}."
+        return f"squares: positions, {name} from {least:.3g} to {largest:.3g}{unit}.".replace(
+            "-", "−"
+        )
     return f"circles: {name} = {least:g}{unit}, squares: {name} = {largest:g}{unit}."
 
 
