@@ -33,7 +33,7 @@ nb_execution_mode, nb_execution_timeout, nb_execution_raise_on_error = "force", 
 html_theme, html_title, html_show_copyright = "furo", f"squeezefilm {version}", False
 html_static_path, html_css_files = ["_static"], ["site.css"]
 exclude_patterns = ["_build", "**/_generated"]
-autodoc_member_order = "bysource"
+autodoc_member_order, default_role = "bysource", "py:obj"
 GENERATED = HERE / "reference" / "_generated"
 HEAD_OF_LIMITS = (
     "| quantity | films | modelling error unverified above | equation invalid above | source |",

@@ -97,3 +97,26 @@ def test_the_colours_of_the_forces_reach_over_all_of_them():
     low, high = figure.axes[-1].get_ylim()
     assert low <= 0.0012
     assert high >= 0.78
+
+
+def test_a_note_is_as_wide_as_its_figure():
+    line = (
+        "Beyond Re 10 from h0 = 34.6 µm: Re = ρωh0²/μ is 10.2 at 35 µm (thermal effects included)."
+    )
+    with style.settings():
+        figure = style.new_figure()
+        style.add_note(figure, line)
+        (note,) = figure.texts
+        inside = note.get_window_extent()
+    assert note.get_text().replace("\n", " ") == line
+    assert inside.x1 <= figure.bbox.x1
+
+
+def test_positions_that_share_no_coordinate_are_not_joined():
+    table = budget([""] * 12).drop(columns=["phi_r_m", "phi_deg"]).assign(x_m=0.0, y_m=0.0)
+    positions = pd.concat(table.assign(x_m=1e-3 * k, y_m=2e-3 + 1e-3 * k**2) for k in range(5))
+    with style.settings():
+        figure = film.error_budget(results(screen=table, four_factor=positions))
+    lines = [line for line in figure.axes[5].lines if len(line.get_xdata()) == 5]
+    assert len(lines) == 5
+    assert all(line.get_linestyle() == "None" for line in lines)

@@ -165,6 +165,8 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     text = render("in_short.md", **headline_values(results), pictures=defaultdict(str))
     assert "limit_1, global error 0.9 % on 32 points of the validation sample" in text
     assert "simulations). No model compared is within the study's ±15 %" in text
+    assert "The recommended model bump gives the amplitude for" in text.partition("## In short")[0]
+    assert text.index("limit_1, global error") < text.index("**Fit.**")  # the paper's formula last
     assert "| limit_1 | 0 | 0 | 1.334 | 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
     assert "−2 to +11 % of the force, by neglected effects, solved for together" in text

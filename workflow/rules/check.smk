@@ -22,7 +22,7 @@ rule compare_with_reference:
         text="<results>/check/check.txt",
         page=listed(
             "report/check.html",
-            "5 Check",
+            CATEGORY["Check"],
             page="Every number beside the stored reference",
             caption="check",
         ),

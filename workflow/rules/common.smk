@@ -79,7 +79,17 @@ config = {"study_file": str(CONFIG.path)}
 STUDY = CONFIG.study
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
 PAPER = CONFIG.paper
-SUMMARY = "1 Summary and claims" if PAPER else "1 Summary"
+# Numbers order the report's categories; a study of one's own has no tables of the paper.
+CATEGORY = {
+    name: f"{number} {name}"
+    for number, name in enumerate(
+        ["Summary and claims" if PAPER else "Summary"]
+        + ["Tables"] * PAPER
+        + ["Figures", "Numerics", "Check", "Models", "Designs and refinement"],
+        start=1,
+    )
+}
+SUMMARY = next(iter(CATEGORY.values()))
 SCAN = getattr(CONFIG.actuator.profile, "file", None)
 OUTLINE = CONFIG.pad.outline and CONFIG.pad.outline.file
 STYLE = CONFIG.figures.style

@@ -2,11 +2,11 @@
 # the page that the figure is on.
 
 CATEGORIES = {
-    "figures": "3 Figures",
-    "numerics": "4 Numerics",
-    "models": "6 Models",
-    "designs": "7 Designs and refinement",
-    "refine": "7 Designs and refinement",
+    "figures": CATEGORY["Figures"],
+    "numerics": CATEGORY["Numerics"],
+    "models": CATEGORY["Models"],
+    "designs": CATEGORY["Designs and refinement"],
+    "refine": CATEGORY["Designs and refinement"],
 }
 TWO_FACTOR_DESIGN = [
     *expand("simulations/{plan}/forces.csv", plan=["screen", "two_factor_design"]),
@@ -150,7 +150,9 @@ if PAPER:
                 caption="claims",
             ),
             [
-                listed(f"report/table{number}.html", "2 Tables", caption="table", table=number)
+                listed(
+                    f"report/table{number}.html", CATEGORY["Tables"], caption="table", table=number
+                )
                 for number in TABLES
             ],
             "<results>/claims.csv",

@@ -68,7 +68,9 @@ rule compare:
     output:
         table="<results>/models/{space}.csv",
         errors="<results>/models/{space}_errors.csv",
-        page=listed("models/{space}.html", "6 Models", caption="models", shows="table, {space}"),
+        page=listed(
+            "models/{space}.html", CATEGORY["Models"], caption="models", shows="table, {space}"
+        ),
     log:
         "<logs>/compare/{space}.log",
     localrule: True

@@ -73,7 +73,7 @@ rule refine_report:
         table="<results>/refine/{space}.csv",
         page=listed(
             "refine/{space}.html",
-            "7 Designs and refinement",
+            CATEGORY["Designs and refinement"],
             caption="refine",
             shows="table, {space}",
         ),

@@ -12,6 +12,7 @@ PICTURES = {
     "fitted_model": "fig08" if PAPER else "fitted_model",
     "design": "fig12" if PAPER else "design",
     "error_map": "error_map",
+    **({} if PAPER else {"amplitudes": "amplitudes"}),
 }
 
 

@@ -1,9 +1,8 @@
 """Squeeze-film forces from the Reynolds equation, and empirical models of them.
 
-    import squeezefilm as sf
-
-    study = sf.load("config/paper.yaml")
-    print(study.force(h0="5 um", hv="2.2 um"))
+    >>> import squeezefilm as sf
+    >>> study = sf.load("config/paper.yaml")
+    >>> print(study.force(h0="5 um", hv="2.2 um"))
 
 `load` reads a study's file, `Film.of` takes the same keys without one. Both give forces with their
 errors, curves and pressure fields; a study also fits models (`Study.fit`), and `Fit.read` reads

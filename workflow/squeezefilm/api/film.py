@@ -152,6 +152,16 @@ class Film:
         pad a flat rectangle at rest and the relative tolerance 1e-6. The path of a measured
         profile's file is relative to the working directory.
         Raises InputError naming the key, what is wrong with it and what is allowed.
+
+        Example:
+            >>> film = Film.of(
+            ...     actuator={
+            ...         "frequency": "30 kHz",
+            ...         "surface_radius": "15 mm",
+            ...         "profile": {"kind": "piston"},
+            ...     },
+            ...     pad={"length_x": "12 mm", "length_y": "9 mm"},
+            ... )
         """
         given = {"gas": gas, "actuator": actuator, "pad": pad, "solver": solver}
         sections = {
@@ -163,26 +173,40 @@ class Film:
 
     @property
     def device(self) -> Device:
-        """The OpenCL device that the solver takes: SQUEEZEFILM_DEVICE, or ``solver.device``.
+        """The OpenCL device of the solver, by SQUEEZEFILM_DEVICE or else ``solver.device``.
 
         Raises InputError where there is none.
+
+        Example:
+            >>> study.device.name
         """
         return self.solver().device
 
     def solver(self, **given: Any) -> SolverSettings:
-        """The solver's settings: those given here, to the film, or by the study."""
+        """The solver's settings: those given here, to the film, or by the study.
+
+        Example:
+            >>> study.solver(tolerance=1e-4).tolerance
+        """
         given = {name: value for name, value in given.items() if value is not None}
         return solver_settings(self.config, **{**self.given, **given})
 
     @property
     def scan(self) -> SmoothedScan | None:
-        """The measured vibration shape with all that is known of it; None if it is not measured."""
+        """The measured vibration shape with all that is known of it; None if it is not measured.
+
+        Example:
+            >>> study.scan is None  # a formula, not a measured profile
+        """
         return self.config.smoothed_scan()
 
     def scene(self, h0: str | float, hv: str | float, **position: Unpack[Position]) -> Scene:
         """One operating point, with the dimensionless numbers that govern it.
 
         Raises InputError for a value without meaning or unit, and for a pad off the actuator.
+
+        Example:
+            >>> study.scene(h0="5 um", hv="2 um", x="1 mm").sigma
         """
         scenes = self.scenes(columns_of(h0=h0, hv=hv, **position))
         if len(scenes) != 1:
@@ -193,6 +217,9 @@ class Film:
         """The operating points of a table: h0_m, hv_m and a position, if any.
 
         Raises InputError as ``scene`` does.
+
+        Example:
+            >>> len(study.scenes({"h0_m": [5e-6, 6e-6], "hv_m": [2e-6, 2e-6]}))
         """
         return scenes_in(points, self.config)
 
@@ -215,6 +242,10 @@ class Film:
                 of the study's; ``["all"]`` for all.
 
         Raises InputError as ``scene`` does, RunError saying why there is no force.
+
+        Example:
+            >>> force = study.force(h0="5 um", hv="2 um", x="1 mm")
+            >>> force.force_n, force.error_n, force.modelling_error_percent
         """
         given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
         (force,) = self.solved([self.scene(h0, hv, **position)], budget=True, **given)
@@ -242,6 +273,9 @@ class Film:
         ``modelling_error_lower_percent`` and ``modelling_error_upper_percent`` bound the effects
         that the equation neglects. ``outputs`` are as for a force, each a
         column with its unit and one with its error. Raises InputError as ``scene`` does.
+
+        Example:
+            >>> study.curve(h0="5 um, 7 um", hv="0.5:2:4 um")[["h0_m", "hv_m", "force_n"]]
         """
         points = points_of(h0=h0, hv=hv, **position)
         return self.forces(
@@ -257,7 +291,11 @@ class Film:
         outputs: Sequence[str] | None = None,
         budget: bool = False,
     ) -> pd.DataFrame:
-        """The same for a table of points: h0_m, hv_m and a position, if any."""
+        """The same for a table of points: h0_m, hv_m and a position, if any.
+
+        Example:
+            >>> study.forces(pd.DataFrame({"h0_m": [5e-6, 6e-6], "hv_m": 2e-6}))["force_n"]
+        """
         given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
         return forces_table(points, self.solved(self.scenes(points), budget=budget, **given))
 
@@ -269,7 +307,11 @@ class Film:
         budget: bool = False,
         **given: Any,
     ) -> list[Force]:
-        """The force of each scene, NaN with its reason as ``status`` where there is none."""
+        """The force of each scene, NaN with its reason as ``status`` where there is none.
+
+        Example:
+            >>> [float(force) for force in study.solved([study.scene(h0="5 um", hv="2 um")])]
+        """
         how: dict[str, Any] = {"derivatives": derivatives, "budget": budget, "smoothed": self.scan}
         return forces_of(scenes, settings=self.solver(**given), **how)
 
@@ -295,6 +337,10 @@ class Film:
 
         Raises InputError as ``scene`` does, for numbers out of range and without xarray, RunError
         where there is no state.
+
+        Example:
+            >>> field = study.pressure(h0="5 um", hv="2 um")
+            >>> field.gauge_pressure.mean("phase").max()  # Pa
         """
         with needing("fields", what="a pressure field"):
             import xarray

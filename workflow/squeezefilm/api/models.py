@@ -40,6 +40,9 @@ class Fit:
         """The fit in a file that ``squeezefilm fit`` or ``save`` wrote.
 
         Raises InputError naming the file, for one that cannot be read or is none.
+
+        Example:
+            >>> Fit.read("limit_1.json").name
         """
         from squeezefilm.models.fit_file import read_fit
 
@@ -47,7 +50,11 @@ class Fit:
 
     @property
     def statement(self) -> str:
-        """A sentence about the model's error."""
+        """A sentence about the model's error.
+
+        Example:
+            >>> fit.statement
+        """
         return self.model.statement
 
     @property
@@ -62,7 +69,11 @@ class Fit:
 
     @property
     def theta(self) -> dict[str, float]:
-        """The parameters by name, in the units of ``model.force_model.parameter_units``."""
+        """The parameters by name, in the units of ``model.force_model.parameter_units``.
+
+        Example:
+            >>> fit.theta
+        """
         return dict(zip(self.model.force_model.parameter_names, self.model.theta, strict=True))
 
     def predict(self, h0: Values, hv: Values, **position: Unpack[Position]) -> pd.DataFrame:
@@ -70,6 +81,9 @@ class Fit:
 
         The columns are those of ``predict_at``.
         Raises InputError as ``Film.curve`` does.
+
+        Example:
+            >>> fit.predict(h0="6 um", hv="0.5:2:4 um")[["hv_m", "force_n", "error_95_n"]]
         """
         return self.predict_at(points_of(h0=h0, hv=hv, **position))
 
@@ -81,6 +95,9 @@ class Fit:
         why. ``validity`` is ``ok``, or the limits of validity of the film equation that the point's
         film exceeds.
         Raises InputError naming the place, for values without physical meaning.
+
+        Example:
+            >>> fit.predict_at(pd.DataFrame({"h0_m": [6e-6], "hv_m": [1e-6]}))["force_n"]
         """
         from squeezefilm.models.data import factors_of
 
@@ -116,12 +133,19 @@ class Fit:
         ``hv_error_95_m`` is the 95 % error of the force over its slope, ``error_95_percent`` that
         of the force; empty where the point is not validated, and ``note`` says why.
         Raises InputError as ``predict`` does.
+
+        Example:
+            >>> fit.amplitude_for("0.2 N", h0="5 um")[["hv_m", "hv_error_95_m"]]
         """
         points = points_of(h0=self.gaps() if h0 is None else h0, **position)
         return self.amplitudes_for(points, force)
 
     def amplitudes_for(self, points: pd.DataFrame, force: str | float) -> pd.DataFrame:
-        """The same for a table of points: h0_m and a position, if any."""
+        """The same for a table of points: h0_m and a position, if any.
+
+        Example:
+            >>> fit.amplitudes_for(pd.DataFrame({"h0_m": [5e-6, 6e-6]}), "0.2 N")["hv_m"]
+        """
         from squeezefilm.models.data import factors_of
         from squeezefilm.models.fit_file import amplitude_for
 
@@ -140,6 +164,9 @@ class Fit:
         """A few gaps in metres, evenly spaced over those of the fit.
 
         Raises InputError where the fit has none.
+
+        Example:
+            >>> fit.gaps()
         """
         ranges = self.model.ranges
         if "h0_m" not in ranges:
@@ -152,13 +179,20 @@ class Fit:
         """The model as code without dependencies, in ``c``, ``python`` or ``javascript``.
 
         Raises InputError for a model with asymptotic forces whose file has no table of them.
+
+        Example:
+            >>> print(fit.code("c"))
         """
         from squeezefilm.models.export import source
 
         return source(self.model, language)
 
     def save(self, path: Path | str) -> None:
-        """Write the fit's file, which ``Fit.read`` and the command line read."""
+        """Write the fit's file, which ``Fit.read`` and the command line read.
+
+        Example:
+            >>> fit.save("limit_1.json")
+        """
         write_json(self.model.to_dict(), path)
 
     def __str__(self) -> str:
@@ -198,6 +232,9 @@ class Study(Film):
         Every gap of the screen with every amplitude, the pad at the centre or at each of the
         study's positions too: h0_m, hv_m, and the position in the surface's form, phi_r_m and
         phi_deg or x_m and y_m.
+
+        Example:
+            >>> len(study.plan(centred=True))
         """
         from squeezefilm.studies.plans import scenes_of
 
@@ -219,6 +256,10 @@ class Study(Film):
 
         Raises InputError for an unknown model or one that cannot be fitted to these points,
         RunError for a point that has no force.
+
+        Example:
+            >>> fit = study.fit("limit_1")
+            >>> print(fit)
         """
         from squeezefilm.models.force_model import get_model
         from squeezefilm.studies.tasks.fits import fit_to_forces
@@ -274,5 +315,8 @@ def load(path: Path | str) -> Study:
     """The study that a configuration file describes.
 
     Raises InputError naming the file, the key, what is wrong with it and what is allowed.
+
+    Example:
+        >>> study = sf.load("config/paper.yaml")
     """
     return Study(load_config(path))

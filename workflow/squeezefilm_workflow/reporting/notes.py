@@ -39,7 +39,8 @@ def percent(fraction: float) -> str:
 
 def signed(value: float, digits: int = 2) -> str:
     """A number with its sign; in words where it is not known."""
-    return f"{value:+.{digits}g}".replace("-", "−") if math.isfinite(value) else "not known"
+    sign = "+" if value else ""
+    return f"{value:{sign}.{digits}g}".replace("-", "−") if math.isfinite(value) else "not known"
 
 
 def five_digits(value: float) -> str:

@@ -77,7 +77,9 @@ def summary_values(
         "methods": sorted({method for table in tables.values() for method in table["method"]}),
         "device": results.summary("simulations/device.json").get("device", "unknown"),
         "profile_uncertainty": max(results.fit(fit).profile_uncertainty for fit in fits),
-        "errors": pd.DataFrame([_errors(results, pair) for pair in pairs]),
+        "errors": pd.DataFrame(
+            [*_recommended(results), *(_errors(results, pair) for pair in pairs)]
+        ),
         "effects": _effects(results),
     }
 
@@ -201,6 +203,21 @@ def _errors(results: Results, pair: str) -> dict[str, str]:
         "worst": percent(errors["worst_relative_error"]),
         "within the band": f"{inside:.3g} % within ±{band:g} %",
     }
+
+
+def _recommended(results: Results) -> Iterator[dict[str, str]]:
+    """Yield the errors of the recommended models, none of which the paper's study has."""
+    if results.config.paper:
+        return
+    table = results.table("models/recommended.csv", "model", "validation_error", "worst_error")
+    for _, best in table.dropna(subset="model").drop_duplicates("space")[::-1].iterrows():
+        yield {
+            "model fitted on": f"recommended: {best['model']} on {best['space']}",
+            "validated on": f"validation sample ({best['validation_points']:g} points)",
+            "global error": percent(best["validation_error"]),
+            "worst": f"{percent(best['worst_error'])} ({best['simulations']:g} points)",
+            "within the band": "–",
+        }
 
 
 def _range(column: pd.Series) -> str:

@@ -45,6 +45,7 @@ def error_budget(results: Results) -> Figure:
         look["levels"] = _inner_levels(screen[f"{name}_percent"])
         title = f"({letter}) {_panel_title(screen['included_effects'], name)} (%)"
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
+        axes.title.set_fontsize(7)
     shown = _draw_effects(last, along)
     first = "Differences of solved forces; total: middle of the interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
@@ -82,7 +83,7 @@ def _inner_levels(values: pd.Series) -> list[float]:
 def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     """Draw each effect over the first coordinate, for the least of the other and the largest.
 
-    Returns what the markers mean.
+    Positions that share no coordinate are dots without lines. Returns what the markers mean.
     """
     on_disc = "phi_deg" in rows
     place, other = ("phi_r_mm", "phi_deg") if on_disc else ("x_mm", "y_mm")
@@ -92,9 +93,14 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     ends: list[tuple[float, str, str]] = []
     hollow: dict[str, Any] = {"marker": "o", "mfc": "white", "ms": 6}
     full: dict[str, Any] = {"marker": "s", "ms": 3}
-    for look, value in ((hollow, off[other].min()), (full, off[other].max())):
-        centre = on_disc & (rows[place] == 0)
-        along = rows[centre | (rows[other] == value)].drop_duplicates(place)
+    ends_of_other = off[other].min(), off[other].max()
+    scattered = off[other].value_counts()[[*ends_of_other]].max() < 2
+    centre = rows[place] == 0 if on_disc else False
+    lines = [(hollow, centre | (rows[other] == ends_of_other[0]))] if not scattered else []
+    lines += [(full, (rows[other] == ends_of_other[1]) | centre | scattered)]
+    full |= {"linestyle": "none"} if scattered else {}
+    for look, chosen in lines:
+        along = rows[chosen].drop_duplicates(place)
         for name, colour in EFFECTS.items():
             values = along[f"{name}_percent"]
             axes.plot(along[place], values, color=colour, **look)
@@ -116,7 +122,11 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     axes.set_title(f"(f) along {'the radius' if on_disc else 'x'}")
     axes.grid(True)
     name, unit = (r"$\phi_\varphi$", "°") if on_disc else ("$y$", " mm")
-    least, largest = off[other].min(), off[other].max()
+    least, largest = ends_of_other
+    if scattered:
+        return f"squares: positions, {name} from {least:.3g} to {largest:.3g}{unit}.".replace(
+            "-", "−"
+        )
     return f"circles: {name} = {least:g}{unit}, squares: {name} = {largest:g}{unit}."
 
 

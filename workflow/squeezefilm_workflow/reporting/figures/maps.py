@@ -1,5 +1,6 @@
 """Maps: error of the five-point model, force, amplitude for a force, and the profile."""
 
+from functools import partial
 from typing import Any
 
 import matplotlib as mpl
@@ -34,7 +35,7 @@ def error_map(results: Results) -> Figure:
     filled, lines = parts.error_contours(
         axes, results, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
     )
-    axes.clabel(lines, fontsize=6, fmt=lambda level: signed(level, 3) if level else "0")
+    axes.clabel(lines, fontsize=6, fmt=partial(signed, digits=3))
     look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
     parts.dots(axes, design, fill="black", markersize=6, label="design point", **look)
     axes.set(**parts.PLANE)

@@ -1,6 +1,5 @@
 """Measured forces beside computed ones, each kind of error apart."""
 
-from textwrap import wrap
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -9,7 +8,6 @@ from squeezefilm.film.validity import OK
 from squeezefilm_workflow.reporting.figures import style
 from squeezefilm_workflow.reporting.results import Results
 
-LONGEST_LINE = 150  # of the note, in letters
 MODELLING: dict[str, Any] = {"color": style.ORANGE, "linewidth": 4, "alpha": 0.5}
 NUMERICAL: dict[str, Any] = {"color": "black", "fmt": "none", "capsize": 2.5, "elinewidth": 0.8}
 MEASURED: dict[str, Any] = {"color": style.BLUE, "fmt": "o", "ms": 3}
@@ -39,5 +37,5 @@ def measurements(results: Results) -> Figure:
         panel.set_xlabel("computed force (N)")
         panel.grid(True)
     verdict = results.summary("measurements/summary.json")["verdict"]
-    style.add_note(figure, *wrap(f"χ² test: {verdict}.", LONGEST_LINE), results.beyond)
+    style.add_note(figure, f"χ² test: {verdict}.", results.beyond)
     return figure

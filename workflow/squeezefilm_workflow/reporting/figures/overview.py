@@ -1,6 +1,5 @@
 """The whole study at a glance: a film, the model, its design, its error."""
 
-from textwrap import wrap
 from typing import Any
 
 import matplotlib as mpl
@@ -23,8 +22,6 @@ LABELS = 0.08
 Rectangle = tuple[float, float, float, float]
 """Left, bottom, width and height, as shares of the figure's."""
 LABEL_SIZE, TICK_SIZE = 6.5, 6
-NOTE_LETTERS = 70
-"""Of a line of the note, at most."""
 DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
 PLANE = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
 
@@ -49,16 +46,13 @@ def overview(results: Results) -> Figure:
     figure.set_layout_engine("none")
     pressure = bool(film["gauge_pressure_kpa"].notna().all())
     point = f"h0 = {1e6 * simulated['h0_m']:g} µm, hv = {1e6 * simulated['hv_m']:g} µm"
-    notes = (
-        f"1: {'pressure and gap' if pressure else 'gap'} at {point};",
-        f"red: surface up, blue: down{', black: mean pressure' * pressure}.",
-        "2: model (mesh) fitted to the screen (dots).",
-        "3: screen (white), D-optimal points (black). 4: error of the model",
-        "fitted to the black points, interpolated linearly;",
-        f"thick line, if any: ±{100 * errors['band']:g} %.",
-        *wrap(results.beyond, NOTE_LETTERS),
+    note = (
+        f"1: {'pressure and gap' if pressure else 'gap'} at {point}; red: surface up, blue: down"
+        f"{', black: mean pressure' * pressure}. 2: model (mesh) fitted to the screen (dots). "
+        "3: screen (white), D-optimal points (black). 4: error of the model fitted to the black "
+        f"points, interpolated linearly; thick line, if any: ±{100 * errors['band']:g} %."
     )
-    below = style.add_note(figure, *notes)
+    below = style.add_note(figure, note, results.beyond)
     row_height = (1 - below) / 2
     bottoms = [below + row_height + LABELS] * 2 + [below + LABELS] * 2
     height = row_height - LABELS - HEADING

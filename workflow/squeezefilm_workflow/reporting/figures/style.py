@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import matplotlib as mpl
@@ -34,6 +35,7 @@ SEQUENTIAL = "viridis"
 DIVERGING = "PuOr_r"
 
 NOTE_SIZE_PT = 6.0
+_NOTE_LETTERS_PER_IN = 22
 _NOTE_LINE_IN = NOTE_SIZE_PT * 1.3 / 72
 _MARGIN_IN = 0.03
 _NOTE_INDENT_IN = 0.05
@@ -119,12 +121,13 @@ def subplots(*shape: int, wide: bool = False, height_in: float = 2.7, **how: Any
 
 
 def add_note(figure: Figure, *lines: str) -> float:
-    """Write lines below the figure; returns the share of the height they take.
+    """Write lines below the figure, as wide as it; returns the share of the height they take.
 
     Without any there is room for one.
     """
     width_in, height_in = figure.get_size_inches()
-    shown = [line for line in lines if line and _with_notes.get()] or [""]
+    letters = int(_NOTE_LETTERS_PER_IN * width_in)
+    shown = [part for line in lines if _with_notes.get() for part in wrap(line, letters)] or [""]
     look: dict[str, Any] = {"fontsize": NOTE_SIZE_PT, "color": "0.25", "linespacing": 1.2}
     corner = _NOTE_INDENT_IN / width_in, _MARGIN_IN / height_in
     figure.text(*corner, "\n".join(shown), va="bottom", **look)

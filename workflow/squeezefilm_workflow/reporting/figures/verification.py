@@ -107,7 +107,7 @@ def published(results: Results) -> Figure:
     """Left exact profiles beside finite elements, right depth averaging beside exact profiles."""
     data = results.table("numerics/published.csv", "source", "exact_deviation")
 
-    figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.4, sharey=True)
+    figure, (left, right) = style.subplots(1, 2, wide=True, height_in=4.0, sharey=True)
     profiles = data.dropna(subset=["viscous_deviation"])
     holes = profiles.dropna(subset=["exact_deviation"]).groupby("quantity")
     for fill, (quantity, films) in zip(("white", None), holes, strict=True):
@@ -117,8 +117,9 @@ def published(results: Results) -> Figure:
         ):
             label = f"{name}, {str(quantity).partition(', ')[2]}"
             look: dict[str, Any] = {"color": colour, "mfc": fill, "ms": 4, "label": label}
+            look["zorder"] = 3 if fill else 2  # open ones are not hidden by filled ones
             left.plot(films["modified_reynolds"], films[column], marker, **look)
-    left.set(ylabel="relative deviation (–)", title="(a) p(r): from finite elements")
+    left.set(ylabel="relative deviation (–)", title="(a) pressure: from finite elements")
     averaged = profiles[profiles["case"].str.startswith("inertia")]
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
     for colour, (sigma, films) in zip(colours, averaged.groupby("sigma"), strict=True):
@@ -131,11 +132,12 @@ def published(results: Results) -> Figure:
             right.plot(
                 films_of_case["modified_reynolds"], films_of_case["solver_deviation"], line, **look
             )
-    right.set_title("(b) first harmonic: solver from exact profiles")
+    right.plot([], [], "D:", color="0.3", ms=3, label="with thermal effects")
+    right.set_title("(b) force: depth averaging from exact profiles")
     for panel in (left, right):
         panel.set(xscale="log", yscale="log", xlabel="modified Reynolds number Re (–)")
-        panel.legend(loc="lower right")
+        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))  # hides no point
         panel.grid(True)
-    note = "(a) given: where the pressure is prescribed; (b) dotted: with thermal effects too."
+    note = "(a) given: where the pressure is prescribed; (b) first harmonic of the force."
     style.add_note(figure, note)
     return figure
