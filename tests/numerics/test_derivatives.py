@@ -20,6 +20,7 @@ from squeezefilm.quantities.derivatives import with_derivatives, with_number_cha
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import Derivatives
 from squeezefilm.tables import read_forces, write_table
+from squeezefilm_workflow.verification.random_films import random_film
 
 
 def derivatives(scene: Scene, *, tolerance: float) -> Derivatives:
@@ -141,6 +142,26 @@ def test_errors_hold(tolerance: float) -> None:
     found = [share for each in shares(some, closer).values() for share in each]
     assert len(found) > 30
     assert max(found) <= 1
+
+
+def test_derivatives_to_the_place_over_a_spot_that_grids_do_not_resolve() -> None:
+    """Two grids agree by chance on a wrong one."""
+    film_of_spot = random_film(0, seed=77)
+    assert film_of_spot.group == "ellipse"
+    some, closer = (derivatives(film_of_spot.scene, tolerance=each) for each in (1e-2, 1e-4))
+    assert max(shares([some], [closer])["x_m"]) < 1
+    assert abs(some.value["x_m"] - closer.value["x_m"]) > 0.5 * abs(closer.value["x_m"])
+
+
+def test_a_derivative_that_agrees_by_chance_has_the_error_of_others(monkeypatch) -> None:
+    """Of a film whose stiffness changes less from grid to grid than it is off."""
+    scene = random_film(33, seed=77).scene
+    ratios = []
+    closer = derivatives(scene, tolerance=3e-4)
+    for fraction in (module.FRACTION_OF_OTHERS, 0.0):
+        monkeypatch.setattr(module, "FRACTION_OF_OTHERS", fraction)
+        ratios.append(max(shares([derivatives(scene, tolerance=1e-2)], [closer])["h0_m"]))
+    assert ratios[0] < 1 < ratios[1]
 
 
 def test_a_gas_with_inertia_and_thermal_effects_has_derivatives() -> None:

@@ -20,6 +20,8 @@ from squeezefilm.quantities.states import (
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.resolution import profile_fall
+from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.terms import refused_on_grid, terms_of
 from squeezefilm.solution import DERIVATIVES, Derivatives, Solution, Solutions
 
@@ -76,6 +78,14 @@ def _derivatives(
         change = np.where(growth != 0, np.fmax(change, FRACTION_OF_OTHERS * largest), 0.0)
     factor, _ = remainder(scenes, solutions, tolerance=tolerance)
     error = factor * change + missed
+    coarse, fine = (state.grid for state in solutions.states[0])
+    falls = profile_fall(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)
+    # What grids miss of a force by a profile that they do not resolve changes with the place as
+    # fast as their shortest wave, π times the nodes; and two grids may agree on it by chance.
+    for k, nodes in zip(map([*DERIVATIVES].index, ("x_m", "y_m")), fine.across, strict=True):
+        nodes = fine.across[0] if fine.coordinates else nodes
+        unresolved_n = np.where(falls > 0, np.pi * nodes * solutions.force_error_n, 0.0)
+        error[k] = np.where(growth[k] != 0, np.fmax(error[k], unresolved_n), error[k])
     return [_record(scene, growth[:, k], error[:, k]) for k, scene in enumerate(scenes)]
 
 
