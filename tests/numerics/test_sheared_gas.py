@@ -190,6 +190,8 @@ def test_velocity_carried_by_the_wall_is_that_of_its_cartesian_parts():
     size = np.abs(expected).max()
     assert by_wall == pytest.approx(expected, rel=0, abs=1e-6 * size)
     assert fields.along_axes(wall)[0] == pytest.approx(wall_speed(fields) + 0 * wall[0])
+    several = fields.along_axes(np.stack([v, wall, v - wall], axis=1))
+    assert several[:, 2] == pytest.approx(fields.along_axes(v) - fields.along_axes(wall))
 
 
 def effects(strip: Strip) -> list[float]:

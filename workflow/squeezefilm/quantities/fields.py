@@ -133,12 +133,11 @@ class Fields:
         return numbers_of(self.equation, name, absent=absent)
 
     def along_axes(self, vector: np.ndarray) -> np.ndarray:
-        """Return a vector field (..., 2, scenes, x, y, t) along the pad's x and y, for its mean."""
+        """Return a vector field (2, ..., scenes, x, y, t) along the pad's x and y, for its mean."""
         if self.grid.outline is None:
             return vector
-        in_x, in_y = np.moveaxis(vector, -5, 0)
-        turned = (in_x + 1j * in_y) * (self.turn / self.area)
-        return np.stack([turned.real, turned.imag], axis=-5)
+        turned = (vector[0] + 1j * vector[1]) * (self.turn / self.area)
+        return np.stack([turned.real, turned.imag])
 
     @cached_property
     def gauge_pressure_ratio(self) -> np.ndarray:

@@ -222,7 +222,7 @@ def _outputs_of(
         by_gas, off_gas = with_gas * scene.force_scale_n * scene.h0_m / scene.pad.length_x_m
         missed = remainder_of(scene, vibrating=1.0) * np.abs(film.momentum_n) / 2
         for k, (value, off) in enumerate(parts):
-            parts[k] = value + by_gas[k], off + off_gas[k] + missed[k]
+            parts[k] = float(value + by_gas[k]), float(off + off_gas[k] + missed[k])
         if np.isnan(by_gas).any():
             missing["thrust"] = "not converged: the film with the gas that the sliding wall drags"
     x, y = scene.pad.turned(1.0, 0.0)
