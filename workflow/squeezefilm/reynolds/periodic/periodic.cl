@@ -169,7 +169,9 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
             square += factors[k] * factors[k];
         const double bent = fmax(change.x, change.y) * sqrt(square);
         left += LINEAR_ROUNDING * s.residual + NONLINEARITY(g) * bent;
-        if (share == 1.0 && left <= tolerance * fabs(s.mean) && !STEPS_LACK(film)) {
+        if (STEPS_LACK(film))
+            left = INFINITY;
+        if (share == 1.0 && left <= tolerance * fabs(s.mean)) {
             s.residual = left;
             s.newton_steps++;
             s.status = CONVERGED;
