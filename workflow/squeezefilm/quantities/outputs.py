@@ -32,8 +32,8 @@ from squeezefilm.reynolds.spectral import Around, flux_points
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_outputs
 
-# Below this, iterations would end in rounding; above, grids tell little of their errors.
-LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
+# Below this, iterations would end in rounding.
+LEAST_TOLERANCE = 1e-8
 # A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
 TIGHTER_FACTOR, MOST_REPEATED = 1 / 30, 3
 # No output changes less than this share of the largest change among those alike, each over its
@@ -79,7 +79,7 @@ def with_outputs(
     films, forces = Scenes.of(scenes)[known], solutions[known]
     parts: list[ValuesAndReasons] = [({}, {})] * len(known)
     if FROM_STATE & set(asked):
-        within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
+        within = max(tolerance, LEAST_TOLERANCE)
         parts = _from_states(films, forces, tolerance=within, device=device)
     if "static_stiffness" in asked:
         more = static_stiffness(films, forces, tolerance=tolerance, device=device)
@@ -95,7 +95,7 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
 
     By their names in OUTPUTS. Inertia must be decided.
     """
-    within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
+    within = max(tolerance, LEAST_TOLERANCE)
     (solution,), _ = planned(plan_of(scene), tolerance=within, method="periodic")
     reason = solution.status
     return dict.fromkeys(OUTPUTS, reason) if reason else _without_formula(scene)
