@@ -63,7 +63,7 @@ def test_a_heavy_mass_swings_on_the_slow_spring_and_a_light_one_on_gas_that_stay
     assert all(each.reason == OVERDAMPED for each in moving if np.isnan(each.frequency_hz))
 
 
-@pytest.mark.parametrize(("inertia", "denser"), [("none", 1), ("included", 8)])
+@pytest.mark.parametrize(("inertia", "denser"), [("none", 1), ("included", 6)])
 def test_a_levitated_disc_oscillates_as_bessel_functions_say(inertia, denser):
     """Small vibration: with k the film has the stiffness of the film at rest, exact across the gap.
 
@@ -105,17 +105,27 @@ def test_a_levitated_disc_oscillates_as_bessel_functions_say(inertia, denser):
 
 
 @pytest.mark.parametrize(
-    ("epsilon", "sigma", "squeeze", "profile"),
-    [(0.3, 455.0, 40.0, PISTON), (0.5, 300.0, 30.0, SINC)],
+    ("epsilon", "sigma", "reynolds", "profile"),
+    [(0.5, 300.0, 0.0, SINC), (0.3, 455.0, 4.0, PISTON)],
 )
-def test_a_levitated_disc_rings_down_as_its_resonance_says(epsilon, sigma, squeeze, profile):
-    """Film and mass together, integrated in time from a kick; ``squeeze`` is σ √scale."""
-    scene = film(epsilon=epsilon, sigma=sigma, profile=profile)
-    gas = replace(scene.gas, density_kg_per_m3=scene.gas.density_kg_per_m3 / 3)
+def test_a_levitated_disc_rings_down_as_its_resonance_says(epsilon, sigma, reynolds, profile):
+    """Film and mass together, integrated in time from a kick, with inertia of the gas and without.
+
+    The gas without inertia is thin, within the limits of validity.
+    """
+    scene = film(
+        epsilon=epsilon,
+        sigma=sigma,
+        profile=profile,
+        inertia="included" if reynolds else "none",
+    )
+    denser = (reynolds or 1.0) / scene.modified_reynolds
+    gas = replace(scene.gas, density_kg_per_m3=denser * scene.gas.density_kg_per_m3)
     scene = replace(scene, pad=replace(scene.pad, shape="ellipse"), gas=gas)
-    (force,) = solve([scene], tolerance=1e-6, device=DEVICE)
-    found = levitate(scene, load_n=force.force_n, **SETTINGS)
-    scale = (squeeze / sigma) ** 2
+    settings = SETTINGS | {"tolerance": 1e-4 if reynolds else 1e-6}
+    (force,) = solve([scene], tolerance=settings["tolerance"], device=DEVICE)
+    found = levitate(scene, load_n=force.force_n, **settings)
+    scale = 0.1**2  # of gas that stays, to a tenth of the vibration
     vibration = scene.actuator.angular_frequency_rad_per_s
     trapped = scene.force_scale_n / scene.h0_m
     motion = resonance(found, mass_kg=trapped / (scale * vibration**2))
@@ -123,11 +133,11 @@ def test_a_levitated_disc_rings_down_as_its_resonance_says(epsilon, sigma, squee
     def amplitude(r):
         return profile.amplitude(x_m=r * scene.pad.length_x_m, y_m=np.zeros_like(r))
 
-    frequency, damping_ratio = RingDown(epsilon, sigma, amplitude).decay(scale=scale)
+    frequency, damping_ratio = RingDown(epsilon, sigma, amplitude, reynolds).decay(scale=scale)
     expected_hz = frequency * scene.actuator.frequency_hz
     assert motion.frequency_hz == pytest.approx(expected_hz, abs=motion.frequency_error_hz)
     assert motion.damping_ratio == pytest.approx(damping_ratio, abs=motion.damping_ratio_error)
-    assert motion.frequency_error_hz < 0.02 * motion.frequency_hz
+    assert motion.frequency_error_hz < (0.05 if reynolds else 0.02) * motion.frequency_hz
 
 
 def study(tmp_path, **sections) -> str:

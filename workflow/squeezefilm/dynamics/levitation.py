@@ -66,6 +66,9 @@ MOST_OSCILLATION = 0.3
 # Error of the averaged film's stiffness in p0 over ε², |s|/ω and the edge layer's thickness: twice
 # what the worst of those discs needed up to there.
 AVERAGING_FACTOR = 2.0
+# The same by inertia of the vibrating gas, over ε², the layer's thickness and Re/10: about twice
+# what discs needed (Re 1–7, σ 300–2000, ε 0.15–0.3; verification/ring_down.py).
+INERTIA_FACTOR = 6.0
 # Excursion ratio that stands for none, and the steps to a root of the equation of motion.
 TINY_EPSILON = 1e-6
 ROOT_STEP, ROOT_PRECISION = 1e-3, 1e-6
@@ -456,9 +459,11 @@ def _stiffness_error(
     stiffness, by_motion = film.stiffness(rates, lag), rest.stiffness(rates, lag)
     excursion = film.epsilon * float(np.abs(film.grid.s).max())
     averaging = averaging_error(excursion, abs(root), film.layer_thickness)
-    # What the vibration adds is in error by about as much as it is in slow motion.
+    # What the vibration adds is in error by about as much as it is in slow motion, and inertia of
+    # the gas that it moves changes the layer at the edge.
     by_vibration = abs(np.diff(stiffness - by_motion)[0])
     vibration = abs(slow / stiffness[0] - 1) * by_vibration
+    vibration += INERTIA_FACTOR * excursion**2 * film.layer_thickness * lag
     # The gas is up to so much denser where it keeps its temperature (mean over the gap).
     gas = scene.gas
     heated = gas.prandtl * scene.modified_reynolds * abs(root) / 12

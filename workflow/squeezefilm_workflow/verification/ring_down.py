@@ -1,12 +1,13 @@
 """A mass on a disc of film, integrated in time until its oscillation has died away.
 
-Method of lines: along the radius r of a disc of diameter 1, without inertia and thermal effects,
+Method of lines: along the radius r of a disc of diameter 1, without thermal effects,
 
-    σ ∂(HP)/∂T = (1/r) ∂/∂r (r H³P ∂P/∂r),    H = 1 + δ + ε s(r) sin T,    P = 1 at the edge,
+    ∂(HP)/∂T + (1/r) ∂(r HPu)/∂r = 0,    H = 1 + δ + ε s(r) sin T,    P = 1 at the edge,
+    u + (Re/10) PH² (∂u/∂T + (9/7) u ∂u/∂r − (1/7) u ∂ln(HP)/∂T) = −(H²/σ) ∂P/∂r,
     d²δ/dT² = scale (⟨P − 1⟩ − load),
 
-⟨·⟩ the mean over the disc and ``scale`` p0 times its area over h0, over mass and ω². Even functions
-of r have Chebyshev nodes along the diameter; the implicit steps are LSODA's.
+⟨·⟩ the mean over the disc and ``scale`` p0 times its area over h0, over mass and ω². Functions of r
+have Chebyshev nodes along the diameter, by parity; the implicit steps are LSODA's.
 """
 
 from __future__ import annotations
@@ -42,12 +43,14 @@ class RingDown:
 
     Attributes:
         profile: s at radii r, from 0 to 1/2.
+        reynolds: modified Reynolds number Re; 0 for a film without inertia.
         points: nodes inside along the radius.
     """
 
     epsilon: float
     sigma: float
     profile: Callable[[FloatArray], FloatArray]
+    reynolds: float = 0.0
     points: int = 12
 
     @cached_property
@@ -62,10 +65,10 @@ class RingDown:
 
     @cached_property
     def derivatives(self) -> tuple[FloatArray, FloatArray]:
-        """∂/∂r of an even function and (1/r) ∂(r ·)/∂r of an odd one, on the nodes."""
+        """∂/∂r of an even function and of an odd one, on the nodes."""
         first, half = chebyshev_grid(2 * self.points).first, self.points + 1
         near, far = first[half:, half:], first[half:, half - 1 :: -1]
-        return near + far, near - far + np.diag(1 / self.radius)
+        return near + far, near - far
 
     @cached_property
     def weights(self) -> FloatArray:
@@ -115,15 +118,16 @@ class RingDown:
         return np.array([(-waves / harmonics**2).real.sum(), (waves / (1j * harmonics)).real.sum()])
 
     def _at_rest(self) -> FloatArray:
-        """HP inside, δ and dδ/dT of a film at rest."""
-        return np.append(np.ones(self.points), [0.0, 0.0])
+        """HP inside, u with inertia, δ and dδ/dT of a film at rest."""
+        still = np.zeros((self.points + 1) * (self.reynolds > 0) + 2)
+        return np.append(np.ones(self.points), still)
 
     def _gap(self, state: FloatArray, time: FloatArray | float) -> FloatArray:
         motion = self.epsilon * np.multiply.outer(np.sin(time), self.s)
         return np.asarray(1 + state[..., -2:-1] + motion)
 
     def _pressure(self, state: FloatArray, time: FloatArray | float) -> FloatArray:
-        inside = state[..., :-2] / self._gap(state, time)[..., :-1]
+        inside = state[..., : self.points] / self._gap(state, time)[..., :-1]
         return np.concatenate([inside, np.ones((*inside.shape[:-1], 1))], axis=-1)
 
     def _force(self, state: FloatArray, time: FloatArray | float) -> FloatArray:
@@ -133,38 +137,28 @@ class RingDown:
         self, start: FloatArray, periods: int, *, scale: float, load: float
     ) -> tuple[FloatArray, FloatArray]:
         """States at INSTANTS in each period after ``start``, and the last one."""
-        slope, divergence = self.derivatives
+        of_even, of_odd = self.derivatives
+        divergence = of_odd + np.diag(1 / self.radius)
 
         def rate(time: float, state: FloatArray) -> FloatArray:
             gap, pressure = self._gap(state, time), self._pressure(state, time)
-            flow = divergence @ (gap**3 * pressure * (slope @ pressure)) / self.sigma
+            mass, viscous = gap * pressure, -(gap**2) * (of_even @ pressure) / self.sigma
+            velocity = state[self.points : -2] if self.reynolds else viscous
+            mass_rate = -divergence @ (mass * velocity)
+            mass_rate[-1] = state[-1] + self.epsilon * self.s[-1] * np.cos(time)
+            velocity_rate = np.empty(0)
+            if self.reynolds:
+                lag = self.reynolds / 10 * mass * gap
+                convection = -9 / 7 * (of_odd @ velocity) + mass_rate / mass / 7
+                velocity_rate = (viscous - velocity) / lag + velocity * convection
             push = scale * (float(self._force(state, time)) - load)
-            return np.concatenate([flow[:-1], [state[-1], push]])
-
-        def jacobian(time: float, state: FloatArray) -> FloatArray:
-            gap, pressure = self._gap(state, time), self._pressure(state, time)
-            steepness = slope @ pressure
-            by_pressure = divergence @ (
-                np.diag(gap**3 * steepness) + (gap**3 * pressure)[:, None] * slope
-            )
-            pressure_by_gap = -np.append((pressure / gap)[:-1], 0.0)
-            by_gap = (
-                divergence @ (3 * gap**2 * pressure * steepness) + by_pressure @ pressure_by_gap
-            )
-            rates = np.zeros((len(state), len(state)))
-            rates[:-2, :-2] = (by_pressure / gap)[:-1, :-1] / self.sigma
-            rates[:-2, -2] = by_gap[:-1] / self.sigma
-            rates[-2, -1] = 1
-            rates[-1, :-2] = scale * (self.weights / gap)[:-1]
-            rates[-1, -2] = scale * self.weights @ pressure_by_gap
-            return rates
+            return np.concatenate([mass_rate[:-1], velocity_rate, [state[-1], push]])
 
         times = np.linspace(0, 2 * pi * periods, periods * INSTANTS + 1)
         states = odeint(
             rate,
             start,
             times,
-            Dfun=jacobian,
             tfirst=True,
             rtol=STEP_TOLERANCE,
             atol=STEP_TOLERANCE / 100,
