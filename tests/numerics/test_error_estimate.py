@@ -13,7 +13,7 @@ from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import refinement
-from squeezefilm_workflow.verification.estimates import film_of, read_films, without
+from squeezefilm_workflow.verification.estimates import film_of, guard_switched_off, read_films
 
 JUDGED = read_films(Path(__file__).parent / "data" / "judged_films.csv")
 # Films and the guards that they need, which stand behind the colon of a name.
@@ -104,5 +104,5 @@ def test_a_film_that_was_outside_its_estimate_is_within_it(number):
 @pytest.mark.parametrize(("number", "guard"), GUARDED)
 def test_no_guard_of_the_estimate_is_there_for_nothing(number, guard):
     """Without it the film is outside its estimate."""
-    with without(guard):
+    with guard_switched_off(guard):
         assert error_over_estimate(JUDGED.loc[number]) > 1

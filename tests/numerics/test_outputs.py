@@ -24,8 +24,8 @@ from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.fields import dot
 from squeezefilm.quantities.outputs import (
     FROM_STATE,
+    missing_reasons,
     momentum_out,
-    refusals,
     with_outputs,
 )
 from squeezefilm.quantities.pressure import pressure
@@ -356,7 +356,7 @@ def test_what_is_not_known_says_why(numbers: dict[str, object], output: str, rea
     assert missing
     assert f"{output}: " in found.status
     if reason != "no force":
-        assert refusals(scene, tolerance=1e-3)[output] == found.missing[output]
+        assert missing_reasons(scene, tolerance=1e-3)[output] == found.missing[output]
 
 
 def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(

@@ -18,7 +18,7 @@ from squeezefilm_workflow.verification.published import comparison
 from squeezefilm_workflow.verification.published.linear_film import (
     Factors,
     depth_averaged,
-    exact,
+    exact_flow,
     piston_response,
     radial_pressure,
 )
@@ -46,13 +46,13 @@ def test_the_factors_are_means_of_profiles_solved_for_across_the_gap(reynolds):
         inside = np.linalg.solve(operator[1:-1, 1:-1], np.ones(40))
         return grid.weights[1:-1] @ inside
 
-    flow, density = exact(reynolds, **AIR)
+    flow, density = exact_flow(reynolds, **AIR)
     assert flow == pytest.approx(12 * mean(reynolds), rel=1e-10)
     thermal = AIR["prandtl"] * reynolds
     assert density == pytest.approx(1 - 0.4 / 1.4 * 1j * thermal * mean(thermal), rel=1e-10)
-    assert exact(reynolds, **AIR | {"prandtl": 0.0}).density == 1
+    assert exact_flow(reynolds, **AIR | {"prandtl": 0.0}).density == 1
     parabolic = depth_averaged(1e-3 * reynolds, **AIR)
-    assert exact(1e-3 * reynolds, **AIR) == pytest.approx(parabolic, abs=1e-6 * reynolds**2)
+    assert exact_flow(1e-3 * reynolds, **AIR) == pytest.approx(parabolic, abs=1e-6 * reynolds**2)
 
 
 def test_the_series_is_blechs_and_keeps_power_for_any_factors():
@@ -63,7 +63,7 @@ def test_the_series_is_blechs_and_keeps_power_for_any_factors():
         assert piston_response(60.0, aspect) == pytest.approx(
             complex(*double_series(60.0, aspect)), rel=2e-5
         )
-    factors = exact(4.0, **AIR)
+    factors = exact_flow(4.0, **AIR)
     as_sigma = piston_response(60.0 * factors.density / factors.flow) / factors.density
     assert piston_response(60.0, factors=factors) == pytest.approx(as_sigma, rel=1e-12)
 
@@ -87,7 +87,7 @@ def test_plate_slider_rarefied_gas_and_holes_are_as_the_docs_show_them(repositor
     scattered, *flows = [row.exact_deviation for row in rows[5:]]
     assert max(flows) < 5e-4 < scattered < 4e-3
     holes = table(*comparison.radial_films())
-    holes = [row for row in holes if row.quantity != comparison.RADIAL.format(0)]
+    holes = [row for row in holes if row.quantity != comparison.RADIAL_QUANTITY.format(0)]
     assert all(20 * row.exact_deviation < row.viscous_deviation < 0.6 for row in holes)
     shown = rows + holes
     cells = docs_rows(repository, "published")
@@ -108,7 +108,7 @@ def test_depth_averaging_is_as_the_docs_show_it_and_of_no_other_terms(repository
     shown = [cells for cells in docs_rows(repository, "depth_averaging") if cells[1] == "4"]
     assert len(shown) == 4
     assert [f"{each:.1e}" for each in found] == [row[k] for row in shown for k in (2, 4)]
-    monkeypatch.setattr(comparison, "depth_averaged", exact)
+    monkeypatch.setattr(comparison, "depth_averaged", exact_flow)
     with pytest.raises(RunError, match="first harmonic at Re 4, σ 1: "):
         list(comparison.depth_averaging((4.0,), (1.0,)))
     reasons = iter(["not converged: GMRES; no force"] * 4 + ["not supported: a piston"])

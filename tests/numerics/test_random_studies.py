@@ -8,7 +8,7 @@ import pytest
 from squeezefilm_workflow.verification import comparisons
 from squeezefilm_workflow.verification.comparisons import Comparison, compared
 from squeezefilm_workflow.verification.random_studies import coverages, statements, summary
-from squeezefilm_workflow.verification.study_generator import KINDS, drawn, random_study
+from squeezefilm_workflow.verification.study_generator import FRACTIONS_OF_KIND, drawn, random_study
 
 # Of those that take a second or two: plates, discs, pistons, small pads, every flow model.
 SEEDS = (2, 3, 11, 22, 24, 29, 36, 38, 43, 46, 57)
@@ -70,6 +70,6 @@ def test_a_seed_draws_the_same_study_and_seeds_draw_all_kinds(tmp_path):
     assert {each["gas"]["rarefaction"] for each in studies} == {"none", "slip", "fukui-kaneko"}
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", FRACTIONS_OF_KIND)
 def test_every_kind_of_study_is_a_configuration(kind, tmp_path):
     assert random_study(3, folder=tmp_path, kind=kind).name == "random-3"

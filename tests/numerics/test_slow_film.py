@@ -16,7 +16,7 @@ from squeezefilm.dynamics.pad_grid import disc_grid, outline_grid, rectangle_gri
 from squeezefilm.dynamics.response import (
     AVERAGING_ERROR,
     LAYER_LAG_ERROR,
-    NEGLECTED,
+    NEGLECTED_EFFECTS,
     SLIP_CHANGE_COLUMNS,
     gains,
     neglected,
@@ -269,7 +269,9 @@ def test_a_mass_over_a_vibration_oscillates_at_a_root_of_its_equation_of_motion(
 
 def from_rest(film: AveragedFilm, periods: np.ndarray) -> np.ndarray:
     times = np.append(0.0, (2 * periods - 1) * pi)
-    return film.after_step(np.ones(film.grid.inner.size), film.epsilon, times)[1:]
+    return film.pressure_after_amplitude_jump(np.ones(film.grid.inner.size), film.epsilon, times)[
+        1:
+    ]
 
 
 def test_a_strip_from_rest_is_the_slow_one_to_its_digits():
@@ -369,7 +371,7 @@ def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them
     (found,) = neglected([scene], tolerance=1e-6, device=DEVICE)
     gain = {}
     for term in ("none", "inertia", "thermal"):
-        choices = {name: "included" if name == term else "none" for name in NEGLECTED}
+        choices = {name: "included" if name == term else "none" for name in NEGLECTED_EFFECTS}
         with_term = replace(scene, gas=replace(scene.gas, **choices))
         low, high = solve(
             [replace(with_term, hv_m=scene.hv_m * (1 + step)) for step in (-0.005, 0.005)],
@@ -377,7 +379,7 @@ def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them
             device=DEVICE,
         )
         gain[term] = np.log(high.force_n / low.force_n) / np.log(1.005 / 0.995)
-    for term in NEGLECTED:
+    for term in NEGLECTED_EFFECTS:
         change, error = found[f"{term}_gain_percent"], found[f"{term}_gain_error_percent"]
         assert change == pytest.approx(100 * (gain[term] / gain["none"] - 1), abs=error)
     assert abs(found["inertia_gain_percent"]) > 5 * found["inertia_gain_error_percent"]

@@ -20,7 +20,7 @@ from squeezefilm_workflow.reporting.check import (
     read_reference,
     write_reference,
 )
-from squeezefilm_workflow.reporting.figures.style import PLAIN
+from squeezefilm_workflow.reporting.figures.style import PLAIN_SUFFIX
 
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}
@@ -99,7 +99,7 @@ def test_a_reference_is_read_as_it_was_written(tmp_path):
 
 
 def test_pictures_go_with_a_reference_into_a_new_folder(tmp_path):
-    picture = tmp_path / PICTURES_FOLDER / f"fig08{PLAIN}"
+    picture = tmp_path / PICTURES_FOLDER / f"fig08{PLAIN_SUFFIX}"
     picture.parent.mkdir(parents=True)
     picture.write_bytes(b"drawn")
     write_reference(quantities(FORCES), tmp_path, tmp_path / "of/mine")

@@ -100,7 +100,7 @@ def test_vectors_are_those_of_the_processor_and_no_warning_is_printed(
     square.write_text("kernel void square(vector a) { multiply(a, 4, 4, a, a, 4, 1, 0); }\n")
     sources = ("linear_algebra.cl", "vectors.cl", str(square))
     device.kernel(chosen, "square", sources=sources, header=f"// {tmp_path}: in no cache")
-    assert chosen.lanes(8) == numbers
+    assert chosen.vector_width(8) == numbers
     assert device.describe(chosen)["vector_bytes"] == 8 * numbers
     assert "warnings generated" not in capfd.readouterr().err
 

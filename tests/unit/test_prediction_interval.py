@@ -111,7 +111,7 @@ def test_coverage_is_shown_by_region():
 )
 def test_outside_the_declared_space_a_fit_is_not_validated(point, note):
     found = interval(drawn(100, seed=1))
-    (outside,) = found.outside(Factors.of(**{"h0_m": 6e-6, "hv_m": 1e-6} | point))
+    (outside,) = found.range_notes(Factors.of(**{"h0_m": 6e-6, "hv_m": 1e-6} | point))
     assert (note in outside) if note else outside == ""
 
 

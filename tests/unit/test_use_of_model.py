@@ -325,7 +325,7 @@ def test_exported_code_and_the_library_agree_on_the_declared_space(run, write_fi
         _, inside = np.array(run(fit, points, tmp_path), dtype=float).T
         assert 0 < inside.sum() < len(points)
         np.testing.assert_array_equal(
-            inside == 1, [not each for each in fit.interval.outside(factors)]
+            inside == 1, [not each for each in fit.interval.range_notes(factors)]
         )
 
 

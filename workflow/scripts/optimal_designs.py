@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from squeezefilm.errors import naming
+from squeezefilm.errors import prefix_errors
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 from squeezefilm.tables import read_json, read_ok_forces, read_scenes
@@ -11,7 +11,7 @@ from squeezefilm_workflow.job import Job, Study, run, write
 
 def main(snakemake: Job, config: Study) -> None:
     files = snakemake.input
-    with naming(files.fit):
+    with prefix_errors(files.fit):
         designs = designs_of_fit(
             read_fit(files.fit),
             config,

@@ -1,14 +1,14 @@
 """Write the residuals of a smooth profile of a scan, and the errors of its forces."""
 
 from squeezefilm.studies.tasks.scan_errors import scan_report
-from squeezefilm_workflow.job import Job, Study, run, tell, telling_progress, write
+from squeezefilm_workflow.job import Job, Study, print_result, run, telling_progress, write
 
 
 def main(snakemake: Job, config: Study) -> None:
     with telling_progress("profile"):
         forces, profile, summary, text = scan_report(config)
     write(snakemake.output, forces=forces, figure=profile, summary=summary)
-    tell(text)
+    print_result(text)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from squeezefilm.api.film import Film
 from squeezefilm.api.forces import simulate_table
 from squeezefilm.errors import RunError
 from squeezefilm.studies.plans import write_scenes
-from squeezefilm.tables import no_force
+from squeezefilm.tables import no_force_message
 from squeezefilm_workflow.job import Job, Study, run
 
 
@@ -21,7 +21,7 @@ def main(snakemake: Job, config: Study) -> None:
         chunk=(int(wildcards.get("chunk", 1)), int(wildcards.get("chunks", 1))),
     )
     if scenes and failures and not snakemake.params.keep_failed:
-        raise RunError(no_force(failures, wildcards.plan))
+        raise RunError(no_force_message(failures, wildcards.plan))
     print(*failures, sep="\n")
 
 

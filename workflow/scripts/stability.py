@@ -4,12 +4,12 @@ from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.job import Job, Study, run
-from squeezefilm_workflow.verification.films import SAMPLE, cases
+from squeezefilm_workflow.verification.films import SAMPLE_SLICE, cases
 from squeezefilm_workflow.verification.stability import stability
 
 
 def main(snakemake: Job, config: Study) -> None:
-    chosen = cases() if config.numerics.extent == "full" else cases()[SAMPLE]
+    chosen = cases() if config.numerics.extent == "full" else cases()[SAMPLE_SLICE]
     table = stability(chosen, device=device_of(config))
     write_table(table, snakemake.output[0])
     failed = table[table["verdict"] == "failed"]

@@ -29,7 +29,7 @@ def refuse(source: object, problems: Mapping[str, object]) -> None:
 
 
 @contextmanager
-def naming(source: object) -> Iterator[None]:
+def prefix_errors(source: object) -> Iterator[None]:
     """Put a place, such as a file's name, before the message of an InputError from within.
 
     Without a place, None, the message stays; so does one that begins with the place.

@@ -44,9 +44,9 @@ MOST_CHARACTERS, MOST_NESTED = 4000, 150
 LARGEST_EXPONENT = 32.0
 LARGEST_NUMBER = 1e100
 NAMED_CONSTANTS = {"pi": math.pi}
-LIKE = {"m": "12 mm", "1/m": "380 1/m", "deg": "30 deg", "N": "1 mN"}
+EXAMPLE_OF_UNIT = {"m": "12 mm", "1/m": "380 1/m", "deg": "30 deg", "N": "1 mN"}
 """A constant by whose like a unit is taken away."""
-UNDEFINED = complex(math.nan, math.nan)
+UNDEFINED_VALUE = complex(math.nan, math.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,13 +121,13 @@ def _at_zero(z: Any) -> Any:
 def _square_root(z: Any) -> Any:
     if not np.iscomplexobj(z):
         return np.sqrt(z)
-    return np.where((z != 0) & (z.real <= np.abs(z.imag)), UNDEFINED, np.sqrt(z))
+    return np.where((z != 0) & (z.real <= np.abs(z.imag)), UNDEFINED_VALUE, np.sqrt(z))
 
 
 def _absolute(z: Any) -> Any:
     if not np.iscomplexobj(z):
         return np.abs(z)
-    return np.where(_at_zero(z), UNDEFINED, np.sign(z.real) * z)
+    return np.where(_at_zero(z), UNDEFINED_VALUE, np.sign(z.real) * z)
 
 
 def _sinc(z: Any) -> Any:
@@ -147,7 +147,7 @@ def _power(base: Any, exponent: Any) -> Any:
     zero = (base == 0) & (np.real(exponent) > 0)  # 0**v is 0 for every such v
     vertical = _at_zero(base) & (np.real(exponent) < 1) & (exponent != 0)
     undefined = vertical | ((np.real(base) < 0) & (np.imag(exponent) != 0))
-    return np.where(zero, 0, np.where(undefined, UNDEFINED, np.power(base + 0j, exponent)))
+    return np.where(zero, 0, np.where(undefined, UNDEFINED_VALUE, np.power(base + 0j, exponent)))
 
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
@@ -209,7 +209,7 @@ class Expression:
         def leaf(part: Any) -> Any:
             return known.get(part, part if isinstance(part, float) else itemgetter(part))
 
-        def operation(part: Operation, arguments: list[Any]) -> Any:
+        def evaluate_operation(part: Operation, arguments: list[Any]) -> Any:
             operator = _OPERATIONS[part.operator]
             if not any(map(callable, arguments)):
                 return operator(*arguments)
@@ -220,7 +220,7 @@ class Expression:
             return lambda values: operator(first(values), last(values))
 
         with np.errstate(all="ignore"):
-            value = fold(self.root, leaf, operation)
+            value = fold(self.root, leaf, evaluate_operation)
         return value if callable(value) else lambda values: value
 
 
@@ -383,8 +383,10 @@ def parameter_units(
         for each in inner:
             unit = _text(reduced(each))
             hint = "; the angle in radians is called `angle`" if unit == "deg" else ""
-            if unit in LIKE:
-                hint += f"; give a number its unit by `constants: {{name: {LIKE[unit]}}}`"
+            if unit in EXAMPLE_OF_UNIT:
+                hint += (
+                    f"; give a number its unit by `constants: {{name: {EXAMPLE_OF_UNIT[unit]}}}`"
+                )
             equate(
                 each, DIMENSIONLESS, f"{part.place!r} needs a number without unit, not {unit}{hint}"
             )

@@ -137,6 +137,6 @@ def showing_progress(command: str, *, to: TextIO | None = None) -> Iterator[None
         thread.join()
 
 
-def say(text: str) -> None:
+def print_step(text: str) -> None:
     """A line about what is done next."""
     print(text, file=sys.stderr, flush=True)

@@ -89,7 +89,7 @@ class Solutions(Sequence[Solution]):
     def of_method(cls, method: str, count: int) -> Solutions:
         """Solutions that are not known yet."""
         columns = {}
-        for name, value in (DEFAULTS | {"method": method}).items():
+        for name, value in (DEFAULT_OF_COLUMN | {"method": method}).items():
             # Numbers as such; texts and what has parts as objects.
             kind = type(value) if isinstance(value, (int, float)) else object
             columns[name] = np.empty(count, dtype=kind)
@@ -121,7 +121,7 @@ class Solutions(Sequence[Solution]):
 
     def __iter__(self) -> Iterator[Solution]:
         columns = [column.tolist() for column in self.columns.values()]
-        return (Solution(**dict(zip(DEFAULTS, row))) for row in zip(*columns))  # noqa: B905
+        return (Solution(**dict(zip(DEFAULT_OF_COLUMN, row))) for row in zip(*columns))  # noqa: B905
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and list(self) == list(other)
@@ -148,7 +148,7 @@ class Solutions(Sequence[Solution]):
 
 
 # What stands in a column before it is known.
-DEFAULTS: dict[str, object] = {
+DEFAULT_OF_COLUMN: dict[str, object] = {
     each.name: "" if each.default is MISSING else each.default for each in fields(Solution)
 }
 SOLUTION_COLUMNS = tuple(

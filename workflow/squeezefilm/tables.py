@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 
 from squeezefilm.columns import TEXT_COLUMNS, unregistered
-from squeezefilm.errors import InputError, RunError, naming, needing
+from squeezefilm.errors import InputError, RunError, needing, prefix_errors
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, with_position
 from squeezefilm.headers import folded, words_and_unit
@@ -62,7 +62,7 @@ _WORDS_OF = {
     "phi_deg": ("phi",),
     "force_n": ("force", "f"),
 }
-WORDS = {words: name for name, several in _WORDS_OF.items() for words in several}
+COLUMN_OF_WORDS = {words: name for name, several in _WORDS_OF.items() for words in several}
 """What people call columns, each also with the word uncertainty, and units beside it."""
 SIZES = {
     unit.lower(): {folded(name): size for name, size in sizes(unit).items()}
@@ -70,7 +70,7 @@ SIZES = {
 }
 UNITS = {name for units in SIZES.values() for name in units}
 
-Others = Literal["invalid", "unknown are invalid", "ignored", "kept"]
+OtherColumns = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
 columns.csv does not have."""
 
@@ -153,7 +153,7 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
     """
     table = read_forces(path)
     if failures := failures_in(table):
-        raise InputError(no_force(failures, path))
+        raise InputError(no_force_message(failures, path))
     return table
 
 
@@ -163,7 +163,7 @@ def failures_in(forces: pd.DataFrame) -> list[str]:
     return [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
 
 
-def no_force(failures: Sequence[str], scenes: Path | str) -> str:
+def no_force_message(failures: Sequence[str], scenes: Path | str) -> str:
     """The message for points without a force."""
     beyond = len(failures) - MOST_NAMED
     more = f" and {beyond} more" if beyond > 0 else ""
@@ -176,7 +176,7 @@ def _read(
     columns: Sequence[str],
     numbers: Sequence[str],
     optional: Collection[str] = (),
-    others: Others = "invalid",
+    others: OtherColumns = "invalid",
     needs: str = "",
     chunk: tuple[int, int] = (1, 1),
 ) -> pd.DataFrame:
@@ -227,7 +227,7 @@ def _rows(
     columns: Sequence[str],
     *,
     optional: Collection[str],
-    others: Others,
+    others: OtherColumns,
     needs: str,
     chunk: tuple[int, int] = (1, 1),
 ) -> tuple[pd.DataFrame, list[int]]:
@@ -240,7 +240,7 @@ def _rows(
     else:
         table, lines = _csv_rows(path, columns=columns, needs=needs)
     header = list(map(str, table))
-    with naming(path):
+    with prefix_errors(path):
         asked, optional = as_in(columns, header), [*optional, *as_in(optional, header)]
         _check_header(header, asked, optional, others=others, needs=needs)
     if not lines:
@@ -284,9 +284,9 @@ def _column(cell: str) -> tuple[str, float | None]:
     for words, unit in words_and_unit(cell, UNITS):
         uncertain = words[-1:] == ["uncertainty"]
         text = " ".join(words[:-1] if uncertain else words).removesuffix(" standard")
-        if text in WORDS:
-            stem, _, base = WORDS[text].rpartition("_")
-            name = f"{stem}_uncertainty_{base}" if uncertain else WORDS[text]
+        if text in COLUMN_OF_WORDS:
+            stem, _, base = COLUMN_OF_WORDS[text].rpartition("_")
+            name = f"{stem}_uncertainty_{base}" if uncertain else COLUMN_OF_WORDS[text]
             return name, SIZES[base].get(unit)
     return cell, None
 
@@ -346,7 +346,7 @@ def _check_header(
     columns: Sequence[str],
     optional: Collection[str],
     *,
-    others: Others,
+    others: OtherColumns,
     needs: str,
 ) -> None:
     """Reject a header with a column that is not known, then one that lacks a column.
@@ -497,7 +497,7 @@ def merge_forces(
             failures += [f"{failure} ({part})" for failure in failures_in(rows)]
             write(rows)
         if failures and not keep_failed:
-            raise RunError(no_force(failures, scenes))
+            raise RunError(no_force_message(failures, scenes))
 
 
 def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:

@@ -21,7 +21,7 @@ from squeezefilm.parallel import showing_progress
 from squeezefilm.tables import write_json, write_table
 
 # Variables of reynolds/device.py and studies/study.py, which take long to import.
-NODE_CACHE, SMOOTHED = "SQUEEZEFILM_NODE_CACHE", "SQUEEZEFILM_SMOOTHED"
+NODE_CACHE_VARIABLE, SMOOTHED_VARIABLE = "SQUEEZEFILM_NODE_CACHE", "SQUEEZEFILM_SMOOTHED"
 Job = Any
 """The object ``snakemake`` that Snakemake puts before a script's first line."""
 _terminals: list[TextIO] = []
@@ -42,7 +42,7 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     # On a cluster home directories are shared by nodes that may differ, over a network that may not
     # lock; profiles/ state this resource. Snakemake's tmpdir is that of the process.
     if snakemake.resources.get("node_cache"):
-        os.environ[NODE_CACHE] = tempfile.gettempdir()
+        os.environ[NODE_CACHE_VARIABLE] = tempfile.gettempdir()
     terminal = os.fdopen(os.dup(2), "w", encoding=sys.stderr.encoding, errors=SUBSTITUTE)
     _terminals.append(terminal)
     with open(snakemake.log[0], "w") as log:  # in the encoding in which Snakemake shows it
@@ -56,7 +56,7 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     try:
         config = load_config(snakemake.config["study_file"])
         smoothed = folder_of_results(snakemake, config) / "profile/smoothed.npz"
-        os.environ[SMOOTHED] = str(smoothed)
+        os.environ[SMOOTHED_VARIABLE] = str(smoothed)
         main(snakemake, config)
     except (InputError, RunError) as error:
         last = f"squeezefilm: error: {error}"
@@ -71,7 +71,7 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
         sys.exit(1)
 
 
-def tell(text: str) -> None:
+def print_result(text: str) -> None:
     """Print a result that people wait for to the log, and to the terminal."""
     print(text)
     for terminal in _terminals:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from squeezefilm.config.study import Study
-from squeezefilm.errors import naming
+from squeezefilm.errors import prefix_errors
 from squeezefilm.film.positions import CARTESIAN, as_in, with_position
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
@@ -30,7 +30,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, describe
 from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.reynolds.kernel_cache import one_build_at_a_time
-from squeezefilm.reynolds.periodic.launch import warm
+from squeezefilm.reynolds.periodic.launch import build_kernels_of
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
@@ -293,9 +293,9 @@ def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator
             "notes": "; ".join(notes_of(scene)),
         }
         if settings.outputs:
-            from squeezefilm.quantities.outputs import refusals
+            from squeezefilm.quantities.outputs import missing_reasons
 
-            refused = refusals(scene, tolerance=settings.tolerance)
+            refused = missing_reasons(scene, tolerance=settings.tolerance)
             lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
             row["outputs_not_supported"] = "; ".join(lacking)
         rows.append(row)
@@ -326,7 +326,7 @@ def compile_kernels(config: Study) -> dict[str, Any]:
     device = device_of(config)
     with one_build_at_a_time():
         # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
-        warm(device, config.read_film().scene(h0_m=5e-6, hv_m=0.0))
+        build_kernels_of(device, config.read_film().scene(h0_m=5e-6, hv_m=0.0))
     facts = describe(device)
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     return facts
@@ -355,11 +355,11 @@ def simulate_table(
     Raises InputError, before anything is solved, for a scene that cannot be.
     """
     table = read_scenes(scenes, chunk=chunk)
-    with naming(scenes):
+    with prefix_errors(scenes):
         planned = film.scenes(table)
     settings = film.solver()
     with one_build_at_a_time():
-        warm(settings.device, planned[0])
+        build_kernels_of(settings.device, planned[0])
     failures: list[str] = []
     incomplete: list[str] = []
     seconds = 0.0

@@ -12,7 +12,7 @@ import numpy as np
 from squeezefilm.api.film import Film, Position, Values, levels, points_of
 from squeezefilm.config import study
 from squeezefilm.config.loading import load_config
-from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.formatting import in_lines
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds import solve
@@ -102,7 +102,7 @@ class Fit:
         from squeezefilm.models.data import factors_of
 
         fit = self.model
-        with naming(place):
+        with prefix_errors(place):
             factors = fit.represented(factors_of(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
@@ -152,7 +152,7 @@ class Fit:
         forces_n = levels(force, called="force", unit="N")
         if len(forces_n) != 1:
             raise InputError(f"force: {force!r} are several; one is asked for")
-        with naming("amplitude-for"):
+        with prefix_errors("amplitude-for"):
             factors = factors_of(points.assign(hv_m=0.0))
         rows = [
             amplitude_for(self.model, factors.take([index]), force_n=forces_n[0])

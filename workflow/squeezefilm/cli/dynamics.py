@@ -25,11 +25,11 @@ from squeezefilm.cli.options import (
 )
 from squeezefilm.dynamics.levitation import levitation_table, levitations, valid_range_text
 from squeezefilm.dynamics.response import all_gains, all_steps, responses
-from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.validity import GAPS_M, OK
 from squeezefilm.formatting import scene_row, value_text
 from squeezefilm.lazy import pd
-from squeezefilm.parallel import say
+from squeezefilm.parallel import print_step
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities, quantity
 
@@ -99,7 +99,7 @@ def levitate(options: argparse.Namespace) -> None:
     for row in levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg):
         rows.append(row)
         if not alone:
-            say(_levitation_line(row))
+            print_step(_levitation_line(row))
     if scan is not None:
         without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
@@ -172,7 +172,7 @@ def response(options: argparse.Namespace) -> None:
         raise InputError("give a table of scenes, or one scene by --h0 and --hv")
     if not alone and options.output is options.gains is options.steps is None:
         raise InputError("a table of scenes needs --output, --gains or --steps")
-    with naming(options.scenes):
+    with prefix_errors(options.scenes):
         scenes = film.scenes(table)
     if alone or options.gains is not None:
         gained = all_gains(table, scenes, frequency_hz)

@@ -25,7 +25,7 @@ from squeezefilm.cli.options import (
     study_column,
     write_rows,
 )
-from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
@@ -89,7 +89,7 @@ def simulate(options: argparse.Namespace) -> None:
     film = film_at(options, outputs)
     points, path = points_or_scenes(options), options.scenes
     if options.dry_run:
-        with naming(path):
+        with prefix_errors(path):
             scenes = film.scenes(read_scenes(path) if path else points)
         table, rows = preview(scenes, film)
         check_json(options, len(table))

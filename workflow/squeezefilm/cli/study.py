@@ -7,7 +7,7 @@ from pathlib import Path
 from squeezefilm.api.models import Fit
 from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, print_table, shown
 from squeezefilm.config.loading import load_config
-from squeezefilm.errors import naming
+from squeezefilm.errors import prefix_errors
 from squeezefilm.files import digest
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model
@@ -78,7 +78,7 @@ def fit(options: argparse.Namespace) -> None:
     on held-out points, and the prediction interval that the sample gives (`squeezefilm predict`).
     """
     config = load_config(options.config)
-    with naming(options.forces):
+    with prefix_errors(options.forces):
         fitted, runs = fit_to_forces(
             get_model(options.model, config.models, source=options.config),
             config,
@@ -107,7 +107,7 @@ def validate(options: argparse.Namespace) -> None:
     """
     config = load_config(options.config)
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
-    with naming(f"{options.fit} on {options.forces}"):
+    with prefix_errors(f"{options.fit} on {options.forces}"):
         table, summary = errors_on(fitted, forces, config)
     write_table(table, options.output)
     print(shown(summary, options))
@@ -142,7 +142,7 @@ def optimal(options: argparse.Namespace) -> None:
     """
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     config = load_config(options.config)
-    with naming(options.fit):
+    with prefix_errors(options.fit):
         tables = designs_of_fit(
             fitted,
             config,

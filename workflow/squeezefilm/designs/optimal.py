@@ -45,7 +45,7 @@ Gradients = Callable[[Array], Array]
 
 LEAST_WEIGHT = 1e-9
 """Weight below which a point is not in the support."""
-SINGULAR = 1e-12
+SINGULAR_DIAGONAL = 1e-12
 """Diagonal of a triangular factor with columns of length one, below which it is singular."""
 ROUNDS, STEPS = 100, 100
 SAME_POINT = 5e-3
@@ -126,7 +126,7 @@ def _roots(f: Array, weights: ArrayLike | None = None) -> Array:
     design_weights = np.full(points, 1 / points) if weights is None else np.asarray(weights)
     roots = np.linalg.qr(np.sqrt(design_weights)[:, None] * f, mode="r")
     pivots = np.abs(np.diagonal(roots, axis1=1, axis2=2))
-    singular = np.any(pivots <= SINGULAR * np.linalg.norm(roots, axis=1), axis=1)
+    singular = np.any(pivots <= SINGULAR_DIAGONAL * np.linalg.norm(roots, axis=1), axis=1)
     return np.where(singular[:, None, None], 0.0, roots)
 
 

@@ -20,11 +20,11 @@ from squeezefilm.designs.space import Array, Coordinates, Space, pair_distances
 from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
 
-SINGULAR = 1e100
+SINGULAR_CRITERION = 1e100
 """Value of a criterion where parameters cannot be told apart or points coincide."""
 
 POPULATION, GENERATIONS = 100, 60
-KICKS = 2
+KICK_COUNT = 2
 KICK_SIZE = 0.05
 """Descents from a design kicked by so much, in unit factors, before a search is believed."""
 EQUAL_CRITERION = 1e-9
@@ -38,25 +38,25 @@ SAME_POINT_DISTANCE = 0.05
 def inverse_determinant(derivatives: ArrayLike) -> Array:
     """|det(F'F)^-1| (paper eq. 11) of designs with derivatives F of shape (..., N, p).
 
-    From the triangular factor of F, whose condition is the root of that of F'F. SINGULAR where F'F
-    is singular. Derivatives that are undefined (NaN) count as no information.
+    From the triangular factor of F, whose condition is the root of that of F'F. SINGULAR_CRITERION
+    where F'F is singular. Derivatives that are undefined (NaN) count as no information.
     """
     derivatives = np.asarray(derivatives, dtype=float)
     points, parameters = derivatives.shape[-2:]
     if points < parameters:
-        return np.full(derivatives.shape[:-2], SINGULAR)
+        return np.full(derivatives.shape[:-2], SINGULAR_CRITERION)
     usable = np.where(np.isfinite(derivatives), derivatives, 0.0)
     triangle = np.linalg.qr(usable, mode="r")
     determinant = np.prod(np.diagonal(triangle, axis1=-2, axis2=-1), axis=-1) ** 2
-    return 1 / np.maximum(determinant, 1 / SINGULAR)
+    return 1 / np.maximum(determinant, 1 / SINGULAR_CRITERION)
 
 
 def inverse_distances(points: ArrayLike) -> Array:
     """Sum of 1/|xi_i - xi_j| over all pairs of points (in eq. 12), shape (..., N, k) -> (...).
 
-    SINGULAR where two points coincide.
+    SINGULAR_CRITERION where two points coincide.
     """
-    return np.sum(1 / np.maximum(pair_distances(points), 1 / SINGULAR), axis=-1)
+    return np.sum(1 / np.maximum(pair_distances(points), 1 / SINGULAR_CRITERION), axis=-1)
 
 
 def d_efficiency(derivatives: ArrayLike, optimal: ArrayLike) -> float:
@@ -74,7 +74,7 @@ class Criterion:
 
     The determinant (11) alone; plus the inverse distances of (12) where `distance` gives the
     coordinates to take them in; and, where `separation` is set, only for designs whose points are
-    at least that far apart in the coordinates `apart` (SINGULAR for any other).
+    at least that far apart in the coordinates `apart` (SINGULAR_CRITERION for any other).
     """
 
     gradient: Gradients
@@ -94,7 +94,7 @@ class Criterion:
         if self.distance is not None:
             value = value + inverse_distances(self.distance(designs))
         far = self.spares(designs).min(axis=-1) >= -1e-9
-        return np.where(far, np.minimum(value, SINGULAR), SINGULAR)
+        return np.where(far, np.minimum(value, SINGULAR_CRITERION), SINGULAR_CRITERION)
 
     def spares(self, designs: Array) -> Array:
         """Distance of each pair of points beyond the separation, shape (..., N(N-1)/2)."""
@@ -134,9 +134,9 @@ def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
         generations=GENERATIONS,
     )
     best = descend(criterion, space.from_unit(rough.x.reshape(shape)))
-    for kick in np.random.default_rng(seed).normal(scale=KICK_SIZE, size=(KICKS, *shape)):
+    for kick in np.random.default_rng(seed).normal(scale=KICK_SIZE, size=(KICK_COUNT, *shape)):
         start = space.from_unit(np.clip(space.to_unit(best.points) + kick, 0, 1))
-        if float(criterion.value(start)) < SINGULAR:
+        if float(criterion.value(start)) < SINGULAR_CRITERION:
             best = min(best, descend(criterion, start), key=lambda design: design.value)
     return best
 
@@ -149,7 +149,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
     """
     space = criterion.space
     start = float(criterion.value(points))
-    if start >= SINGULAR:
+    if start >= SINGULAR_CRITERION:
         raise InputError(
             "design: F'F is singular, or points are closer than allowed; give more points than "
             "parameters, a wider box or a smaller separation"
@@ -310,7 +310,7 @@ def augment(criterion: Criterion, regions: Sequence[Region], points: int) -> lis
         kept = [region.point for region in extended]
         trials = np.array([[*kept, corner] for corner in candidates])
         values = spaced.value(trials)
-        if values.min() >= SINGULAR:
+        if values.min() >= SINGULAR_CRITERION:
             raise InputError(f"design: no corner is left for one of {points} points; ask for fewer")
         extended.append(Region(candidates[int(np.argmin(values))], ["augmentation"]))
     return extended

@@ -41,7 +41,7 @@ from scipy.spatial.distance import cdist
 
 from squeezefilm.config.study import Refine
 from squeezefilm.designs.optimal import Array, Indices, exchange, sensitivity
-from squeezefilm.errors import InputError, naming
+from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit, sum_of_squares
 from squeezefilm.models.force_model import ExpressionModel
@@ -188,7 +188,7 @@ class Sequential:
                 f"refine: the model {self.model.name} takes {first} simulations to begin with and "
                 f"{checks} to verify, more than the {self.settings.simulations} allowed"
             )
-        with naming(f"refine: {len(pool.candidates)} candidates"):
+        with prefix_errors(f"refine: {len(pool.candidates)} candidates"):
             check_identifiable(self.model, pool.factors.take(pool.candidates))
         candidates, taken = (
             pool.coordinates[indices] for indices in (pool.candidates, pool.verification)
@@ -206,7 +206,7 @@ class Sequential:
             taken = np.concatenate([taken, candidates[best : best + 1]])
         return chosen
 
-    def added_points(self, theta: Array, design: Indices) -> Indices:
+    def most_informative_indices(self, theta: Array, design: Indices) -> Indices:
         """The most informative points about the parameters, besides those of the design."""
         pool, model = self.pool, self.model
         chosen = exchange(
@@ -335,7 +335,7 @@ class Sequential:
             report(done)
             if not verdict:
                 try:
-                    added = self.added_points(theta, design)
+                    added = self.most_informative_indices(theta, design)
                 except InputError as error:
                     verdict, reason = "budget", f"no more points can be designed: {error}"
             if verdict:

@@ -209,7 +209,9 @@ class AveragedFilm:
             changes.append(at_once + complex(by_flow))
         return np.array(changes)
 
-    def after_step(self, psi: np.ndarray, epsilon: float, times: np.ndarray) -> np.ndarray:
+    def pressure_after_amplitude_jump(
+        self, psi: np.ndarray, epsilon: float, times: np.ndarray
+    ) -> np.ndarray:
         """Mean gauge pressure at times T after the amplitude has jumped to ε from a state ψ.
 
         Args:

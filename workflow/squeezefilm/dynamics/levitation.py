@@ -76,7 +76,7 @@ ROOT_STEP, ROOT_PRECISION = 1e-3, 1e-6
 ROOT_TOLERANCE, MOST_ROOT_ERROR = 1e-3, 0.1
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
 LEAST_OSCILLATION = 1e-3
-OVERDAMPED = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
+OVERDAMPED_STATUS = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
 
 
 @dataclass(frozen=True)
@@ -385,7 +385,7 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     roots = film.free_motion(slow=slow, scale=scale)
     oscillations = roots[roots.imag > LEAST_OSCILLATION * abs(roots)]
     if not oscillations.size:
-        return Resonance(reason=OVERDAMPED)
+        return Resonance(reason=OVERDAMPED_STATUS)
     lag = LAG_PER_REYNOLDS * scene.modified_reynolds * (scene.gas.inertia == "included")
     motion = {"slow": slow, "scale": scale, "lag": lag}
     root, slope = _root_of_motion(film, complex(min(oscillations, key=abs)), **motion)

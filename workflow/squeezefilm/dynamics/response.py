@@ -45,7 +45,7 @@ STEP_INSTANTS = 240
 # Tolerance of the forces whose quotients are gains: their errors count fifty times in one.
 GAIN_TOLERANCE = 1e-4
 # Terms of the gas that the averaged film neglects.
-NEGLECTED = ("inertia", "thermal")
+NEGLECTED_EFFECTS = ("inertia", "thermal")
 # Numbers of a response whose change by a neglected effect is said, by what their columns call them.
 SLIP_CHANGE_COLUMNS = {
     "gain": "static_gain",
@@ -197,8 +197,8 @@ def _steps(film: AveragedFilm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     slowest = film.sigma / film.grid.slowest_rate
     time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, STEP_INSTANTS))
     settled = film.density(film.settled(film.epsilon))
-    rising = film.after_step(np.ones_like(settled), film.epsilon, time)
-    return time, rising, film.after_step(settled, 0.0, time)
+    rising = film.pressure_after_amplitude_jump(np.ones_like(settled), film.epsilon, time)
+    return time, rising, film.pressure_after_amplitude_jump(settled, 0.0, time)
 
 
 def _crossing(time: np.ndarray, left: np.ndarray) -> float:
@@ -234,19 +234,19 @@ def neglected(
 ) -> list[dict[str, float]]:
     """Changes in % of the scenes' responses by what the averaged film neglects, by columns.
 
-    Of the gain of slow modulation with each of NEGLECTED, NaN where a force is not found with it.
+    Of the gain of slow modulation with each of NEGLECTED_EFFECTS, NaN where a force is not found.
     Of SLIP_CHANGE_COLUMNS with first-order slip, from the slow equation with and without it on the
     coarsest
     grid: 0 where the scene has slip, NaN above the Knudsen numbers that it is meant for.
     """
-    choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED)]
+    choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED_EFFECTS)]
     with_choices = [scene.viscous().with_gas(**choice) for scene in scenes for choice in choices]
     gains_and_errors = slow_gains(with_choices, tolerance=tolerance, device=device)
     gain, error = gains_and_errors.reshape(len(scenes), len(choices), 2).T
     rows = []
     for k, scene in enumerate(scenes):
         row = _slip_changes(scene)
-        for name, with_it, off in zip(NEGLECTED, gain[1:, k], error[1:, k], strict=True):
+        for name, with_it, off in zip(NEGLECTED_EFFECTS, gain[1:, k], error[1:, k], strict=True):
             row[f"{name}_gain_percent"] = 100 * (with_it / gain[0, k] - 1)
             row[f"{name}_gain_error_percent"] = 100 * (off + error[0, k]) / gain[0, k]
         rows.append(row)

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval
 
-from squeezefilm.errors import InputError, naming
+from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.measured.table import read_points
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
@@ -248,7 +248,7 @@ def conformal_map(
 CONTOUR_FORMAT = (
     "a header x_mm,y_mm (or another unit) and a point of the edge in each row, one after the other"
 )
-FEWEST, MOST = 16, 4000
+FEWEST_POINTS, MOST_POINTS = 16, 4000
 # Waves around the edge, the shortest that a smooth curve through the points may have.
 MOST_WAVES = 40
 # How far points may lie off that curve where nothing else is said, over the longer side; and how
@@ -278,7 +278,7 @@ def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float =
 
 @lru_cache(maxsize=16)
 def _read(path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: float) -> Outline:
-    with naming(path):
+    with prefix_errors(path):
         waves, off_m = _fitted(_points(path), scatter_m=scatter_m)
         return _mapped_curve(_scaled(waves, off_m, sides_m), sides_m, off_m)
 
@@ -296,8 +296,8 @@ def _points(path: Path) -> np.ndarray:
     z = (table["x"] + 1j * table["y"]).to_numpy()
     if len(z) > 1 and z[0] == z[-1]:  # the first again closes it
         z = z[:-1]
-    if not FEWEST <= len(z) <= MOST:
-        raise InputError(f"{len(z)} points; an outline has {FEWEST} to {MOST}")
+    if not FEWEST_POINTS <= len(z) <= MOST_POINTS:
+        raise InputError(f"{len(z)} points; an outline has {FEWEST_POINTS} to {MOST_POINTS}")
     steps = np.abs(np.roll(z, -1) - z)
     if steps[-1] > CLOSING_GAP * steps[:-1].max():
         raise InputError(

@@ -19,7 +19,7 @@ from squeezefilm.film.surfaces import Disc, Orders, Surface
 from squeezefilm.formulas import Expression, constants_of, parse
 from squeezefilm.sections import KEYS, Direction, Internal, Length, Number, Text
 
-UNBOUNDED = Disc(inf)
+UNBOUNDED_SURFACE = Disc(inf)
 # Values of modes, points times modes, that are kept to be used again: 8 MB.
 MOST_CACHED_VALUES = 1_000_000
 
@@ -100,7 +100,7 @@ class StandingWave(Profile):
     wavelength_m: Length
     direction_deg: Direction = 0.0
     crest_m: Annotated[float, Number("m", -10, 10)] = 0.0
-    surface: Internal[Surface] = UNBOUNDED
+    surface: Internal[Surface] = UNBOUNDED_SURFACE
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
@@ -154,7 +154,7 @@ class BesselMode(Profile):
     wave_number_rad_per_m: Annotated[float, Number("rad/m", 0, 1e6, open=True)]
     edge_share: Annotated[float, Number("1", -1e6, 1e6)] = 0.0
     direction_deg: Direction = 0.0
-    surface: Internal[Surface] = UNBOUNDED
+    surface: Internal[Surface] = UNBOUNDED_SURFACE
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         angle = np.arctan2(y_m, x_m) - radians(self.direction_deg)
@@ -197,7 +197,7 @@ class Formula(Profile):
 
     kind: Literal["formula"] = field(default="formula", kw_only=True)
     expression: Text
-    surface: Internal[Surface] = UNBOUNDED
+    surface: Internal[Surface] = UNBOUNDED_SURFACE
     quadrature: Text = "0"
     constants: Constants = ()
 

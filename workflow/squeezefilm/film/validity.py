@@ -45,7 +45,7 @@ def _couette_reynolds(scenes: Scenes) -> Any:
 
 # The list's quantities by their symbols: Kn where the gap at rest is narrowest, Re, Re_s and ρUh/μ
 # where widest.
-QUANTITIES: dict[str, Callable[[Scenes], Any]] = {
+SYMBOL_VALUES: dict[str, Callable[[Scenes], Any]] = {
     "h0/l": lambda s: s.h0_m / np.minimum(s.pad.length_x_m, s.pad.length_y_m),
     "Kn": lambda s: _over(s.knudsen, s.static_gap_range[0]),
     "Re": lambda s: s.modified_reynolds * s.static_gap_range[1] ** 2,
@@ -57,7 +57,7 @@ QUANTITIES: dict[str, Callable[[Scenes], Any]] = {
     "Ra/h": lambda s: _over(ROUGHNESS_M, s.narrowest * s.h0_m),
 }
 # The list's kinds of films; ``auto`` terms are decided before (quantities/model_error.py).
-FILMS: dict[str, Callable[[Scenes], Any]] = {
+FILM_CONDITIONS: dict[str, Callable[[Scenes], Any]] = {
     "all": lambda s: True,
     "viscous flow": lambda s: s.gas.rarefaction == "none",
     "first-order slip": lambda s: s.gas.rarefaction == "slip",
@@ -76,8 +76,8 @@ class Limit:
     """A quantity of a scene and the values up to which the film equation is known to hold.
 
     Attributes:
-        quantity, symbol: in words and as in formulas; QUANTITIES has its value.
-        films: which the limit is for, of FILMS.
+        quantity, symbol: in words and as in formulas; SYMBOL_VALUES has its value.
+        films: which the limit is for, of FILM_CONDITIONS.
         unknown_above: value above which the modelling error of a force is unverified.
         not_above: value above which the equation does not apply.
         source: reason for the values, and where they are from.
@@ -117,7 +117,7 @@ def _read(path: Path) -> tuple[Limit, ...]:
 LIMITS = _read(Path(__file__).with_name("validity.csv"))
 
 
-def exceeded(scene: Scene, symbols: Iterable[str] = QUANTITIES) -> tuple[str, ...]:
+def exceeded(scene: Scene, symbols: Iterable[str] = SYMBOL_VALUES) -> tuple[str, ...]:
     """Return each limit of some quantities that a scene exceeds, in words.
 
     Quantity, value, bound, consequence.
@@ -137,17 +137,17 @@ def validities(scenes: Scenes) -> np.ndarray:
     )
 
 
-def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> list[list[str]]:
+def _exceeded(scenes: Scenes, symbols: Iterable[str] = SYMBOL_VALUES) -> list[list[str]]:
     """Return what each scene exceeds, in the list's order."""
     texts: list[list[str]] = [[] for _ in range(len(scenes))]
     limits = [limit for limit in LIMITS if limit.symbol in symbols]
-    values = {symbol: QUANTITIES[symbol](scenes) for symbol in symbols}
+    values = {symbol: SYMBOL_VALUES[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
     bounds = [[limit.bound] for limit in limits]
     beyond = ~(np.array([values[limit.symbol] for limit in limits]) <= bounds)
     for at in np.flatnonzero(beyond.any(axis=1)).tolist():
         limit = limits[at]
-        for row in np.flatnonzero(beyond[at] & FILMS[limit.films](scenes)).tolist():
+        for row in np.flatnonzero(beyond[at] & FILM_CONDITIONS[limit.films](scenes)).tolist():
             texts[row].append(limit.text(float(values[limit.symbol][row])))
     return texts
 

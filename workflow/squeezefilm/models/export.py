@@ -20,7 +20,7 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import LimitTable
 
-FOLDER = Path(__file__).with_name("templates")
+TEMPLATES_FOLDER = Path(__file__).with_name("templates")
 LINE_WIDTH, LARGEST_FINITE = 92, 1e300
 RADIANS_PER_DEGREE = "0.017453292519943295"
 OTHER_FORM = {
@@ -37,9 +37,9 @@ OTHER_FORM = {
 """The position by a function's arguments where they have it in the other form."""
 LANGUAGES = {"c": "NAN", "javascript": "NaN", "matlab": "NaN", "python": "math.nan"}
 """And what a number that is none is called."""
-OWN = {"c": "{name}_", "matlab": "own_"}
+OWN_NAME_PREFIX = {"c": "{name}_", "matlab": "own_"}
 """How names begin that only the code itself uses, if not with _."""
-REAL = {"matlab": ("sqrt", "log")}
+REAL_FUNCTIONS = {"matlab": ("sqrt", "log")}
 """Functions that are complex where they have no real value: the code has its own."""
 
 
@@ -58,7 +58,7 @@ def source(fit: FittedModel, language: str) -> str:
         raise InputError(f"language {language!r}: unknown; allowed are {', '.join(LANGUAGES)}")
     model, interval, table = fit.force_model, fit.interval, fit.needed_table
     arguments, nan = model.factor_names, LANGUAGES[language]
-    own = OWN.get(language, "_").format(name=fit.model)
+    own = OWN_NAME_PREFIX.get(language, "_").format(name=fit.model)
     names = _names(model, table, own)
     if language == "matlab":  # it counts from 1
         for index, parameter in enumerate(model.parameter_names, start=1):
@@ -84,9 +84,9 @@ def source(fit: FittedModel, language: str) -> str:
         "slack": _number(RANGE_SLACK),
         "error_constant": constant,
         "error_share": relative,
-        "formula": _printed(model.parsed, names, own, REAL.get(language, ())),
+        "formula": _printed(model.parsed, names, own, REAL_FUNCTIONS.get(language, ())),
     }
-    text = (FOLDER / f"{language}.in").read_text(encoding="utf-8")
+    text = (TEMPLATES_FOLDER / f"{language}.in").read_text(encoding="utf-8")
     code, tabulated, column = map(Template, re.split("------ .*\n", text))
     if table is None:
         return code.substitute(values, table="")

@@ -219,7 +219,9 @@ class FittedModel(BaseModel):
         few = "" if interval.error_95 else "too few points of the sample have a force"
         notes = [
             "; ".join(filter(None, (outside or few, "" if known else "undefined here")))
-            for outside, known in zip(interval.outside(factors), np.isfinite(force), strict=True)
+            for outside, known in zip(
+                interval.range_notes(factors), np.isfinite(force), strict=True
+            )
         ]
         known = [not note for note in notes]
         error_95[known] = interval.error_n(force[known])

@@ -47,12 +47,12 @@ from squeezefilm.units import compound
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
 MOST_SEARCHES = 32
-DEPENDENT = 1e-10
+DEPENDENT_FRACTION = 1e-10
 """Share of a column's length that others do not replace, below which it counts as none."""
 LARGEST_PART = 12_000
 """Forces evaluated at once: in 100 kB, which memory is kept for; five times as fast as 260 kB."""
 DRAWS, DRAW_SEED = 400, 1
-SPREADS = (2.0, 16.0)
+ASINH_SPREADS = (2.0, 16.0)
 """Parameters are drawn as sinh of a uniform number within these: up to 4 and up to 4 million."""
 CONFIDENCE_LEVEL = 0.95
 RANGES_NOTE = (
@@ -303,7 +303,9 @@ class _Projection:
             columns.shape[1]
         ):  # Gram and Schmidt's, modified: no unit of force
             left = np.linalg.norm(columns[:, column_index], axis=-1)
-            left[left < DEPENDENT * length[:, column_index]] = np.inf  # for one that others replace
+            left[left < DEPENDENT_FRACTION * length[:, column_index]] = (
+                np.inf
+            )  # for one that others replace
             unit = columns[:, column_index] / left[:, None]
             residual = residual - np.sum(unit * residual, axis=-1)[:, None] * unit
             rest = columns[:, column_index + 1 :]
@@ -421,7 +423,7 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
     count, random = len(model.parameter_names), np.random.default_rng(DRAW_SEED)
     best, direction = -1.0, np.zeros(count)
     for draw in range(DRAWS if count else 0):
-        spread = SPREADS[draw % len(SPREADS)]
+        spread = ASINH_SPREADS[draw % len(ASINH_SPREADS)]
         theta = np.sinh(random.uniform(-spread, spread, count))
         try:
             gradient = model.gradient(theta, factors)

@@ -21,7 +21,7 @@ import yaml
 from numpy.typing import ArrayLike
 
 from squeezefilm.config.study import OwnModel, Study
-from squeezefilm.errors import InputError, naming
+from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.formulas import Expression, Operation, constants_of, fold, parameter_units, parse
 from squeezefilm.models.data import FACTOR_OF_NAME, PHYSICS_COLUMNS, Array, Factors
@@ -259,7 +259,7 @@ def check_models(study: Study) -> None:
     for section, named in (("comparison", study.comparison), ("refine", study.refine)):
         for space in FACTOR_SPACES:
             for name in named.of(space):
-                with naming(f"{path}: {section}.{space}"):
+                with prefix_errors(f"{path}: {section}.{space}"):
                     get_model(name, own, source=path)
 
 

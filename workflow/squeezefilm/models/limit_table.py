@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 from squeezefilm.film.positions import form_of
 from squeezefilm.models.data import RANGE_SLACK, Array, Factors
 
-AXES = ("h0_m", "epsilon_square")
+AXIS_NAMES = ("h0_m", "epsilon_square")
 """And the two of the position."""
 BATCH = 1024
 
@@ -25,9 +25,9 @@ BATCH = 1024
 class LimitTable(BaseModel):
     """Chebyshev coefficients of the limits over ε², in newtons, by their columns.
 
-    ranges: of each of AXES and of the position; coefficients: flat, of that shape (points of each
-    axis); sigma_h0_square_m2: squeeze number times h0²; largest_relative_error: of the table at
-    its check points.
+    ranges: of each of AXIS_NAMES and of the position; coefficients: flat, of that shape (points of
+    each axis); sigma_h0_square_m2: squeeze number times h0²; largest_relative_error: of the table
+    at its check points.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -40,7 +40,7 @@ class LimitTable(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> LimitTable:
-        axes = (*AXES, *form_of(self.ranges))
+        axes = (*AXIS_NAMES, *form_of(self.ranges))
         if set(self.ranges) != set(axes):
             raise ValueError(f"ranges must be of {', '.join(axes)}")
         if any(len(flat) != prod(self.shape) for flat in self.coefficients.values()):
@@ -50,7 +50,7 @@ class LimitTable(BaseModel):
     @cached_property
     def axes(self) -> dict[str, tuple[float, float]]:
         """The ranges in the order of the shape; a file has them in any."""
-        return {axis: self.ranges[axis] for axis in (*AXES, *form_of(self.ranges))}
+        return {axis: self.ranges[axis] for axis in (*AXIS_NAMES, *form_of(self.ranges))}
 
     @cached_property
     def tables(self) -> dict[str, Array]:

@@ -42,7 +42,7 @@ LEAST_FORCE_FRACTION = 0.1
 """Constant part of the scale over the mean force, where no residual tells it."""
 NORMAL_QUANTILES = {0.95: 1.959964, 0.99: 2.575829}
 """Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
-THIRDS = ("low", "middle", "high")
+THIRD_NAMES = ("low", "middle", "high")
 
 
 class PredictionInterval(BaseModel):
@@ -109,7 +109,7 @@ class PredictionInterval(BaseModel):
         constant, relative = parts or (np.nan, np.nan)
         return constant + relative * np.abs(np.asarray(force_n, dtype=float))
 
-    def outside(self, factors: Factors) -> list[str]:
+    def range_notes(self, factors: Factors) -> list[str]:
         """Factors of each point outside the declared space, empty where there are none."""
         notes = np.full(len(factors), "", dtype=object)
         for name, out in factors.outside(self.ranges).items():
@@ -268,7 +268,9 @@ def regions(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
         values = factors.column(name)
         if len(values) and np.ptp(values) > 0:
             part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
-            yield from ((name, third, part == k) for k, third in enumerate(THIRDS) if k in part)
+            yield from (
+                (name, third, part == k) for k, third in enumerate(THIRD_NAMES) if k in part
+            )
 
 
 def error_by_region(factors: Factors, error_n: ArrayLike) -> str:

@@ -27,7 +27,7 @@ from squeezefilm.solution import Solution
 # Relative error of the force that an iteration of the state may leave.
 STATE_TOLERANCE = 1e-6
 # Distance of neighbouring places, of the pad's length along x.
-DISTANCE = 0.01
+DISTANCE_FRACTION = 0.01
 # Largest ratio of the second order to the first up to which the orders are taken to fall.
 LARGEST_RATIO = 0.5
 
@@ -56,7 +56,7 @@ def _on_grid(own: Fields, *, device: Device) -> np.ndarray:
     """Changes of the mean pressure over it, and what orders above the second may add."""
     count = len(own.scenes)
     places = [
-        with_number_changed(scene, "x_m", steps * DISTANCE * scene.pad.length_x_m)
+        with_number_changed(scene, "x_m", steps * DISTANCE_FRACTION * scene.pad.length_x_m)
         for steps in range(-2, 3)
         for scene in own.scenes
     ]
@@ -72,7 +72,7 @@ def _on_grid(own: Fields, *, device: Device) -> np.ndarray:
             break
         mass = (films.area * films.mass)[films.inner]
         films = Fields.of(films.scenes[count:-count], own.grid, films.unknowns[count:-count])
-        per_distance = films.numbers("bearing", absent=0.0) / DISTANCE
+        per_distance = films.numbers("bearing", absent=0.0) / DISTANCE_FRACTION
         source = {"edge_flow": per_distance * (mass[2 * count :] - mass[: -2 * count])}
     first, second = np.diff(means, axis=0) / means[0]
     sizes = [_root_mean_square(each) for each in (pressures[0], *np.diff(pressures, axis=0))]

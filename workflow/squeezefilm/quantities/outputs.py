@@ -27,7 +27,7 @@ from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUND_OFF_FACTOR
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.plan import plan_of
-from squeezefilm.reynolds.solver import planned, solve
+from squeezefilm.reynolds.solver import known_solutions, solve
 from squeezefilm.reynolds.spectral import Around, flux_points
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_outputs
@@ -48,12 +48,12 @@ SLOPE_STEP = 3e-4
 # Of a field, what rounding leaves of an odd one that is made even.
 ODD_ROUNDED = 1e-9
 # Motion with cos ωt over ε that counts as none.
-NEGLIGIBLE = 1e-14
+NEGLIGIBLE_QUADRATURE = 1e-14
 # Cosine moments along each side, and first harmonics of them, that stand by the outputs: the change
 # of an output from grid to grid may be small by chance, that of all these hardly.
 MOMENTS, GUARD, FORCE = 3, "guard", "force"
 FROM_STATE = frozenset(OUTPUTS) - {"static_stiffness"}
-QUARTERS = np.pi / 2 * np.arange(4)
+QUARTER_PHASES = np.pi / 2 * np.arange(4)
 # Numbers, each with its error, and the reason for each missing output.
 ValuesAndReasons = tuple[dict[str, tuple[float, float]], dict[str, str]]
 
@@ -90,13 +90,13 @@ def with_outputs(
     return solutions.with_column("outputs", outputs_of_row)
 
 
-def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
+def missing_reasons(scene: Scene, *, tolerance: float) -> dict[str, str]:
     """Return the reasons for missing outputs that are known before solving.
 
     By their names in OUTPUTS. Inertia must be decided.
     """
     within = max(tolerance, LEAST_TOLERANCE)
-    (solution,), _ = planned(plan_of(scene), tolerance=within, method="periodic")
+    (solution,), _ = known_solutions(plan_of(scene), tolerance=within, method="periodic")
     reason = solution.status
     return dict.fromkeys(OUTPUTS, reason) if reason else _without_formula(scene)
 
@@ -106,7 +106,9 @@ def _without_formula(scene: Scene) -> dict[str, str]:
     reasons = {}
     if scene.epsilon == 0:
         reasons["harmonics"] = "stiffness and damping are not known of a surface at rest"
-    elif np.abs(gap_motion(scene, *scene.inside())[2]).max() > NEGLIGIBLE * scene.epsilon:
+    elif (
+        np.abs(gap_motion(scene, *scene.inside())[2]).max() > NEGLIGIBLE_QUADRATURE * scene.epsilon
+    ):
         reasons["harmonics"] = (
             "stiffness and damping are of a surface with one quadrature component"
         )
@@ -355,7 +357,7 @@ def _product(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """The gap over h0 at rest, its motion with sin T and with cos T, shape (3, ...)."""
-    at_0, at_90, at_180, at_270 = np.moveaxis(scene.gap(x, y, QUARTERS), -1, 0)
+    at_0, at_90, at_180, at_270 = np.moveaxis(scene.gap(x, y, QUARTER_PHASES), -1, 0)
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
 
 

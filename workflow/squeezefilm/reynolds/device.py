@@ -21,7 +21,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.lazy import cl
-from squeezefilm.parallel import say
+from squeezefilm.parallel import print_step
 from squeezefilm.reynolds.kernel_cache import check_kernel_cache, remove_damaged
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
@@ -96,7 +96,7 @@ class Device:
         room = self.memory_bytes // 2 // workspace_bytes
         return max(1, min(self.groups, scenes, room))
 
-    def lanes(self, number_bytes: int) -> int:
+    def vector_width(self, number_bytes: int) -> int:
         """Return the number of values that a work-item computes with at a time."""
         return 4 if self.work_items > 1 else self.register_bytes // number_bytes
 
@@ -251,7 +251,7 @@ def describe(device: Device) -> dict[str, Any]:
         "double_precision": bool(handle.double_fp_config),
         "compute_units": handle.max_compute_units,
         "work_items_per_group": device.work_items,
-        "vector_bytes": 8 * device.lanes(8),
+        "vector_bytes": 8 * device.vector_width(8),
         "instruction_sets": " ".join(device.instruction_sets) or "as the driver chooses",
         "global_memory_bytes": handle.global_mem_size,
     }
@@ -276,8 +276,8 @@ def kernel(
     """
     sizes = (
         f"WORK_ITEMS={device.work_items}",
-        f"DOUBLE_LANES={device.lanes(8)}",
-        f"FLOAT_LANES={device.lanes(4)}",
+        f"DOUBLE_LANES={device.vector_width(8)}",
+        f"FLOAT_LANES={device.vector_width(4)}",
     )
     made = cl.Kernel(_program(device, header, sources, sizes), name)
     if numbers:
@@ -357,7 +357,7 @@ def compiled_for(instruction_sets: Sequence[str], texts: Sequence[str]) -> list[
 @cache
 def announce_compilation() -> None:
     """Say on the terminal, once a process, what it is waiting for."""
-    say("compiling kernels for this device: once, up to a minute")
+    print_step("compiling kernels for this device: once, up to a minute")
 
 
 def known_processor(device: Any) -> str:

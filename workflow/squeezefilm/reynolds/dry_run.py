@@ -13,7 +13,7 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.periodic.resolution import first_grids
 from squeezefilm.reynolds.plan import plan_of
-from squeezefilm.reynolds.solver import planned
+from squeezefilm.reynolds.solver import known_solutions
 from squeezefilm.reynolds.terms import Terms, absent_terms
 from squeezefilm.solution import Solution
 
@@ -53,7 +53,7 @@ def _row(solution: Solution, *, terms: str, **more: Any) -> dict[str, Any]:
 
 def _rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, Any]]:
     plan = plan_of(scenes)
-    solutions, found = planned(plan, tolerance=tolerance, method=method)
+    solutions, found = known_solutions(plan, tolerance=tolerance, method=method)
     expected_error = np.full(len(scenes), np.nan)
     expected_error[found.rows] = found.relative_error
     waiting = np.flatnonzero(solutions.status == "")

@@ -208,7 +208,7 @@ def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np
     )
     parts = dict(zip(INTERPOLATION_NAMES, matrices, strict=True))
     for term in terms:
-        parts.update(term.carrying(coarse, fine))
+        parts.update(term.carrying_matrices(coarse, fine))
     return parts
 
 

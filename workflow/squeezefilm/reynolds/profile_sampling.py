@@ -21,11 +21,11 @@ from squeezefilm.film.symmetry import ROUNDING_TOLERANCE
 from squeezefilm.reynolds.grid import MOST_NODES
 from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
 
-LEVELS = (24, 48, 96, 192, MOST_NODES)
+SAMPLED_NODE_COUNTS = (24, 48, 96, 192, MOST_NODES)
 # Points at which the first interpolant is checked, and the others, which are tried where it fails.
 FIRST_CHECK_POINTS, LATER_CHECK_POINTS = 100, 1000
 # Numbers of samples that are worked on at a time: more would fall out of the caches.
-TOGETHER = 2**17
+POINTS_AT_ONCE = 2**17
 
 Coordinates = Outline | Polar | None
 
@@ -73,8 +73,8 @@ class SampledProfiles:
         self.places, self.coordinates = places, coordinates
         self.even_x, self.even_y = np.empty((2, count), dtype=bool)
         self._largest = np.empty(count)
-        self._samples: list[Samples | None] = [None] * len(LEVELS)
-        self._row = np.full((len(LEVELS), count), -1)
+        self._samples: list[Samples | None] = [None] * len(SAMPLED_NODE_COUNTS)
+        self._row = np.full((len(SAMPLED_NODE_COUNTS), count), -1)
         self._at: dict[float, Samples] = {}
         self._landmarks = _landmarks_under(places)
         self._sample(0, np.arange(count))
@@ -84,12 +84,12 @@ class SampledProfiles:
         if share not in self._at:
             rows = np.arange(len(self._largest))
             parts, which = [], []
-            for level in range(len(LEVELS)):
+            for level in range(len(SAMPLED_NODE_COUNTS)):
                 self._sample(level, rows[self._row[level, rows] < 0])
                 samples = self._samples[level]
                 assert samples is not None
                 found = samples[self._row[level, rows]]
-                enough = (found.missed <= share) | (level == len(LEVELS) - 1)
+                enough = (found.missed <= share) | (level == len(SAMPLED_NODE_COUNTS) - 1)
                 parts.append(found[enough])
                 which.append(rows[enough])
                 rows = rows[~enough]
@@ -119,8 +119,8 @@ class SampledProfiles:
         """Sample a level at some positions, together as many as fit the caches."""
         if not rows.size:
             return
-        sampler = _sampler(LEVELS[level], self.coordinates)
-        step = max(1, TOGETHER // (sampler.grid_x.size + sampler.x.size))
+        sampler = _sampler(SAMPLED_NODE_COUNTS[level], self.coordinates)
+        step = max(1, POINTS_AT_ONCE // (sampler.grid_x.size + sampler.x.size))
         alone = np.isin(rows, list(self._landmarks))
         plain = rows[~alone]
         batches = [plain[start : start + step] for start in range(0, len(plain), step)]
@@ -174,7 +174,7 @@ def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:
 
 def _mirrored(places: PadPositions, coordinates: Coordinates, *, along_x: bool) -> np.ndarray:
     """Largest difference to the mirror image, between the nodes, (positions,)."""
-    sampler = _sampler(LEVELS[1], coordinates)
+    sampler = _sampler(SAMPLED_NODE_COUNTS[1], coordinates)
     x, y = sampler.x, sampler.y
     mirrored = (1 - x, y) if along_x else (x, 1 - y)
     return np.abs(places.parts(*mirrored) - places.parts(x, y)).max(axis=(0, 2))
@@ -256,7 +256,9 @@ class _Sampler:
         self.line = line = axis(points, False)
         across: Axis | Around = around(points + 2, False, False) if coordinates else line
         self.across, order = across, points + 1
-        u, v = _between(FIRST_CHECK_POINTS if points == LEVELS[0] else LATER_CHECK_POINTS)
+        u, v = _between(
+            FIRST_CHECK_POINTS if points == SAMPLED_NODE_COUNTS[0] else LATER_CHECK_POINTS
+        )
         ends = np.ones(order + 1)
         ends[[0, -1]] = 0.5
         cosines = np.cos(np.pi * np.outer(np.arange(order + 1), np.arange(order + 1)) / order)
@@ -277,7 +279,7 @@ class _Sampler:
         self.twice_y = across.derivative @ across.derivative
 
 
-_sampler = lru_cache(maxsize=8 * len(LEVELS))(_Sampler)
+_sampler = lru_cache(maxsize=8 * len(SAMPLED_NODE_COUNTS))(_Sampler)
 
 
 def _landmarks_under(places: PadPositions) -> dict[int, tuple[np.ndarray, np.ndarray]]:

@@ -70,7 +70,7 @@ def solve(
             report(more)
 
         plan, validity = plan_of(subset), validities(subset)
-        solutions, _ = planned(plan, tolerance=tolerance, method=method)
+        solutions, _ = known_solutions(plan, tolerance=tolerance, method=method)
         solutions.validity[:] = validity
         waiting = int(np.count_nonzero(solutions.status == ""))
         if not waiting:
@@ -96,7 +96,7 @@ def solve(
     return Solutions.of(retried_singly(attempt, scenes, failed=failed))
 
 
-def planned(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Expanded]:
+def known_solutions(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Expanded]:
     """The solutions as far as they are known before a periodic state is solved for.
 
     The status is empty where one will be. The results behind those by an expansion go with them.

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.config.study import Study
-from squeezefilm.errors import InputError, naming
+from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.positions import as_in, form_of
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
@@ -25,10 +25,10 @@ from squeezefilm.studies.space import (
     CENTRED_FACTORS,
     pad_positions,
     plan,
-    sobol,
+    sobol_points,
     space_of,
     table_of,
-    twelve,
+    twelve_digits,
 )
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
@@ -58,7 +58,7 @@ def level_grid(name: str, config: Study) -> pd.DataFrame:
     """Every gap with every amplitude of a section, of GRID_SECTIONS."""
     section = config.screen if name == "screen" else config.error_map
     levels = section.h0_m, section.hv_m
-    values = [twelve(np.linspace(each.start, each.stop, each.levels)) for each in levels]
+    values = [twelve_digits(np.linspace(each.start, each.stop, each.levels)) for each in levels]
     return pd.DataFrame(product(*values), columns=CENTRED_FACTORS)
 
 
@@ -78,7 +78,7 @@ def sweep_pieces(
     Scrambled by the seed. The sequence is one: sweeps from ``first`` 0 and 1000, of 1000 points
     each, are the sweep of 2000 points in two parts. Points are numbered by their place in it.
     """
-    sequence = sobol(4, seed=seed)
+    sequence = sobol_points(4, seed=seed)
     if first:
         sequence.fast_forward(first)
     for begin in range(first, first + points, POINTS_PER_PIECE):
@@ -145,7 +145,7 @@ def _extrapolation(config: Study, fits: Mapping[str, FittedModel]) -> pd.DataFra
     point = config.extrapolation
     amplitudes = {"operating_point": point.hv_m}
     for name, fit in fits.items():
-        with naming(name):
+        with prefix_errors(name):
             amplitudes[name] = amplitude_for_force(
                 fit.evaluate, force_n=point.force_n, h0_m=point.h0_m
             )

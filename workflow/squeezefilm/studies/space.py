@@ -28,7 +28,7 @@ POSITIONS_SEED, SOBOL_EXPONENT = 1, 10
 """Of the sequence of positions, and of two, the most points that it may have."""
 
 
-def twelve(values: Array) -> Array:
+def twelve_digits(values: Array) -> Array:
     """Numbers with twelve digits, so that a limit reads 7e-06 and not 7.000000000000001e-06."""
     rounded = [float(f"{value:.12g}") for value in values.flat]
     return np.array(rounded).reshape(values.shape)
@@ -64,16 +64,16 @@ def space_filling(symmetry: Symmetry, positions: Positions) -> list[tuple[float,
     moved to the edges: the far one of the first factor, and the nearer one of the second.
     """
     limits = symmetry.limits(positions)
-    sequence = sobol(len(limits), seed=POSITIONS_SEED).random_base2(SOBOL_EXPONENT)
+    sequence = sobol_points(len(limits), seed=POSITIONS_SEED).random_base2(SOBOL_EXPONENT)
     unit = sequence[: positions.points - 1]
     # Neighbours of the sequence, for those at a distance that is a power of two lie side by side.
     edge = len(unit) // 4
     unit[: edge // 2, 0] = 1.0
     unit[edge // 2 : edge, 1] = np.round(unit[edge // 2 : edge, 1])
-    return [(0.0, 0.0), *map(tuple, twelve(Space(limits).from_unit(unit)).tolist())]
+    return [(0.0, 0.0), *map(tuple, twelve_digits(Space(limits).from_unit(unit)).tolist())]
 
 
-def sobol(factors: int, *, seed: int) -> qmc.Sobol:
+def sobol_points(factors: int, *, seed: int) -> qmc.Sobol:
     """A scrambled Sobol' sequence."""
     from scipy.stats import qmc  # slow to import, and only needed here
 
@@ -105,7 +105,7 @@ def space_of(config: Study, *, centred: bool = False) -> Space:
 
 def table_of(points: Array, space: Space) -> pd.DataFrame:
     """Points as a plan, numbered from 1; twelve digits, so that a limit reads 2e-06."""
-    return plan(pd.DataFrame(twelve(points), columns=space.names), position=space.position)
+    return plan(pd.DataFrame(twelve_digits(points), columns=space.names), position=space.position)
 
 
 def points_of(table: pd.DataFrame, space: Space) -> Array:

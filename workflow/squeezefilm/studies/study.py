@@ -11,7 +11,7 @@ import numpy as np
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
-from squeezefilm.errors import InputError, naming
+from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.positions import POLAR, as_in, cartesian
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
@@ -96,7 +96,7 @@ def check_study(config: Study) -> Study:
 
     Raises InputError naming the section and the point that has no physical meaning.
     """
-    with naming(config.path):
+    with prefix_errors(config.path):
         config.read_pad()
         if path := config.scan_path:
             from squeezefilm.film.measured.read import read_scan
@@ -110,7 +110,7 @@ def check_study(config: Study) -> Study:
     if config.measurements:
         measured_points(config, profile=profile)
     for section, points in _extreme_points(config):
-        with naming(f"{config.path}: {section}"):
+        with prefix_errors(f"{config.path}: {section}"):
             scenes_in(points, config, profile=profile)
     return config
 
@@ -132,7 +132,7 @@ def measured_points(config: Study, *, profile: Profile | None = None) -> pd.Data
         h0_m = table["h0_m"] + sign * table["h0_uncertainty_m"]
         hv_m = table["hv_m"] - sign * table["hv_uncertainty_m"]
         ends = table.assign(h0_m=h0_m, hv_m=hv_m, point_id=table["point_id"] + within)
-        with naming(path):
+        with prefix_errors(path):
             scenes_in(ends, config, profile=profile)
     return table
 

@@ -26,7 +26,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.positions import form_of
 from squeezefilm.models.data import factors_of
 from squeezefilm.tables import write_table
-from squeezefilm_workflow.reporting.figures.style import PLAIN
+from squeezefilm_workflow.reporting.figures.style import PLAIN_SUFFIX
 from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
@@ -229,18 +229,18 @@ def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path)
         if quantity.part != PICTURES
         for cell in quantity.cells.items()
     ]
-    for path in (*folder.glob("*.csv"), *folder.glob(f"*{PLAIN}")):
+    for path in (*folder.glob("*.csv"), *folder.glob(f"*{PLAIN_SUFFIX}")):
         path.unlink()
     table = pd.DataFrame(rows, columns=["part", *REFERENCE_COLUMNS])
     for part, cells in table.groupby("part"):
         write_table(cells.drop(columns="part"), folder / f"{str(part).replace(' ', '_')}.csv")
     for _, name, _ in pictures_of(results / PICTURES_FOLDER):
-        shutil.copy(results / PICTURES_FOLDER / f"{name}{PLAIN}", folder)
+        shutil.copy(results / PICTURES_FOLDER / f"{name}{PLAIN_SUFFIX}", folder)
 
 
 def pictures_of(folder: Path) -> Reference:
     """Return the zero difference of each plain figure of a folder from itself."""
-    names = sorted(path.name.removesuffix(PLAIN) for path in folder.glob(f"*{PLAIN}"))
+    names = sorted(path.name.removesuffix(PLAIN_SUFFIX) for path in folder.glob(f"*{PLAIN_SUFFIX}"))
     return {
         (PICTURES, name, "difference"): {PIXELS: "0"} for name in names if name != RANDOM_FIGURE
     }
@@ -253,7 +253,7 @@ def compare_pictures(pictures: Path, reference: Path) -> Iterator[Quantity]:
     off, the difference is drawn beside it.
     """
     for key in sorted(pictures_of(pictures) | pictures_of(reference)):
-        expected, got = (folder / f"{key[1]}{PLAIN}" for folder in (reference, pictures))
+        expected, got = (folder / f"{key[1]}{PLAIN_SUFFIX}" for folder in (reference, pictures))
         apart = "one of the two is missing"
         if expected.exists() and got.exists():
             got.with_name(f"{got.stem}-failed-diff.png").unlink(missing_ok=True)

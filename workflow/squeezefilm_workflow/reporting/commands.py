@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from squeezefilm.cli.options import OUTPUT, command, option, write_rows
-from squeezefilm.errors import InputError, RunError, naming
+from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, read_columns, write_table
@@ -83,7 +83,7 @@ def _save_figure_of_table(
 
     check_formats(output, PICTURES)
     table = read_columns(path, columns=columns, optional=FACTOR_COLUMNS)
-    with style.settings(), naming(path):
+    with style.settings(), prefix_errors(path):
         style.save(draw(table), output)
 
 

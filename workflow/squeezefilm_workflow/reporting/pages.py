@@ -23,7 +23,7 @@ VERDICTS = {
 }
 """How a cell begins that is coloured as good or bad."""
 
-FRACTION = re.compile(
+FRACTION_COLUMN = re.compile(
     r"(\w+_)?(error|relative|global_upper|coverage|fraction)(_min|_all_points|_in_\w+)?"
 )
 """Columns of fractions by their names."""
@@ -40,7 +40,7 @@ def readable(table: pd.DataFrame) -> pd.DataFrame:
     """A table for people: fractions in percent, other numbers with five digits, names in words."""
     shown = table.astype(object)
     for name in map(str, table.select_dtypes("float")):
-        form = percent if FRACTION.fullmatch(name) else five_digits
+        form = percent if FRACTION_COLUMN.fullmatch(name) else five_digits
         shown[name] = table[name].map(form, na_action="ignore")
     units = {"_n$": " (N)", "_percent$": " (%)", "_": " "}
     return shown.set_axis(table.columns.to_series().replace(units, regex=True), axis="columns")
@@ -55,9 +55,9 @@ def markdown_table(table: pd.DataFrame) -> str:
     )
 
 
-HERE = Path(__file__).parent
+PAGES_FOLDER = Path(__file__).parent
 TEMPLATES = Environment(
-    loader=FileSystemLoader([HERE / "templates", HERE / "explorer"]),
+    loader=FileSystemLoader([PAGES_FOLDER / "templates", PAGES_FOLDER / "explorer"]),
     # Markdown is escaped where it becomes HTML.
     autoescape=select_autoescape(["html", "rst"]),
     undefined=StrictUndefined,

@@ -24,7 +24,7 @@ from squeezefilm_workflow.reporting.notes import (
 from squeezefilm_workflow.reporting.pages import Page, body_of, render
 from squeezefilm_workflow.reporting.results import MODELLING_ERROR, Results
 
-EFFECTS = (
+EFFECT_COLUMNS = (
     *("inertia", "slip", "thermal", "edge_loss"),
     *("modelling_error_lower", "modelling_error_upper"),
 )
@@ -162,12 +162,12 @@ def _effects(results: Results) -> pd.DataFrame:
     """Each effect at the screen's least and largest gap, at its largest amplitude."""
     table = results.budget("screen")
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
-    shown: dict[str, Any] = {"effect": list(map(label_of, EFFECTS))}
+    shown: dict[str, Any] = {"effect": list(map(label_of, EFFECT_COLUMNS))}
     for _, row in table.iloc[[0, -1]].iterrows():
         present = row["included_effects"].split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
             "in the forces" if name in present else signed(row[f"{name}_percent"])
-            for name in EFFECTS
+            for name in EFFECT_COLUMNS
         ]
     return pd.DataFrame(shown)
 

@@ -35,14 +35,14 @@ ONE_FOR_ALL = (
 )
 AS_NEEDED = "nothing"
 # What puts a term back, by its name: numbers of the scene's pad, gap or gas.
-NEGLIGIBLE = 1e-14
-PUT_BACK: dict[str, dict[str, Any]] = {
-    "any_gap": {"crown_m": NEGLIGIBLE * 1e-6},
-    "bearing": {"speed_x_m_per_s": NEGLIGIBLE},
-    "rarefaction": {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE * 1e-6},
-    "polytropic": {"polytropic_exponent": 1 + NEGLIGIBLE},
-    "inertia": {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE},
-    "thermal": {"thermal": "included", "prandtl": NEGLIGIBLE},
+NEGLIGIBLE_FRACTION = 1e-14
+NEGLIGIBLE_TERM_KEYS: dict[str, dict[str, Any]] = {
+    "any_gap": {"crown_m": NEGLIGIBLE_FRACTION * 1e-6},
+    "bearing": {"speed_x_m_per_s": NEGLIGIBLE_FRACTION},
+    "rarefaction": {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE_FRACTION * 1e-6},
+    "polytropic": {"polytropic_exponent": 1 + NEGLIGIBLE_FRACTION},
+    "inertia": {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE_FRACTION},
+    "thermal": {"thermal": "included", "prandtl": NEGLIGIBLE_FRACTION},
 }
 REFERENCE_TOLERANCE = 1e-9
 # Share of a tolerance that Newton's iteration may leave on one grid for all.
@@ -60,13 +60,13 @@ def ablation(
     """
     periodic = partial(solve, method="periodic", device=device)
     one_grid = partial(_on_one_grid, device=device)
-    with_all = _with(scenes, dict(ChainMap(*PUT_BACK.values())))
+    with_all = _with(scenes, dict(ChainMap(*NEGLIGIBLE_TERM_KEYS.values())))
     ways: dict[str, tuple[Callable[..., Forces | Solutions], Sequence[Scene]]] = {
         AS_NEEDED: (partial(solve, device=device), scenes),
         "time (always periodic)": (periodic, scenes),
         "symmetry": (partial(_on_whole_pads, device=device), scenes),
         **{
-            kind.ABSENT.name: (periodic, _with(scenes, PUT_BACK[kind.NAME]))
+            kind.ABSENT.name: (periodic, _with(scenes, NEGLIGIBLE_TERM_KEYS[kind.NAME]))
             for kind in TERMS
             if kind.ABSENT
         },

@@ -27,17 +27,17 @@ from squeezefilm.reynolds.terms.rarefaction import FLOW_TABLE
 from squeezefilm_workflow.verification.marching import FloatArray, fold_of
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
-COMPLEX_STEP, NEWTON_STEPS, CONVERGED = 1e-30, 40, 1e-9
+COMPLEX_STEP, NEWTON_STEPS, CONVERGED_CHANGE = 1e-30, 40, 1e-9
 KRYLOV_ITERATIONS, KRYLOV_TOLERANCE = 300, 1e-3
 # Most that a Newton step changes of a pressure, in p0.
 LARGEST_STEP = 0.4
 # Twice the points along a disc's radius; points across another film that is even about no axis,
 # one or two; instants in a period (odd).
-RADIAL_POINTS, POINTS, INSTANTS = 64, (24, 28, 36), 21
+RADIAL_POINTS, POINT_COUNTS, INSTANT_COUNT = 64, (24, 28, 36), 21
 # Share of the points on the coarser grid, that of the error estimate.
-COARSER = 0.8
+COARSER_RATIO = 0.8
 # Velocity at the rim, over ε/√σ, within which gas neither comes in nor goes out.
-REVERSING = 0.1
+REVERSING_VELOCITY = 0.1
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def points_of(scene: Scene, count: int) -> Points:
     if is_axisymmetric(scene):
         return _radius(count)
     of_shape = {"rectangle": _rectangle, "ellipse": _ellipse}[scene.pad.shape]
-    return _folded(of_shape(scene.aspect, count), *fold_of(scene))
+    return _half_points(of_shape(scene.aspect, count), *fold_of(scene))
 
 
 def is_axisymmetric(scene: Scene) -> bool:
@@ -167,7 +167,7 @@ def _ellipse(aspect: float, count: int) -> Points:
     return Points(on_x, on_y, weights, along, along, (along, along), normal, corner)
 
 
-def _folded(points: Points, even_x: bool, even_y: bool) -> Points:
+def _half_points(points: Points, even_x: bool, even_y: bool) -> Points:
     """Return the points of one half along each axis about which a film is even."""
     from_centre, even = np.stack([points.x, points.y]) - 0.5, np.array([[even_x], [even_y]])
     kept = np.flatnonzero(np.all(~even | (from_centre > 0), axis=0))
@@ -263,7 +263,9 @@ class FilmWithEffects:
             * scene.knudsen
             * (effects.slip != "none"),
             "loss": effects.edge_coefficient * reynolds * scene.sigma / 24,
-            "reversing": REVERSING * max(scene.epsilon, 1e-9) / sqrt(max(scene.sigma, 16.0)),
+            "reversing": REVERSING_VELOCITY
+            * max(scene.epsilon, 1e-9)
+            / sqrt(max(scene.sigma, 16.0)),
         }
 
     def slip_length(self, mass: np.ndarray) -> np.ndarray:
@@ -362,7 +364,7 @@ class FilmWithEffects:
             change = change.reshape(state.shape)
             size = np.abs(change[0]).max()
             state = state + change * min(1.0, LARGEST_STEP / size)
-            if size < CONVERGED:
+            if size < CONVERGED_CHANGE:
                 return state
             if not np.isfinite(size):
                 break
@@ -431,8 +433,8 @@ def force_with(scene: Scene, effects: Effects) -> tuple[float, float]:
 
 def grids_of(scene: Scene) -> list[tuple[int, int]]:
     """Return points and instants of the grid for a scene and of a coarser one."""
-    points = RADIAL_POINTS if is_axisymmetric(scene) else POINTS[sum(fold_of(scene))]
-    return [(points, INSTANTS), (4 * round(COARSER * points / 4), INSTANTS - 4)]
+    points = RADIAL_POINTS if is_axisymmetric(scene) else POINT_COUNTS[sum(fold_of(scene))]
+    return [(points, INSTANT_COUNT), (4 * round(COARSER_RATIO * points / 4), INSTANT_COUNT - 4)]
 
 
 def force_on_grid(scene: Scene, effects: Effects, *, points: int, instants: int) -> float:

@@ -31,9 +31,9 @@ from squeezefilm.studies.space import space_of, table_of
 from squeezefilm_workflow.verification.reference import reference_force
 
 # Tolerances of direct solutions; the second with inertia or thermal effects, and under ellipses.
-DIRECT_TOLERANCE, DIRECT_TOLERANCE_WITH_EFFECTS = 1e-7, 1e-5
+DIRECT_SOLVE_TOLERANCE, DIRECT_TOLERANCE_WITH_EFFECTS = 1e-7, 1e-5
 # What the flow factor adds to first-order slip, relative to the flow, for each unit of Kn.
-KINETIC = 1.5
+FLOW_FACTOR_PER_KNUDSEN = 1.5
 # Of films that the spectral elements resolve in seconds.
 REFERENCE_EPSILON, REFERENCE_SIGMA = 0.6, (1.0, 2e4)
 # Relative distance of the forces in difference quotients of fourth order.
@@ -147,7 +147,7 @@ def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     gas = scenes[0].gas
     plain = gas.inertia == gas.thermal == "none" and scenes[0].pad.shape == "rectangle"
     forces = forces_and_errors(
-        scenes, study, tolerance=DIRECT_TOLERANCE if plain else DIRECT_TOLERANCE_WITH_EFFECTS
+        scenes, study, tolerance=DIRECT_SOLVE_TOLERANCE if plain else DIRECT_TOLERANCE_WITH_EFFECTS
     )
     if plain and not np.isfinite(forces).all():
         return forces_and_errors(scenes, study, tolerance=DIRECT_TOLERANCE_WITH_EFFECTS)
@@ -198,7 +198,7 @@ def _change_with_slip(
     slipping = [each.with_gas(rarefaction="slip") for each in (scene, with_them)]
     ((before,), (error,)), ((after,), (other,)) = (_direct([each], study) for each in slipping)
     part = after / before - 1
-    kinetic = 0.0 if scene.gas.rarefaction == "slip" else KINETIC * scene.knudsen
+    kinetic = 0.0 if scene.gas.rarefaction == "slip" else FLOW_FACTOR_PER_KNUDSEN * scene.knudsen
     off = abs(stated) * (abs(part) * kinetic + (error + other) / abs(before))
     return float(stated * (1 + part)), float(off)
 

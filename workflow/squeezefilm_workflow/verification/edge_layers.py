@@ -21,7 +21,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from squeezefilm.cli.options import command, option
 from squeezefilm.errors import RunError
 from squeezefilm.files import write_text
-from squeezefilm.parallel import say
+from squeezefilm.parallel import print_step
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.asymptotics.edge_layer import (
     INERTIA_ROWS,
@@ -58,12 +58,12 @@ def edge_layers(options: argparse.Namespace) -> None:
     """
     rows: list[tuple[float, ...]] = []
     for a in excursions():
-        say(f"a {a:.4g}")
+        print_step(f"a {a:.4g}")
         rows.append((a, *layer(a)))
     write_text(_text(LAYER_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE.name)
     rows = []
     for reynolds in reynolds_numbers():
-        say(f"Re {reynolds:.4g}")
+        print_step(f"Re {reynolds:.4g}")
         rows += layers_with_inertia(reynolds, excursions_with_inertia(reynolds))
     write_text(
         _text(INERTIA_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE_WITH_INERTIA.name

@@ -32,7 +32,7 @@ MOST_UNKNOWNS = 20_000
 BATCH = 40
 QUANTILES = (0.5, 0.9, 0.99, 0.999)
 OUTCOMES = ("within", "outside", "no force", "no direct solution")
-NUMBERS = [field.name for field in fields(RandomFilm)]
+FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
 # Guards of the error estimate, and the value with which each changes nothing.
 GUARDS: dict[str, tuple[Any, str, float]] = {
     "SIZE_FRACTION": (error_estimate, "SIZE_FRACTION", 0.0),
@@ -208,7 +208,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
 
 
 @contextmanager
-def without(guard: str) -> Iterator[None]:
+def guard_switched_off(guard: str) -> Iterator[None]:
     """Switch one of GUARDS off."""
     owner, name, off = GUARDS[guard]
     with patch.object(owner, name, off):
@@ -304,7 +304,7 @@ def guards(options: argparse.Namespace) -> None:
     recorded = Recorded.of(forces, grids)
     rows = []
     for guard in ("none", *GUARDS):
-        with without(guard) if guard in GUARDS else nullcontext():
+        with guard_switched_off(guard) if guard in GUARDS else nullcontext():
             ratios = recorded.accepted()
         outside = ratios[ratios > 1]
         numbers = outside.index.get_level_values("film").unique()
@@ -350,4 +350,4 @@ def read_films(path: Path) -> pd.DataFrame:
 
 def film_of(row: pd.Series) -> RandomFilm:
     """Return the film of a table's row."""
-    return RandomFilm(**{name: row[name] for name in NUMBERS})
+    return RandomFilm(**{name: row[name] for name in FILM_COLUMNS})

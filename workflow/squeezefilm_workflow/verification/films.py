@@ -79,12 +79,12 @@ def gap_shape(tilt_x: float = 0.0, tilt_y: float = 0.0, crown: float = 0.0) -> G
 
 
 # Where waves steepen so much that no grid or no step of Newton's method may be enough.
-STEEPEST = 2.0
+STEEPEST_EPSILON_REYNOLDS = 2.0
 TILTED, ALONG, BULGING = gap_shape(tilt_x=0.4), gap_shape(tilt_y=0.4), gap_shape(crown=0.3)
 # ε and Re of films with inertia, the last beyond what is documented: such a film costs the most.
-MOVING = (0.1, 0.5), (0.5, 0.5), (0.9, 0.5), (0.1, 5.0), (0.5, 50.0)
+EPSILON_AND_REYNOLDS = (0.1, 0.5), (0.5, 0.5), (0.9, 0.5), (0.1, 5.0), (0.5, 50.0)
 # Of all cases, for a small study: every sixth, of every group some.
-SAMPLE = slice(None, None, 6)
+SAMPLE_SLICE = slice(None, None, 6)
 
 
 def cases() -> list[tuple[str, Scene]]:
@@ -102,7 +102,7 @@ def cases() -> list[tuple[str, Scene]]:
         "shape, gas, frequency": SHAPES,
         "inertia": [
             film(f"inertia, Re = {re:g}, σ = {sigma:g}, ε = {eps:g}", eps, sigma, reynolds=re)
-            for sigma, (eps, re) in product((1.0, 20.0, 583.0, 1e5), MOVING)
+            for sigma, (eps, re) in product((1.0, 20.0, 583.0, 1e5), EPSILON_AND_REYNOLDS)
         ],
         "any gap, ellipse": [
             *(
@@ -116,7 +116,7 @@ def cases() -> list[tuple[str, Scene]]:
     return [(group, scene) for group, scenes in groups.items() for scene in scenes]
 
 
-def beyond(scene: Scene) -> str:
+def beyond_reason(scene: Scene) -> str:
     """Return the reason why a film need not be solved; empty inside the documented region."""
     closure, epsilon = scene.closure(), scene.epsilon
     reynolds = scene.modified_reynolds if scene.gas.inertia == "included" else 0.0
@@ -125,7 +125,8 @@ def beyond(scene: Scene) -> str:
         "nearer to contact than 2 % of the gap": closure > 0.98,
         "bearing number of 1000 or more": round(scene.bearing_number) >= 1e3,
         "squeeze number above 1e7": round(scene.sigma) > 1e7,
-        f"waves that steepen: ε Re above {STEEPEST:g}": epsilon * reynolds > STEEPEST,
+        f"waves that steepen: ε Re above {STEEPEST_EPSILON_REYNOLDS:g}": epsilon * reynolds
+        > STEEPEST_EPSILON_REYNOLDS,
         "inertia nearer to contact than 20 % of the gap": epsilon > 0.8 and reynolds > 0,
     }
     return next((reason for reason, holds in reasons.items() if holds), "")
@@ -143,10 +144,10 @@ def _plane(
 _WAVE = travelling()
 # As measurements give it: the sinc with bumps of some millimetres, a tenth of it high.
 _BUMPS = "cos(2900*x+1100*y+1)+cos(2100*x-1700*y+2)+cos(900*x+2800*y+4)+cos(1900*x-2300*y)"
-ROUGH = Formula(f"sinc(109.8*r)*(1+0.07*({_BUMPS}))/1.2", surface=Disc(0.015))
+ROUGH_PROFILE = Formula(f"sinc(109.8*r)*(1+0.07*({_BUMPS}))/1.2", surface=Disc(0.015))
 SHAPES = (
     film("node of the profile under the pad", 0.5, 583.0, profile=Sinc(280.0)),
-    film("rough measured profile", 0.4, 583.0, profile=ROUGH),
+    film("rough measured profile", 0.4, 583.0, profile=ROUGH_PROFILE),
     film("off centre, at the rim of the disc", 0.4, 2331.0, x=0.293),
     film("off centre, diagonal", 0.4, 2331.0, x=0.2051, y=0.2051),
     film("off centre, small amplitude", 1e-3, 583.0, x=0.2, y=0.1),

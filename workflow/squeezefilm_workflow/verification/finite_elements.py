@@ -39,7 +39,7 @@ from squeezefilm_workflow.verification.marching import (
 )
 
 NEWTON_STEPS = 40
-PATIENCE = 4  # Newton steps with old factors before new ones are made
+STEPS_WITH_OLD_FACTORS = 4  # Newton steps with old factors before new ones are made
 NEWTON_TOLERANCE = 1e-9  # on u, of order epsilon
 
 
@@ -124,7 +124,7 @@ class _Film:
             pressure = self.pressure(u)
             residual = self.tested_new @ (gap_weights * pressure) + diffusion @ u + old
             factors = self.factors[phase]
-            if factors is None or attempt % PATIENCE == PATIENCE - 1:
+            if factors is None or attempt % STEPS_WITH_OLD_FACTORS == STEPS_WITH_OLD_FACTORS - 1:
                 stored = self.tested_new @ sp.diags(gap_weights / pressure) @ self.values
                 factors = self.factors[phase] = splu(sp.csc_matrix(stored + diffusion))
             change = factors.solve(residual)

@@ -31,10 +31,10 @@ from squeezefilm_workflow.verification.all_effects import (
     grids_of,
     is_axisymmetric,
 )
-from squeezefilm_workflow.verification.films import STEEPEST
+from squeezefilm_workflow.verification.films import STEEPEST_EPSILON_REYNOLDS
 
 # Ranges of Re, σ, ε, h0 in m and, of a sliding pad, its speed in m/s.
-REYNOLDS, SIGMA, EPSILON = (0.1, 10.0), (5.0, 2500.0), (0.1, 0.6)
+REYNOLDS_RANGE, SIGMA_RANGE, EPSILON_RANGE = (0.1, 10.0), (5.0, 2500.0), (0.1, 0.6)
 H0_RANGE_M, SPEED_RANGE_M_PER_S = (4e-6, 25e-6), (0.02, 0.5)
 ASPECT_RANGE, OFF_CENTRE = (0.6, 1.6), 0.25
 SLIDING_PROBABILITY, OFF_CENTRE_PROBABILITY, SLIP_PROBABILITY, UNIFORM_GAP_PROBABILITY = (
@@ -49,7 +49,7 @@ PROFILES = {"sinc": 0.35, "bessel": 0.3, "standing-wave": 0.25, "piston": 0.1}
 # Where a node lies: over the distance of the rim from the centre along x.
 NODE_DISTANCE = {"rim": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
 BESSEL_ZERO = 2.404825557695773
-COEFFICIENTS = (1.0, 1.54)
+LOSS_COEFFICIENTS = (1.0, 1.54)
 # Range of Re of the films of which `auto` neglects some effects.
 SMALL_REYNOLDS = (0.01, 2.0)
 # Rows of a budget that the film with all effects does not answer.
@@ -143,7 +143,7 @@ def comparison(seed: int) -> dict[str, Any]:
     lower, upper = interval_percent(budget)
     row = _row(seed, drawn.point_id, scene)
     row |= {"modelling_error_lower_percent": lower, "modelling_error_upper_percent": upper}
-    effects = [Effects(edge_coefficient=coefficient) for coefficient in COEFFICIENTS]
+    effects = [Effects(edge_coefficient=coefficient) for coefficient in LOSS_COEFFICIENTS]
     try:
         all_effects = changes_percent(scene, effects)
     except ArithmeticError as reason:
@@ -208,19 +208,19 @@ def _own_effects(scene: Scene) -> Effects:
     )
 
 
-def random_film(seed: int, *, reynolds: tuple[float, float] = REYNOLDS) -> Scene:
+def random_film(seed: int, *, reynolds: tuple[float, float] = REYNOLDS_RANGE) -> Scene:
     """Return the film of a seed, within the limits of validity."""
     random = np.random.default_rng(seed)
     while True:
         scene = _drawn(random, reynolds)
-        steep = scene.epsilon * scene.modified_reynolds > STEEPEST
+        steep = scene.epsilon * scene.modified_reynolds > STEEPEST_EPSILON_REYNOLDS
         term = "included" if scene.gas.inertia == "auto" else "none"
         if not steep and validity(scene.with_gas(inertia=term, thermal=term)) == "ok":
             return scene
 
 
 def _drawn(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
-    reynolds, sigma, h0_m = (_between(random, ends) for ends in (limits, SIGMA, H0_RANGE_M))
+    reynolds, sigma, h0_m = (_between(random, ends) for ends in (limits, SIGMA_RANGE, H0_RANGE_M))
     gas = Gas(inertia="auto", thermal="auto")
     if random.uniform() < UNIFORM_GAP_PROBABILITY:
         gas = replace(gas, inertia="none", thermal="none")
@@ -249,7 +249,7 @@ def _drawn(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
     )
     words = (shape, kind, *((f"node {node}",) if kind != "piston" else ()))
     words += ("sliding",) * sliding + ("off centre",) * (off_m > 0)
-    epsilon = random.uniform(*EPSILON)
+    epsilon = random.uniform(*EPSILON_RANGE)
     return film.scene(h0_m, epsilon * h0_m, off_m, off_m / 2, point_id=", ".join(words))
 
 

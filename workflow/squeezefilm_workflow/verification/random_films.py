@@ -41,20 +41,20 @@ GROUPS = {
     "thermal": 6,
 }
 PROFILES = {"piston": 8, "smooth": 34, "measured": 14, "ridge": 18, "kink": 6, "narrow": 20}
-EPSILON, SIGMA, BEARING = (0.01, 0.98), (0.1, 1e6), (0.1, 300.0)
-REYNOLDS, MOST_EPSILON_REYNOLDS = (0.05, 5.0), 2.0
+EPSILON_RANGE, SIGMA_RANGE, BEARING_RANGE = (0.01, 0.98), (0.1, 1e6), (0.1, 300.0)
+REYNOLDS_RANGE, MOST_EPSILON_REYNOLDS = (0.05, 5.0), 2.0
 KNUDSEN, ASPECT_RANGE = (1e-3, 0.1), (0.5, 1.0)
 CENTRED, FARTHEST = 0.25, 0.3
-LIMITS = {
+RANGES_OF_GROUP = {
     "shaped gap": {"epsilon": (0.01, 0.9), "sigma": (1.0, 1e5)},
     "ellipse": {"epsilon": (0.01, 0.9), "sigma": (1.0, 1e4)},
     "inertia": {"epsilon": (0.01, 0.8), "sigma": (1.0, 1e5)},
     "thermal": {"epsilon": (0.01, 0.8), "sigma": (1.0, 1e5)},
 }
-DEGREE = 8
+ZERNIKE_DEGREE = 8
 FILMS_A_PROFILE = 10
 # An excursion ratio at which no gap is closed.
-SMALL = 1e-3
+SMALL_EPSILON = 1e-3
 # Loose tolerances are drawn more often: there two grids agree by chance, and films are cheap.
 TOLERANCES = {1e-2: 40, 1e-3: 30, 1e-4: 20, 1e-5: 6, 1e-6: 4}
 LEAST_TOLERANCE_WITH_INERTIA = 1e-4
@@ -110,7 +110,7 @@ class RandomFilm:
     def _profile(self) -> Profile:
         kind, *coefficients = self.profile.split(" ")
         if kind == "zernike":
-            orders = SURFACE.orders_up_to(DEGREE, axisymmetric=False)
+            orders = SURFACE.orders_up_to(ZERNIKE_DEGREE, axisymmetric=False)
             return Modes(orders, tuple(map(float, coefficients)), SURFACE)
         return Formula(self.profile, SURFACE, self.quadrature)
 
@@ -126,7 +126,9 @@ def random_film(
     """
     random = np.random.default_rng((seed, number))
     group = group or _drawn(random, GROUPS)
-    limits = {"epsilon": EPSILON, "sigma": SIGMA} | LIMITS.get(group, {}) | limits
+    limits = (
+        {"epsilon": EPSILON_RANGE, "sigma": SIGMA_RANGE} | RANGES_OF_GROUP.get(group, {}) | limits
+    )
     shared = np.random.default_rng((seed, number // FILMS_A_PROFILE, FILMS_A_PROFILE))
     x, y = shared.uniform(-FARTHEST, FARTHEST, 2) * (shared.uniform() > CENTRED)
     drawn = RandomFilm(
@@ -140,13 +142,13 @@ def random_film(
     )
     match group:
         case "sliding":
-            return replace(drawn, bearing=_between(random, limits.get("bearing", BEARING)))
+            return replace(drawn, bearing=_between(random, limits.get("bearing", BEARING_RANGE)))
         case "slip":
             return replace(drawn, knudsen=_between(random, KNUDSEN))
         case "ellipse":
             return replace(drawn, aspect=_between(random, ASPECT_RANGE))
         case "inertia" | "thermal":
-            reynolds = _between(random, limits.get("reynolds", REYNOLDS))
+            reynolds = _between(random, limits.get("reynolds", REYNOLDS_RANGE))
             reynolds = min(reynolds, MOST_EPSILON_REYNOLDS / drawn.epsilon)
             tolerance = max(drawn.tolerance, LEAST_TOLERANCE_WITH_INERTIA)
             return replace(drawn, reynolds=reynolds, tolerance=tolerance)
@@ -184,7 +186,7 @@ def _shaped(random: np.random.Generator, drawn: RandomFilm) -> RandomFilm:
         crown=float(random.choice([0.0, random.uniform(-0.1, 1.0)])),
     )
     # The excursion is a share of the gap where the pad is nearest to the surface.
-    closure = replace(drawn, epsilon=SMALL).scene.closure() / SMALL
+    closure = replace(drawn, epsilon=SMALL_EPSILON).scene.closure() / SMALL_EPSILON
     return replace(drawn, epsilon=drawn.epsilon / closure)
 
 
@@ -222,7 +224,7 @@ def _smooth(random: np.random.Generator) -> str:
 
 def _measured(random: np.random.Generator) -> str:
     """Zernike modes as the smoothing of a scan has them: the finer the smaller."""
-    orders = SURFACE.orders_up_to(DEGREE, axisymmetric=False)
+    orders = SURFACE.orders_up_to(ZERNIKE_DEGREE, axisymmetric=False)
     sizes = random.standard_normal(len(orders)) * [0.5 ** order[0] for order in orders]
     modes = Modes(orders, tuple(sizes), SURFACE)
     largest = largest_magnitude(lambda x_m, y_m: modes.amplitude(x_m=x_m, y_m=y_m), surface=SURFACE)

@@ -16,14 +16,14 @@ from squeezefilm_workflow.verification.comparisons import OUTCOMES, Comparison, 
 from squeezefilm_workflow.verification.study_generator import random_study
 
 # Models of the library that a study may offer, centred ones first.
-MODELS = (
+MODEL_NAMES = (
     *("two_factor", "polynomial_3", "quadratic_6", "fast_limit", "limit", "limit_1"),
     *("four_factor", "polynomial_5", "limit_2"),
 )
 # Probability that any coverage of a campaign lies outside its interval by chance.
-CHANCE = 1e-3
+CHANCE_LEVEL = 1e-3
 # Coverage of all 95 % intervals together.
-POOLED = (0.945, 0.955)
+POOLED_COVERAGE = (0.945, 0.955)
 COVERAGE_KINDS = ("disc", "plate", "scan")
 
 
@@ -65,7 +65,7 @@ def random_studies(options: argparse.Namespace) -> None:
         of_95 = table[table["quantity"].str.endswith("within 95 %")]
         pooled = of_95["direct"].mean() / options.fresh
         print(f"all 95 % intervals together hold {100 * pooled:.2f} % of the fresh points")
-        if not POOLED[0] <= pooled <= POOLED[1]:
+        if not POOLED_COVERAGE[0] <= pooled <= POOLED_COVERAGE[1]:
             failures.append(f"coverage of all 95 % intervals together: {100 * pooled:.2f} %")
     if failures:
         raise RunError("sure and wrong: " + "; ".join(failures))
@@ -87,7 +87,7 @@ def statements(
 def coverages(
     seeds: Sequence[int],
     *,
-    models: Sequence[str] = MODELS,
+    models: Sequence[str] = MODEL_NAMES,
     fresh: int = 2000,
     sample: int = 1000,
     output: Path | None = None,
@@ -101,7 +101,7 @@ def coverages(
         sample: points of each validation sample.
         output: a table that grows study by study.
     """
-    level = CHANCE / (len(seeds) * len(models) * 2)
+    level = CHANCE_LEVEL / (len(seeds) * len(models) * 2)
     check = partial(coverage, models=models, fresh=fresh, level_of_test=level)
     return _campaign(seeds, COVERAGE_KINDS, check, output=output, validation={"points": sample})
 

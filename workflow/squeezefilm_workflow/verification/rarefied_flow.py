@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import BarycentricInterpolator
 
 # Inverse Knudsen numbers of the table, ten for each decade.
-TABULATED = 10.0 ** (np.arange(-20, 31) / 10)
+TABULATED_INVERSE_KNUDSEN = 10.0 ** (np.arange(-20, 31) / 10)
 # Of t in T(x), by the trapezoidal rule in ln t.
 LOG_T, LOG_T_STEP = np.linspace(-45, 2.2, 900, retstep=True)
 
@@ -67,5 +67,5 @@ def _crowding(q: np.ndarray) -> np.ndarray:
 
 if __name__ == "__main__":
     print("inverse_knudsen,poiseuille_flow")
-    for inverse_knudsen in TABULATED:
+    for inverse_knudsen in TABULATED_INVERSE_KNUDSEN:
         print(f"{inverse_knudsen:.10g},{poiseuille_flow(inverse_knudsen):.9g}")

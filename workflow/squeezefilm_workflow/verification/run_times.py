@@ -16,7 +16,7 @@ from squeezefilm import load
 from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
-from squeezefilm.parallel import say
+from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.plans import random_plan
@@ -51,7 +51,7 @@ def run_times(options: argparse.Namespace) -> None:
     """
     head = origin("run-times --output docs/data")
     for measured in paper_times, force_times, batch_times, equal_error:
-        say(f"{measured.__name__}: measuring")
+        print_step(f"{measured.__name__}: measuring")
         table = measured().to_csv(index=False)
         write_text(head + table, options.output / f"{measured.__name__}.csv")
 

@@ -8,8 +8,8 @@ W the flow through surfaces of constant ζ, they are
     Re {r (∂u/∂T + (u·∇)u) + (r W/H) ∂u/∂ζ} = −(12/σ) ∇P + ∂(θ^κ ∂u/∂ζ)/∂ζ /H²,
 
 walls at ζ = ±1/2. The first order is in proportion to e^(iT): p by the factors of
-``linear_film.exact``, u = U(ζ) F with F = −(12/σ) ∇p, and θ = 1 + (1 − 1/γ) Θ(ζ) p. Of the second
-order the mean is asked for. Its flow over the gap has no divergence, a Poisson equation for
+``linear_film.exact_flow``, u = U(ζ) F with F = −(12/σ) ∇p, and θ = 1 + (1 − 1/γ) Θ(ζ) p. Of the
+second order the mean is asked for. Its flow over the gap has no divergence, a Poisson equation for
 the mean pressure, 0 on the rim; its temperature is not needed, for gas at rest carries nothing.
 """
 
@@ -20,21 +20,21 @@ import numpy as np
 
 from squeezefilm.cli.options import command, option
 from squeezefilm.files import write_text
-from squeezefilm.parallel import say
+from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
 from squeezefilm_workflow.verification.films import PISTON, film
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
-from squeezefilm_workflow.verification.published.linear_film import exact
+from squeezefilm_workflow.verification.published.linear_film import exact_flow
 
-REYNOLDS = {False: (0.45, 1.0, 4.0, 10.0, 20.0), True: (0.45, 1.8, 4.0, 7.0, 10.0)}
-SIGMA = {False: (20.0, 100.0, 600.0, 2400.0), True: (25.0, 100.0, 600.0)}
+REYNOLDS_BY_THERMAL = {False: (0.45, 1.0, 4.0, 10.0, 20.0), True: (0.45, 1.8, 4.0, 7.0, 10.0)}
+SIGMA_BY_THERMAL = {False: (20.0, 100.0, 600.0, 2400.0), True: (25.0, 100.0, 600.0)}
 """Of the table's rows, without and with thermal effects."""
 PRANDTL, HEAT_CAPACITY_RATIO, VISCOSITY_EXPONENT = 0.71, 1.4, 0.7
 # Nodes along each side of the pad and across half of the gap.
-NODES, ACROSS = 64, 24
+NODES, NODES_ACROSS_HALF_GAP = 64, 24
 # Excursion ratio of the solver's depth-averaged forces, which is as good as 0: the next order is
 # its square.
-SMALL = 5e-4
+SMALL_EPSILON = 5e-4
 
 
 @command(option("--output", "TABLE.csv", "table to write", required=True, type=Path))
@@ -45,7 +45,7 @@ def depth_averaged(options: argparse.Namespace) -> None:
     """
     lines = ["thermal,reynolds,sigma,averaged,resolved"]
     for thermal, reynolds, sigma in rows():
-        say(f"Re {reynolds:g}, σ {sigma:g}{', thermal effects' * thermal}")
+        print_step(f"Re {reynolds:g}, σ {sigma:g}{', thermal effects' * thermal}")
         averaged, resolved = (
             force(reynolds=reynolds, sigma=sigma, thermal=thermal)
             for force in (averaged_force, resolved_force)
@@ -59,21 +59,21 @@ def rows() -> list[tuple[bool, float, float]]:
     return [
         (thermal, reynolds, sigma)
         for thermal in (False, True)
-        for reynolds in REYNOLDS[thermal]
-        for sigma in SIGMA[thermal]
+        for reynolds in REYNOLDS_BY_THERMAL[thermal]
+        for sigma in SIGMA_BY_THERMAL[thermal]
     ]
 
 
 def averaged_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     """The solver's force on a square piston over ε² and p0 times its area, as ε → 0."""
-    scene = film("", SMALL, sigma, profile=PISTON, reynolds=reynolds).with_gas(
+    scene = film("", SMALL_EPSILON, sigma, profile=PISTON, reynolds=reynolds).with_gas(
         thermal="included" if thermal else "none",
         prandtl=PRANDTL,
         heat_capacity_ratio=HEAT_CAPACITY_RATIO,
         viscosity_exponent=VISCOSITY_EXPONENT,
     )
     (solution,) = solve([scene], tolerance=1e-6, method="periodic")
-    return solution.force_n / (scene.force_scale_n * SMALL**2)
+    return solution.force_n / (scene.force_scale_n * SMALL_EPSILON**2)
 
 
 def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
@@ -99,7 +99,7 @@ def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
 
     prandtl = PRANDTL if thermal else 0.0
     warming = (1 - 1 / HEAT_CAPACITY_RATIO) * thermal
-    factors = exact(reynolds, prandtl=prandtl, heat_capacity_ratio=HEAT_CAPACITY_RATIO)
+    factors = exact_flow(reynolds, prandtl=prandtl, heat_capacity_ratio=HEAT_CAPACITY_RATIO)
     gap = np.full((len(line.x), len(line.x)), -1j)
     rate = 1j * sigma / factors.flow
     pressure = poisson(rate * gap, rate * factors.density)
@@ -110,7 +110,7 @@ def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     )
 
     drive = np.zeros((2, *gap.shape))
-    nodes, weights = np.polynomial.legendre.leggauss(ACROSS)
+    nodes, weights = np.polynomial.legendre.leggauss(NODES_ACROSS_HALF_GAP)
     q, q_heat = np.sqrt(1j * reynolds) / 2, np.sqrt(1j * prandtl * reynolds) / 2
     for zeta, weight in zip((nodes + 1) / 4, weights / 2, strict=True):
         speed, speed_integral = _profile(q, zeta)

@@ -1,7 +1,7 @@
 """Stiff and extreme films, each with checks that are independent of the solver.
 
 Verdicts: *solved*, all checks passed; *unchecked*, solved, but no check can be had; *not
-supported*, the solver says so and the film lies where that is documented (`films.beyond`);
+supported*, the solver says so and the film lies where that is documented (`films.beyond_reason`);
 *failed*, anything else, with the checks that did not pass.
 
 A pressure is carried to a finer grid, where the equation is evaluated in another form and another
@@ -18,20 +18,20 @@ import pandas as pd
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import check_scene
-from squeezefilm.parallel import say
+from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.spectral import period
-from squeezefilm_workflow.verification.films import beyond
+from squeezefilm_workflow.verification.films import beyond_reason
 from squeezefilm_workflow.verification.numpy_periodic import Collocation
 
 TOLERANCE = 1e-4
 # A force is solved for again to this share of the tolerance.
-FINER = 0.1
+FINER_RATIO = 0.1
 # What each check may find. The residual is a first-order estimate of the force's error; a film in
 # distress exceeds this by far.
-ALLOWED = {
+ALLOWED_DEVIATIONS = {
     "method_difference": 2 * TOLERANCE,
     "finer_difference": TOLERANCE,
     "residual": 10 * TOLERANCE,
@@ -53,13 +53,13 @@ def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.Data
             "modified_reynolds": round(scene.modified_reynolds, 6) if inert else 0.0,
             **_judged(scene, device=device),
         }
-        say(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
+        print_step(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
         rows.append(row)
     return pd.DataFrame(rows)
 
 
 def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
-    why = beyond(scene)
+    why = beyond_reason(scene)
     try:
         check_scene(scene)
         (solution,) = solve([scene], tolerance=TOLERANCE, device=device, keep_states=True)
@@ -71,12 +71,12 @@ def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
         return {"verdict": "not supported" if why else "failed", "reason": reason}
     checks = _checks(scene, solution, device=device)
     checks = {name: each for name, each in checks.items() if math.isfinite(each) or not why}
-    shares = {name: each / ALLOWED[name] for name, each in checks.items()}
+    shares = {name: each / ALLOWED_DEVIATIONS[name] for name, each in checks.items()}
     broken = [name for name, share in shares.items() if not share <= 1]
     return {
         "verdict": "failed" if broken else "solved" if checks else "unchecked",
         "reason": "; ".join(
-            f"{name} {checks[name]:.1e} above {ALLOWED[name]:.1e}" for name in broken
+            f"{name} {checks[name]:.1e} above {ALLOWED_DEVIATIONS[name]:.1e}" for name in broken
         ),
         "method": solution.method,
         "force": solution.force_n / scene.force_scale_n,
@@ -104,7 +104,7 @@ def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, fl
         checks["method_difference"] = off
     if scene.pad.shape != "rectangle" or scene.gas.inertia == "included":
         # The equation and the pads that the state is checked by have neither: the same but finer.
-        _, checks["finer_difference"] = again(FINER * TOLERANCE)
+        _, checks["finer_difference"] = again(FINER_RATIO * TOLERANCE)
     elif math.isfinite(off):
         checks |= check_state(scene, periodic.states[-1])
     return checks

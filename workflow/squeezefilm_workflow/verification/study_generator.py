@@ -13,18 +13,18 @@ from squeezefilm.config.loading import parse_config
 
 # Of the vibration.
 WAVELENGTH_M = (3e-3, 30e-3)
-# Length of the pad along x; of UNUSUAL studies.
+# Length of the pad along x; of UNUSUAL_FRACTION studies.
 PAD_M, SMALL_PAD_M = (4e-3, 15e-3), (20e-6, 4e-3)
-# Smallest gap of the study's range; of UNUSUAL studies.
+# Smallest gap of the study's range; of UNUSUAL_FRACTION studies.
 GAP_M, UNUSUAL_GAP_M = (1.5e-6, 15e-6), (20e-9, 100e-6)
 FREQUENCY_HZ = (5e3, 1e5)
 TOLERANCES = (1e-3, 1e-3, 1e-4)
 # Share of studies whose pad is small, and as many whose gap is unusual: limits of validity.
-UNUSUAL = 0.15
+UNUSUAL_FRACTION = 0.15
 
 VIBRATIONS = ("bessel", "standing-wave", "travelling-wave", "piston")
 # Probabilities of VIBRATIONS, by the kind of study.
-KINDS = {
+FRACTIONS_OF_KIND = {
     "any": (0.4, 0.25, 0.2, 0.15),
     "disc": (1.0, 0.0, 0.0, 0.0),
     "plate": (0.0, 0.6, 0.4, 0.0),
@@ -39,7 +39,7 @@ def random_study(seed: int, *, folder: Path, kind: str = "any", **settings: Any)
 
     Args:
         folder: where the file of a measured vibration is written.
-        kind: one of KINDS; a scan is that of a disc or a plate.
+        kind: one of FRACTIONS_OF_KIND; a scan is that of a disc or a plate.
         settings: sections of its configuration that are not drawn.
     """
     values = drawn(seed, kind=kind) | settings
@@ -58,12 +58,12 @@ def drawn(seed: int, *, kind: str = "any") -> dict[str, Any]:
     """The configuration of a seed's study, as a file would have it; of a scan what is scanned."""
     random = np.random.default_rng(seed)
     pad = _pad(random)
-    gap_m = _between(random, UNUSUAL_GAP_M if random.uniform() < UNUSUAL else GAP_M)
+    gap_m = _between(random, UNUSUAL_GAP_M if random.uniform() < UNUSUAL_FRACTION else GAP_M)
     amplitude_m = random.uniform(0.1, 0.85) * gap_m
     return {
         "study": f"random-{seed}",
         "gas": _gas(random),
-        "actuator": _actuator(random, pad, KINDS[kind]),
+        "actuator": _actuator(random, pad, FRACTIONS_OF_KIND[kind]),
         "pad": pad,
         "screen": {
             "h0": {"start": gap_m, "stop": random.uniform(1.3, 2.5) * gap_m, "levels": 5},
@@ -105,7 +105,7 @@ def _gas(random: np.random.Generator) -> dict[str, Any]:
 
 def _pad(random: np.random.Generator) -> dict[str, Any]:
     """A square, a rectangle, a disc or an ellipse, turned by any angle."""
-    length_m = _between(random, SMALL_PAD_M if random.uniform() < UNUSUAL else PAD_M)
+    length_m = _between(random, SMALL_PAD_M if random.uniform() < UNUSUAL_FRACTION else PAD_M)
     aspect = float(random.choice([1.0, _between(random, (0.5, 2.0))]))
     return {
         "shape": str(random.choice(["rectangle", "rectangle", "ellipse"])),

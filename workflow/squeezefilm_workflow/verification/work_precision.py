@@ -17,7 +17,7 @@ import pandas as pd
 
 from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.parallel import say
+from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm_workflow.verification import chebyshev_march, finite_elements, numpy_periodic
@@ -33,7 +33,7 @@ FILMS = (
 )
 SOLVER, BATCH = "solver", "solver, in a batch"
 Settings = dict[str, Any]
-CLOCKS = time.perf_counter, time.process_time, time.thread_time
+CLOCK_FUNCTIONS = time.perf_counter, time.process_time, time.thread_time
 
 
 # A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status.
@@ -51,9 +51,11 @@ def measure(
     """
     times = []
     for _ in range(repeats + 1):
-        before = [clock() for clock in CLOCKS]
+        before = [clock() for clock in CLOCK_FUNCTIONS]
         result = call()
-        times.append([clock() - start for clock, start in zip(CLOCKS, before, strict=True)])
+        times.append(
+            [clock() - start for clock, start in zip(CLOCK_FUNCTIONS, before, strict=True)]
+        )
         if times[-1][0] > long_seconds:
             break
     return result, np.median(times[1:] or times, axis=0)
@@ -78,7 +80,7 @@ def work_precision(
     rows = []
     tolerances = [{"tolerance": 10.0**-k} for k in range(1, 11)][:: max(1, 10 // rungs)]
     for scene in films:
-        say(scene.point_id)
+        print_step(scene.point_id)
         reference = reference_force(scene)
         # Others within 1 % of its epsilon, which have nothing in common with it.
         alike = [replace(scene, hv_m=scene.hv_m * (1 - 0.01 * k / batch)) for k in range(batch)]

@@ -8,8 +8,8 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 
-ARRAYS = (".mat", ".npy", ".npz")
-NAMED = "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
+ARRAY_SUFFIXES = (".mat", ".npy", ".npz")
+VARIABLES_FORM = "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
 
 
 def array_lines(path: Path) -> list[str]:
@@ -26,7 +26,7 @@ def array_lines(path: Path) -> list[str]:
     most = max((len(values) for values in arrays.values()), default=0)
     columns = {name: values for name, values in arrays.items() if len(values) == most}
     if len(columns) < 2:
-        raise InputError(f"a scan in such a file is {NAMED}")
+        raise InputError(f"a scan in such a file is {VARIABLES_FORM}")
     texts = ([str(value).strip("()") for value in values] for values in columns.values())
     return ["\t".join(columns), *map("\t".join, zip(*texts, strict=True))]
 

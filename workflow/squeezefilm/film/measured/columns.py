@@ -30,9 +30,9 @@ ANGLES_RAD = {name: math.radians(degrees) for name, degrees in sizes("deg").item
 FREQUENCIES_HZ = {name.lower(): size for name, size in sizes("Hz").items()}
 PLACES = dict.fromkeys(("x", "y", "r"), LENGTHS_M) | {"phi": ANGLES_RAD}
 SHAPES = dict.fromkeys(("amplitude", "real", "imaginary"), MOTIONS) | {"phase": ANGLES_RAD}
-QUANTITIES = PLACES | SHAPES | {"sign": {"": 1.0}}
+UNIT_SIZES = PLACES | SHAPES | {"sign": {"": 1.0}}
 """What a scan is read from, each with its units, in small letters, and their sizes."""
-KNOWN = QUANTITIES | {"normal": MOTIONS, "frequency": FREQUENCIES_HZ, "time": sizes("s")}
+KNOWN = UNIT_SIZES | {"normal": MOTIONS, "frequency": FREQUENCIES_HZ, "time": sizes("s")}
 """The same, with the amplitude along z and what rows of a place may differ by."""
 UNITS = {*MOTIONS, *ANGLES_RAD, *FREQUENCIES_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
@@ -48,7 +48,7 @@ NAMES = {
     frozenset(words.split()): quantity for quantity in KNOWN for words in WORDS.get(quantity, ())
 }
 MOTION, COMPONENT = {*WORDS["motion"], *WORDS["normal"]}, {*WORDS["component"]}
-DIRECTION, BESIDE = {*WORDS["direction"]}, {*WORDS["beside"]}
+DIRECTION, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Column:
 
 def meaning(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
-    core = {*words} - BESIDE or {*words[:1]}
+    core = {*words} - IGNORED_WORDS or {*words[:1]}
     if quantity := NAMES.get(frozenset(words)) or NAMES.get(frozenset(core)):
         return quantity
     rest = frozenset(core - MOTION - COMPONENT)

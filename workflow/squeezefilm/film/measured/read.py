@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.errors import InputError, naming, refuse
+from squeezefilm.errors import InputError, prefix_errors, refuse
 from squeezefilm.film.measured.scan import FEWEST_POINTS, Scan
 from squeezefilm.film.measured.table import read_table
 from squeezefilm.film.measured.universal import read_universal
 
-UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
+UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".bunv")
 
 
 def read_scan(
@@ -37,8 +37,8 @@ def read_scan(
     path = Path(path)
     if not path.exists():
         raise InputError(f"{path}: there is no such scan")
-    with naming(path):
-        reader = read_universal if path.suffix.lower() in UNIVERSAL else read_table
+    with prefix_errors(path):
+        reader = read_universal if path.suffix.lower() in UNIVERSAL_SUFFIXES else read_table
         scan = reader(path, frequency_hz, rows)
     x_m, y_m = scan.x_m - origin_m[0], scan.y_m - origin_m[1]
     scan = replace(scan, x_m=x_m, y_m=y_m, origin_m=origin_m)

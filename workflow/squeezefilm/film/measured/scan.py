@@ -12,7 +12,7 @@ import numpy as np
 from squeezefilm.errors import InputError
 
 # In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity.
-LARGEST = 1e9
+LARGEST_VALUE = 1e9
 FEWEST_POINTS, POINTS_NAMED = 8, 6
 # Places closer than this are one.
 SAME_POSITION_M = 1e-6

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, naming, refuse
+from squeezefilm.errors import InputError, prefix_errors, refuse
 from squeezefilm.files import digest, whole_file
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import SAME_POSITION_M, Scan
@@ -53,21 +53,21 @@ LARGEST_HOLE = 0.35
 LARGEST_OUT_OF_PHASE = 1e-3
 # A point is far from the rest beyond this many standard deviations of the noise, and never if it is
 # nearer than this share of the largest amplitude: that may be the profile's own fine structure.
-OUTLIER, LEAST_OUTLIER = 4.5, 0.005
+OUTLIER_DEVIATIONS, LEAST_OUTLIER = 4.5, 0.005
 # More such points, as a share, are no outliers.
 MOST_OUTLIERS = 0.05
-REFITS = 20
+MOST_REFITS = 20
 # A maximum so far above the largest at the measured points is extrapolated.
-OVERSHOOT = 1.05
+OVERSHOOT_RATIO = 1.05
 # Draws of noise by which the bias of the maximum is estimated.
 PEAK_DRAWS, PEAK_SEED = 200, 1
-UNSIGNED = (
+UNSIGNED_WARNING = (
     "the scan has no phase or sign: all amplitudes are taken to one side, and over a node line the "
     "force is that of another surface, which no error here contains"
 )
 # A scan of a smaller share of its surface's radius or half side has another unit, if it fits then;
 # and by how much points may miss a surface that is only to be told.
-SMALLEST_SCAN, ALMOST = 0.1, 0.03
+SMALLEST_SCAN, ALMOST_FRACTION = 0.1, 0.03
 # More points are not fitted: enough for all modes to be known to a hundredth of the noise.
 MOST_FITTED, DRAW_SEED = 20_000, 1
 
@@ -141,7 +141,7 @@ class SmoothedScan:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Return the warnings and notes on the scan, a line each."""
-        unsigned = [f"warning: {UNSIGNED}"] * (not self.scan.signed)
+        unsigned = [f"warning: {UNSIGNED_WARNING}"] * (not self.scan.signed)
         return (*unsigned, *(f"note: {note}" for note in self.scan.notes))
 
     def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
@@ -204,7 +204,7 @@ def smoothed(
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
     quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
-    with naming(scan.path):
+    with prefix_errors(scan.path):
         fit, kept, fitted = _without_outliers(points, scan.lines, measured.real)
         other = best_fit(fitted, measured.imag[kept])
         if _mean_square(other, surface) > LARGEST_OUT_OF_PHASE * _mean_square(fit, surface):
@@ -365,13 +365,13 @@ def overshoots(fit: Fit, surface: Surface, *, at_points: np.ndarray, noise_m: fl
     net = _modes_on_net(fit.orders, surface)
     largest_m, measured_m = (float(_largest_at(fit.coefficients, at)) for at in (net, at_points))
     bias_m, bias_at_points_m = (_bias_of_largest(fit, noise_m, at) for at in (net, at_points))
-    less_known = bias_m - bias_at_points_m > (OVERSHOOT - 1) / 2 * measured_m
+    less_known = bias_m - bias_at_points_m > (OVERSHOOT_RATIO - 1) / 2 * measured_m
     return [
         f"the profile's maximum is {largest_m * 1e6:.4g} µm, and {measured_m * 1e6:.4g} µm at the "
         f"measured points: it overshoots between or beyond the last rows, where noise adds "
         f"{bias_m * 1e6:.2g} µm, and with it the scale of all forces is uncertain. Scan more rows "
         "at the edge, or say actuator.profile.scale: measured"
-    ] * bool(less_known or largest_m > OVERSHOOT * measured_m)
+    ] * bool(less_known or largest_m > OVERSHOOT_RATIO * measured_m)
 
 
 def check_points(
@@ -405,14 +405,14 @@ def _where_points_fit(scan: Scan, surface: Surface) -> str:
     """The origin or the unit of positions by which a scan would cover its surface, if any."""
     reach = float(surface.reach(scan.x_m, scan.y_m).max())
     x_m, y_m = (0.5 * (np.min(each) + np.max(each)) for each in (scan.x_m, scan.y_m))
-    if reach > 1 and np.max(surface.reach(scan.x_m - x_m, scan.y_m - y_m)) <= 1 + ALMOST:
+    if reach > 1 and np.max(surface.reach(scan.x_m - x_m, scan.y_m - y_m)) <= 1 + ALMOST_FRACTION:
         middle = [f"{1e3 * at:.4g} mm" for at in np.add(scan.origin_m, [x_m, y_m])]
         return (
             f"; all lie on it with actuator.profile.origin: [{', '.join(middle)}], the middle of "
             "their extents"
         )
     for factor, text in ((1e3, "1000 times larger"), (1e-3, "1000 times smaller")):
-        if SMALLEST_SCAN < factor * reach <= 1 + ALMOST:
+        if SMALLEST_SCAN < factor * reach <= 1 + ALMOST_FRACTION:
             return (
                 f"; they fit with positions {text}: give their unit as it is (in the header; in a "
                 "universal file by data set 164, without which it is m)"
@@ -466,12 +466,12 @@ def _without_outliers(
     kept, near = points, np.ones(len(measured), dtype=bool)
     largest = np.sort(np.abs(measured))[-max(5, len(measured) // 20) :]
     floor = LEAST_OUTLIER * float(np.median(largest))
-    for _ in range(REFITS):
+    for _ in range(MOST_REFITS):
         fit = best_fit(kept, measured[near])
         residual = measured - points.modes(fit.orders) @ fit.coefficients
         parts = np.abs([residual.real, residual.imag][: 1 + np.iscomplexobj(residual)])
         noise = 1.4826 * np.median(parts, axis=1, keepdims=True)
-        last, near = near, np.all(parts <= np.maximum(OUTLIER * noise, floor), axis=0)
+        last, near = near, np.all(parts <= np.maximum(OUTLIER_DEVIATIONS * noise, floor), axis=0)
         if np.array_equal(near, last):
             break
         kept = points.some(near)
@@ -560,8 +560,8 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     )
 
 
-OWN = {each.name for each in fields(SmoothedScan)}
-TUPLES = {Scan: {"notes", "origin_m"}, Fit: {"orders"}, Modes: {"orders", "coefficients"}}
+SMOOTHED_FIELDS = {each.name for each in fields(SmoothedScan)}
+TUPLE_FIELDS = {Scan: {"notes", "origin_m"}, Fit: {"orders"}, Modes: {"orders", "coefficients"}}
 """Values that are tuples where others are arrays."""
 
 
@@ -611,7 +611,7 @@ def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
             fit=_part(Fit, values, "fit."),
             profile=_part(Modes, values, "profile.", surface=surface),
             out_of_phase=_part(Modes, values, "out_of_phase.", surface=surface),
-            **{name: each for name, each in values.items() if name in OWN},
+            **{name: each for name, each in values.items() if name in SMOOTHED_FIELDS},
         )
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"{path}: not a smoothed scan: {error}") from None
@@ -628,7 +628,7 @@ def _part(kind: Any, values: dict[str, Any], place: str, **given: Any) -> Any:
     stored = {
         each.name: values[place + each.name] for each in fields(kind) if each.name not in given
     }
-    for name in TUPLES[kind] & stored.keys():
+    for name in TUPLE_FIELDS[kind] & stored.keys():
         rows = stored[name].tolist()
         stored[name] = tuple(tuple(row) if isinstance(row, list) else row for row in rows)
     return kind(**given, **stored)

@@ -27,10 +27,10 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.errors import InputError, naming
-from squeezefilm.film.measured.arrays import ARRAYS, array_lines
+from squeezefilm.errors import InputError, prefix_errors
+from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, array_lines
 from squeezefilm.film.measured.columns import (
-    QUANTITIES,
+    UNIT_SIZES,
     UNITS,
     Column,
     check_units,
@@ -40,7 +40,7 @@ from squeezefilm.film.measured.columns import (
     with_units,
 )
 from squeezefilm.film.measured.scan import (
-    LARGEST,
+    LARGEST_VALUE,
     POINTS_NAMED,
     SAME_POSITION_M,
     Scan,
@@ -51,7 +51,7 @@ from squeezefilm.film.measured.scan import (
 from squeezefilm.headers import unit_in
 from squeezefilm.lazy import pd
 
-FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
+SCAN_FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
 
 BLANKS, WIDE = " ", "  "
 """Separators: any blanks, and in a header whose names have blanks two or more of them."""
@@ -80,7 +80,7 @@ INSTANTS = 8
 
 def read_points(
     path: Path,
-    wanted: Collection[str] = tuple(QUANTITIES),
+    wanted: Collection[str] = tuple(UNIT_SIZES),
     *,
     what: str,
     form: str,
@@ -106,7 +106,7 @@ def read_points(
     lines, notes = _lines(path, what=what, form=form)
     index, header, separator = _header(lines, what=what, form=form)
     header, first = _units_beside(header, lines, index, separator)
-    with naming(f"line {index + 1}"):
+    with prefix_errors(f"line {index + 1}"):
         columns, at_frequency = chosen_columns(header, wanted, frequency_hz=frequency_hz)
         motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
         if len({column.power for column in motion}) > 1:
@@ -168,7 +168,7 @@ def _one_measurement(
     for condition in filter(None, map(str.strip, rows.split(";"))):
         name, _, value = (part.strip() for part in condition.rpartition("="))
         names = {other.name.lower(): other for other in others}
-        with naming(f"actuator.profile.rows: {condition!r}"):
+        with prefix_errors(f"actuator.profile.rows: {condition!r}"):
             if name.lower() not in names:
                 known = ", ".join(repr(other.name) for other in others)
                 raise InputError(f"needs COLUMN = VALUE, the column one of {known}")
@@ -253,7 +253,7 @@ def _complete(known: Collection[str]) -> dict[str, bool]:
     return {
         "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
         "table as its amplitude": place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
-        f"column 'amplitude_um' is missing; a scan has {FORM}": not {*known}
+        f"column 'amplitude_um' is missing; a scan has {SCAN_FORM}": not {*known}
         & {"amplitude", "real", "imaginary"},
         "real and imaginary part go together": len({*known} & {"real", "imaginary"}) == 1,
         "give sign or phase, not both": {"sign", "phase"} <= {*known},
@@ -263,11 +263,11 @@ def _complete(known: Collection[str]) -> dict[str, bool]:
 def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     """The scan in a table of text."""
     table, lacking, notes = read_points(
-        path, what="scan", form=FORM, complete=_complete, frequency_hz=frequency_hz, rows=rows
+        path, what="scan", form=SCAN_FORM, complete=_complete, frequency_hz=frequency_hz, rows=rows
     )
     known = set(table)
     size = table.pop("amplitude").to_numpy() if "amplitude" in known else np.zeros(len(table))
-    whole = table.reindex(columns=list(QUANTITIES)).fillna({"sign": 1.0}).fillna(0.0)
+    whole = table.reindex(columns=list(UNIT_SIZES)).fillna({"sign": 1.0}).fillna(0.0)
     x, y, r, phi, _, real, imaginary, phase, sign = whole.to_numpy(dtype=float).T
     directed, parts = bool(known & {"phase", "sign"}), np.iscomplexobj(size)
     line = not {"x", "y"} <= known and "phi" not in known
@@ -294,7 +294,7 @@ def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
         content = path.read_bytes()
     except OSError as error:
         raise InputError(f"the {what} cannot be read: {error}") from None
-    if path.suffix.lower() in ARRAYS:
+    if path.suffix.lower() in ARRAY_SUFFIXES:
         return array_lines(path), ["its variables are read as columns"]
     for start, remedy in OTHER_FORMATS.items():
         if content.startswith(start):
@@ -420,7 +420,7 @@ def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
     if parts.any():
         values = values.astype(complex)
         values[parts] = cells[parts].map(_complex)
-    for line, cell in cells[~(values.abs() <= LARGEST)][:1].items():
+    for line, cell in cells[~(values.abs() <= LARGEST_VALUE)][:1].items():
         raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     return values * (column.size or 1.0)
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError, needing, refuse
 from squeezefilm.film.measured.scan import (
-    LARGEST,
+    LARGEST_VALUE,
     Scan,
     angular_frequency,
     missing_points,
@@ -202,6 +202,6 @@ def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | f
             far: far,
         },
     )
-    seen = np.any(data) and np.abs(data[nearest]) <= LARGEST
+    seen = np.any(data) and np.abs(data[nearest]) <= LARGEST_VALUE
     sign = math.copysign(1.0, int(function["rsp_dir"])) if seen else np.nan
     return sign * data[nearest], line_hz

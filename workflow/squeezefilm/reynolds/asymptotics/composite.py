@@ -199,7 +199,11 @@ def _exchanged(films: Films) -> tuple[Expansion, np.ndarray]:
 
 
 def _expand(films: Films) -> Expansion:
-    return core.expand_with_inertia(films) if films.reynolds.any() else core.expand(films)
+    return (
+        core.expand_with_inertia(films)
+        if films.reynolds.any()
+        else core.high_squeeze_expansion(films)
+    )
 
 
 def _second_order(films: Films) -> SecondOrder:

@@ -70,7 +70,7 @@ def layer_correction(
     return net, films.edge_integral(thick * (np.abs(d) + np.abs(by_core)))
 
 
-def expand(films: Films) -> Expansion:
+def high_squeeze_expansion(films: Films) -> Expansion:
     """The high-squeeze limit and its edge layer's correction, without inertia."""
     square, thick = wide(films.epsilon) ** 2, 1 + wide(films.slip)
     gap_square = square * films.profile_squared

@@ -39,7 +39,7 @@ from squeezefilm.reynolds.packing import (
 )
 from squeezefilm.reynolds.periodic.time_modes import modes_of
 from squeezefilm.reynolds.terms import (
-    SWITCHED,
+    SWITCHED_TERMS,
     Terms,
     axes_of,
     compiled_terms,
@@ -81,7 +81,7 @@ RESULT_ROW = np.dtype(
 
 # Where the means in time of a batch's scenes on a grid begin, one behind the other, and the size of
 # each; and their states, ABSENT_INDEX and 0 where these do not come back.
-SPAN = np.dtype([(name, np.int64) for name in ("means", "means_size", "state", "state_size")])
+SPAN_DTYPE = np.dtype([(name, np.int64) for name in ("means", "means_size", "state", "state_size")])
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +143,7 @@ def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
     )
     compiled = compiled_terms(terms)
     own = {term.NAME for term in terms}
-    switched = [term.NAME for term in compiled if term.NAME in SWITCHED]
+    switched = [term.NAME for term in compiled if term.NAME in SWITCHED_TERMS]
     fields, flow_terms = unknown_fields(terms), flow_terms_of(terms)
     largest = fields * max(grid.count for grid in grids)
     breaks_x = any("x" in term.BREAKS for term in terms)
@@ -276,7 +276,7 @@ class Launch:
         kind: the rows' type.
         results: room for what the device says of the scenes, and their first guesses. It begins
             with what is said in rows; kernels read states in vectors.
-        spans: SPAN of each batch on each of its grids.
+        spans: SPAN_DTYPE of each batch on each of its grids.
         arrays: what ``values`` and ``results`` are the beginnings of, of the device's pool.
         buffer: the device's of ``results``.
         done: the kernel's event.
@@ -441,7 +441,7 @@ def _spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
         behind = -(-(end + len(batch.scenes) * means) // 4) * 4
         spans.append((end, means, behind if returns else ABSENT_INDEX, state))
         end = behind + len(batch.scenes) * state
-    return np.array(spans, dtype=SPAN), end
+    return np.array(spans, dtype=SPAN_DTYPE), end
 
 
 def _arrays(batch: Batch, numbers: np.ndarray) -> Iterator[tuple[Packed, np.ndarray | None]]:
@@ -506,7 +506,7 @@ def grid_under(scene: Scene, points: Grid) -> Grid:
     return replace(points, outline=scene.pad.smooth_outline)
 
 
-def warm(device: Device, scene: Scene) -> None:
+def build_kernels_of(device: Device, scene: Scene) -> None:
     """Build and load the kernels that a scene needs, so that the first batch need not wait."""
     grid = grid_under(scene, Grid(4, 4, 8, False, False))
     solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device)

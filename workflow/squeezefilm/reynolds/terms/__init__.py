@@ -41,7 +41,7 @@ Terms = tuple[Term, ...]
 OF_ANY_FILM: Terms = (EdgePressure(),)
 OF_VELOCITIES: Terms = (Rarefaction("slip"), Inertia(), Thermal())
 OF_RAREFIED: Terms = (FlowFactor("fukui-kaneko"),)
-SWITCHED = tuple([term.NAME for term in (*OF_ANY_FILM, *OF_VELOCITIES, *OF_RAREFIED)])
+SWITCHED_TERMS = tuple([term.NAME for term in (*OF_ANY_FILM, *OF_VELOCITIES, *OF_RAREFIED)])
 
 
 def terms_of(scene: Scene) -> Terms:

@@ -52,7 +52,7 @@ LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF_STEEPNESS = 2.5, 1e4, 0.05
 # A velocity at the edge is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
 # Stands for zero in a denominator.
-NEGLIGIBLE = 1e-14
+NEGLIGIBLE_FRACTION = 1e-14
 
 
 class VelocityTerm(Term):
@@ -98,7 +98,7 @@ class Inertia(VelocityTerm):
     def numbers(self, scene: OperatingPoints) -> Numbers:
         reynolds = scene.modified_reynolds
         lag = LAG_PER_REYNOLDS * reynolds
-        steep = np.maximum(steepness(scene), NEGLIGIBLE)
+        steep = np.maximum(steepness(scene), NEGLIGIBLE_FRACTION)
         slow = LEAST_SLOW_FACTOR * np.maximum(1.0, STEEP_WAVES / steep) ** 3
         thinness = np.maximum(scene.sigma**0.5, LEAST_ROOT_SIGMA)
         # Waves travel at 1/√(lag σ), in units of the pad's length times ω.
@@ -106,7 +106,9 @@ class Inertia(VelocityTerm):
         return {
             "reynolds": reynolds,
             "lag": lag,
-            "reversing": REVERSING_SPEED * np.maximum(scene.epsilon, NEGLIGIBLE) / thinness,
+            "reversing": REVERSING_SPEED
+            * np.maximum(scene.epsilon, NEGLIGIBLE_FRACTION)
+            / thinness,
             "slow": np.minimum(slow, MOST_SLOW_FACTOR),
             "waves_per_node": np.maximum(NODES_PER_WAVE / waves, DAMPED_WAVE_FACTOR / lag),
         }
@@ -115,7 +117,7 @@ class Inertia(VelocityTerm):
         layered = (sigma > THIN_LAYER_SIGMA) | (steepness(scene) > STIFF_STEEPNESS)
         return np.where(layered, LAYER_STIFFNESS, 1.0)
 
-    def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
+    def carrying_matrices(self, coarse: Grid, fine: Grid) -> Arrays:
         pairs = zip("xy", _points(coarse), _points(fine), strict=True)
         return {f"carry_flux_{axis}": its.interpolation_to(finer) for axis, its, finer in pairs}
 

@@ -23,7 +23,7 @@ FLOW_TABLE = Path(__file__).with_name("rarefied_flow.csv")
 # F for x → ∞, and the number of powers of u that interpolate the table to 1e-6.
 SLIP_LIMIT, SERIES_TERMS = 1.016191418, 16
 # Above this Q counts as that in the fit: slip is a small part of a dense gas' flow.
-LARGE_FLOW = 3.0
+LARGE_FLOW_FACTOR = 3.0
 
 
 @lru_cache(maxsize=1)
@@ -34,7 +34,7 @@ def slip_series() -> tuple[float, ...]:
     """
     inverse, flow = np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1, unpack=True)
     powers = np.vander(_mapped(inverse), SERIES_TERMS, increasing=True)
-    falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, LARGE_FLOW)
+    falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, LARGE_FLOW_FACTOR)
     rest = flow - inverse / 6 - np.log1p(1 / inverse) / np.sqrt(np.pi) - SLIP_LIMIT
     series, *_ = np.linalg.lstsq(falling * weights[:, None], rest * weights, rcond=None)
     return tuple((np.append(series, 0.0) - np.append(-SLIP_LIMIT, series)).tolist())

@@ -117,7 +117,7 @@ class Term:
         """
         return {}
 
-    def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
+    def carrying_matrices(self, coarse: Grid, fine: Grid) -> Arrays:
         """The matrices of CARRYING between two grids."""
         return {}
 

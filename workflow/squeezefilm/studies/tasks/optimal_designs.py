@@ -79,7 +79,7 @@ class FittedSpace:
         return np.any(np.abs(self.space.to_unit(points) - 0.5) > 0.5 + RANGE_SLACK, axis=1)
 
 
-def optimal_designs(
+def designs_by_name(
     study: FittedSpace, settings: Optimal, *, existing: pd.DataFrame | None
 ) -> dict[str, ContinuousDesign]:
     """All designs by name, the local one first: local, bayesian, maximin, exact-N, augmented.
@@ -278,7 +278,7 @@ def designs_of_fit(
             for pattern in patterns_found:
                 table = pd.DataFrame(pattern["points"])[list(study.space.names)]
                 others[f"pattern {pattern['pattern']} ({search})"] = table.to_numpy()
-    designs = optimal_designs(study, config.optimal, existing=existing)
+    designs = designs_by_name(study, config.optimal, existing=existing)
     table = efficiencies(study, designs, others)
     bounds = {name: design.efficiency_bound for name, design in designs.items()}
     summary = {

@@ -26,9 +26,9 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import get_model
 from squeezefilm.parallel import parallel_map
-from squeezefilm.studies.space import plan, space_of, twelve
+from squeezefilm.studies.space import plan, space_of, twelve_digits
 
-DIGITS = 6
+PARAMETER_DIGITS = 6
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
 
 
@@ -80,7 +80,7 @@ def _criterion(fit: FittedModel, space: Space) -> Criterion:
     A search ends at any of equally good points; of digits that are round-off, round-off chooses.
     """
     model = get_model(fit.model)
-    theta = np.array([float(f"{value:.{DIGITS}g}") for value in fit.theta])
+    theta = np.array([float(f"{value:.{PARAMETER_DIGITS}g}") for value in fit.theta])
 
     def gradient(points: np.ndarray) -> np.ndarray:
         return model.gradient(theta, Factors.of(**dict(zip(space.names, points.T, strict=True))))
@@ -131,4 +131,4 @@ def _patterns(
 
 def _factors(points: np.ndarray, space: Space) -> pd.DataFrame:
     """Points with their factors' names; twelve digits, so that a limit reads 2e-06."""
-    return pd.DataFrame(twelve(points), columns=list(space.names))
+    return pd.DataFrame(twelve_digits(points), columns=list(space.names))

@@ -115,7 +115,7 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
 
 def errors_in_study(config: Study, smoothed: SmoothedScan) -> pd.DataFrame:
     """Forces of some of a study's scenes, and their errors by the scan."""
-    points, device = _points(config), device_of(config)
+    points, device = _extreme_scenes(config), device_of(config)
     return points.join(scan_errors(scenes_in(points, config), smoothed, device=device))
 
 
@@ -188,7 +188,7 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
     return table.astype({"line": "Int64"}).assign(noise_um=round(smoothed.noise_m * 1e6, 9))
 
 
-def _points(config: Study) -> pd.DataFrame:
+def _extreme_scenes(config: Study) -> pd.DataFrame:
     """The largest amplitude over the smallest and the largest gap, and farthest from the centre."""
     gaps, amplitude = config.screen.h0_m, config.screen.hv_m.stop
     symmetry, positions = config.symmetry(), config.positions

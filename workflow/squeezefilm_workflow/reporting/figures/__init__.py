@@ -61,7 +61,7 @@ def save(function: Draw, results: Results, paths: Sequence[Path]) -> None:
     Raises InputError naming the result that is missing or lacks what it must have, or a table that
     the figure has not.
     """
-    plain = [path for path in paths if path.name.endswith(style.PLAIN)]
+    plain = [path for path in paths if path.name.endswith(style.PLAIN_SUFFIX)]
     tables = [path for path in paths if path.suffix == ".csv"]
     own = results.config.figures.style
     with style.settings(file=results.config.path.parent / own if own else None):

@@ -22,7 +22,7 @@ EFFECTS = {
     "edge_loss": style.GREEN,
     "total": style.GREY,
 }
-EDGE = 0.04
+EDGE_FRACTION = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
 LABEL_HEIGHT_FRACTION = 0.065
 """Height of a label, as a share of the axes."""
@@ -75,7 +75,7 @@ def _budgets(results: Results, plan: str) -> pd.DataFrame:
 def _inner_levels(values: pd.Series) -> list[float]:
     """Levels of contours with room for them between the least and the largest value."""
     low, high = values.min(), values.max()
-    edge = EDGE * (high - low)
+    edge = EDGE_FRACTION * (high - low)
     ticks = MaxNLocator(nbins=8).tick_values(low, high) if len(values.dropna()) else []
     return [level for level in ticks if low + edge <= level <= high - edge] or [low]
 

@@ -16,11 +16,11 @@ from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import percent, signed, simulations_note
 from squeezefilm_workflow.reporting.results import Results
 
-DECADE = 10.0
+DECADE_RATIO = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
 FEW_POINTS = 100
 """Simulations of a map, at most, that are drawn as dots."""
-MARKERS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
+MARKER_OF_STATUS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
 """Of positions: whether a model has an amplitude there, and whether it is validated."""
 PROFILE_COLUMNS = ("layer", "amplitude_um", "residual_um", "noise_um")
 """Of a table of a profile, among others."""
@@ -54,7 +54,7 @@ def forces(results: Results) -> Figure:
     target_n = results.config.extrapolation.force_n
     grid = parts.grid_of(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
-    wide = low > 0 and high > DECADE * low
+    wide = low > 0 and high > DECADE_RATIO * low
     ends = (low / 3, 3 * high) if wide else (low, high)
     ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
     levels = np.asarray(ticks.tick_values(*ends))
@@ -102,7 +102,7 @@ def amplitudes(results: Results) -> Figure:
     look: dict[str, Any] = {"norm": norm, "cmap": cmap, "plotnonfinite": True, "s": 26}
     look |= {"edgecolors": "black", "linewidths": 0.6, "x": "x_mm", "y": "y_mm"}
     for mark, rows_marked in rows.groupby("mark"):
-        look |= {"marker": MARKERS[str(mark)], "label": mark}
+        look |= {"marker": MARKER_OF_STATUS[str(mark)], "label": mark}
         dots = parts.coloured_dots(axes, rows_marked, "hv_um", **look)
     if known.any():
         figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE["ylabel"])

@@ -16,15 +16,15 @@ from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import VERDICTS, percent, simulations_note
 from squeezefilm_workflow.reporting.results import Results
 
-LAYERS: dict[str, dict[str, Any]] = {
+STYLE_OF_LAYER: dict[str, dict[str, Any]] = {
     "simulation": {"color": style.VERMILLION, "label": "simulation"},
     "control": {"color": "white", "label": "control point"},
     "design": {"color": "black", "label": "design point", "s": 26},
 }
 """Looks of simulations beside a model's mesh."""
-ACROSS = 4
-DECADES = 5
-LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
+PANELS_IN_ROW = 4
+DECADES_SHOWN = 5
+CONTOUR_LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
 LARGEST_DOT = 140
 """Area in points² of a design point with all the weight."""
 PLANES = {
@@ -32,7 +32,7 @@ PLANES = {
     "position": (("x_mm", "y_mm"), {"xlabel": "pad x (mm)", "ylabel": "pad y (mm)"}),
 }
 """Layers of a design's sensitivity; their columns and labels."""
-LINEAR = 0.02
+LINEAR_FRACTION = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
 
 
@@ -76,7 +76,7 @@ def model_and_points(
     parts.force_mesh(axes, tables[0])
     for layer, simulated in zip(plans, forces, strict=True):
         tables.append(parts.plane_table(simulated, layer=layer))
-        parts.force_points(axes, tables[-1], **LAYERS[layer])
+        parts.force_points(axes, tables[-1], **STYLE_OF_LAYER[layer])
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
     return figure, pd.concat(tables, ignore_index=True)
 
@@ -96,12 +96,12 @@ def model_errors(results: Results, space: str) -> Figure:
         return _without_anything("no model has an error on these points")
     data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
     data = parts.in_micrometres(data).assign(size=100 * data["relative_error"].abs())
-    across = min(ACROSS, len(judged))
+    across = min(PANELS_IN_ROW, len(judged))
     down = ceil(len(judged) / across)
     figure = style.new_figure(wide=True, height_in=0.5 + 1.85 * down)
     panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
     top = max(float(data["size"].max()), 1e-10)
-    norm = LogNorm(top * 10.0**-DECADES, top, clip=True)
+    norm = LogNorm(top * 10.0**-DECADES_SHOWN, top, clip=True)
     for axes in panels[len(judged) :]:
         axes.set_visible(False)
     for number, (axes, model) in enumerate(zip(panels, judged.to_dict("records"), strict=False)):
@@ -140,7 +140,7 @@ def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[s
     x, y, level = (rows[name].to_numpy(dtype=float) for name in (*names, "sensitivity"))
     shading: dict[str, Any] = {"cmap": style.SEQUENTIAL, "vmin": 0.0, "vmax": 1.0}
     colours = axes.tripcolor(x, y, level, shading="gouraud", rasterized=True, **shading)
-    reached = [each for each in LEVELS if level.min() < each < level.max()]
+    reached = [each for each in CONTOUR_LEVELS if level.min() < each < level.max()]
     if reached:
         axes.tricontour(x, y, level, levels=reached, colors="white", linewidths=0.5)
     *place, weight = (points[name].to_numpy(dtype=float) for name in (*names, "weight"))
@@ -216,7 +216,7 @@ def _draw_errors(axes: Axes, sample: pd.DataFrame, simulated: pd.DataFrame, x: s
     sample = sample.sort_values("error_percent", key=np.abs)
     top = max(float(sample["error_percent"].abs().max()), 1e-12)
     # Linear up to a power of ten, so that the ticks keep apart.
-    norm = SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR * top)), vmin=-top, vmax=top)
+    norm = SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR_FRACTION * top)), vmin=-top, vmax=top)
     look: dict[str, Any] = {"norm": norm, "cmap": style.DIVERGING, "s": 6}
     dots = parts.coloured_dots(axes, sample, "error_percent", x=x, y=y, **look)
     axes.plot(simulated[x], simulated[y], "o", mfc="none", mec="black", mew=0.6, markersize=4)

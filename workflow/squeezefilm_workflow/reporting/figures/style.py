@@ -24,7 +24,7 @@ SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
 PNG_DPI = 300
 CHECK_DPI = 50
-PLAIN = ".plain.png"
+PLAIN_SUFFIX = ".plain.png"
 """How the name of a small picture without texts ends."""
 
 # Okabe and Ito's colours, told apart with every common colour vision.

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.results import Results
 
-STYLES = {
+STYLE_OF_METHOD = {
     "solver": ("black", "o", "-"),
     "solver, in a batch": ("black", "o", ":"),
     "same algorithm, NumPy, no symmetry": (style.BLUE, "D", "-"),
@@ -22,7 +22,7 @@ STYLES = {
     "finite elements from rest": (style.VERMILLION, "p", "-"),
 }
 """Colour, marker and line of each method."""
-MARKERS = {"solved": "o", "unchecked": "D", "not supported": "s", "failed": "X"}
+MARKER_OF_VERDICT = {"solved": "o", "unchecked": "D", "not supported": "s", "failed": "X"}
 EPSILON_TICKS = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99)
 LARGEST_EPSILON = 0.998
 DOT_OFFSET = 0.25
@@ -48,7 +48,7 @@ def stability(results: Results) -> Figure:
     label = "largest deviation over the allowed one (–)"
     figure.colorbar(shown, ax=(left, right), pad=0.01, aspect=40, label=label)
     for verdict, count in data["verdict"].value_counts().items():
-        marker = MARKERS[str(verdict)]
+        marker = MARKER_OF_VERDICT[str(verdict)]
         left.plot([], [], marker, color="0.4", linestyle="", label=f"{verdict} ({count})")
     figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=4)
     note = "Films of one place are drawn one above the other; white: no check applies."
@@ -64,7 +64,7 @@ def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
     cmap = mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
     look: dict[str, Any] = {"cmap": cmap, "norm": LogNorm(1e-4, 1.0, clip=True), "s": 26}
     look |= {"edgecolors": "0.3", "linewidths": 0.6, "plotnonfinite": True, "x": "x", "y": "y"}
-    for verdict, marker in MARKERS.items():
+    for verdict, marker in MARKER_OF_VERDICT.items():
         films_of_verdict = films[films["verdict"] == verdict]
         dots = parts.coloured_dots(axes, films_of_verdict, "worst_ratio", marker=marker, **look)
     axes.set_yscale("log")
@@ -87,7 +87,7 @@ def work_precision(results: Results) -> Figure:
         floor = float(here["reference_uncertainty"].iloc[0])
         panel.axhline(float(here["model_error"].iloc[0]), color=style.ORANGE, linewidth=1.5)
         panel.axhspan(lowest, floor, color="0.85", linewidth=0, zorder=0)
-        for method, (colour, marker, line) in STYLES.items():
+        for method, (colour, marker, line) in STYLE_OF_METHOD.items():
             path = here[(here["method"] == method) & (here["status"] == "ok")]
             look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line, "ms": 4}
             look["mfc"] = "white" if line == ":" else colour

@@ -28,13 +28,13 @@ from squeezefilm_workflow.verification.published.linear_film import (
     VISCOUS,
     depth_averaged,
     disc_response,
-    exact,
+    exact_flow,
     piston_response,
     radial_pressure,
 )
 from squeezefilm_workflow.verification.rarefied_flow import poiseuille_flow
 
-HERE = Path(__file__).parent
+PUBLISHED_FOLDER = Path(__file__).parent
 SMALL_EPSILON = 1e-4
 """ε of a linear film: what is left of the next order is 2e-8 of the first harmonic."""
 # ANSYS Mechanical APDL Verification Manual, VM245: damping in N s/m, stiffness in N/m.
@@ -46,10 +46,10 @@ AIR_PA = AIR["density"] * AIR["sound"] ** 2 / AIR["gamma"]
 AIR_PRANDTL = AIR["viscosity"] * 1005 / 24.4e-3
 # Distances from the hole's edge, in gaps, at which the pressure is prescribed: flow around the
 # edge, which no film equation has, has decayed at the second.
-DISTANCES, RADIAL = (0, 2), "p(r), given {} gaps from the hole"
-REYNOLDS, SIGMA = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
-SAMPLE = (4.0,), (1.0, 100.0)
-RESPONSES: dict[str, Any] = {"rectangle": piston_response, "ellipse": disc_response}
+RADIAL_DISTANCES, RADIAL_QUANTITY = (0, 2), "p(r), given {} gaps from the hole"
+REYNOLDS_VALUES, SIGMA_VALUES = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
+SAMPLE_VALUES = (4.0,), (1.0, 100.0)
+RESPONSE_OF_SHAPE: dict[str, Any] = {"rectangle": piston_response, "ellipse": disc_response}
 # Relative error of the solver's first harmonic against its own equation's.
 HARMONIC_TOLERANCE = 1e-6
 # github.com/cml-berkeley/cmlair, flow.f90: Poiseuille flow of the linearised Boltzmann equation by
@@ -71,7 +71,7 @@ Row = dict[str, Any]
 
 def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
     """All comparisons; of depth averaging a small sample, if asked for."""
-    reynolds, sigma = SAMPLE if sample else (REYNOLDS, SIGMA)
+    reynolds, sigma = SAMPLE_VALUES if sample else (REYNOLDS_VALUES, SIGMA_VALUES)
     rows = [
         *plate(device),
         *inclined_slider(device),
@@ -124,10 +124,10 @@ def inclined_slider(device: Device | None = None) -> Iterator[Row]:
         force_n / (scenes[1].force_scale_n - scenes[0].force_scale_n),
         0.5 - (other["moment_y"] - one["moment_y"]) / force_n / length_m,
     )
-    stored = pd.read_csv(HERE / "slider.csv", comment="#")
-    cells = slider.of_cells(stored["x"].to_numpy(), stored["pressure_pa"].to_numpy() / p0_pa)
+    stored = pd.read_csv(PUBLISHED_FOLDER / "slider.csv", comment="#")
+    cells = slider.slider_of_cells(stored["x"].to_numpy(), stored["pressure_pa"].to_numpy() / p0_pa)
     names = "largest pressure / p0", "load / (p0 area)", "centre of pressure / length"
-    for numbers in zip(names, cells, slider.exact(scenes[1]), ours, strict=True):
+    for numbers in zip(names, cells, slider.exact_slider(scenes[1]), ours, strict=True):
         yield _valued(*numbers, source="hans (Holey)", case="inclined slider, Λ 54.66")
 
 
@@ -141,14 +141,14 @@ def rarefied_gas() -> Iterator[Row]:
 
 def radial_films() -> Iterator[Row]:
     """Pressure behind membranes and plates around a hole, their motion and one pressure given."""
-    stored = pd.read_csv(HERE / "radial_films.csv", comment="#")
+    stored = pd.read_csv(PUBLISHED_FOLDER / "radial_films.csv", comment="#")
     for _, nodes in stored.groupby(["plate", "gap_m", "frequency_hz"]):
         kind, frequency_hz, hole_m, gap_m = nodes.iloc[0, :4]
         omega, viscosity = 2 * pi * frequency_hz, AIR["viscosity"]
         reynolds = AIR["density"] * omega * gap_m**2 / viscosity
         squeeze = 12 * viscosity * omega / (AIR_PA * gap_m**2)
-        resolved = exact(reynolds, prandtl=AIR_PRANDTL, heat_capacity_ratio=AIR["gamma"])
-        for distance in DISTANCES:
+        resolved = exact_flow(reynolds, prandtl=AIR_PRANDTL, heat_capacity_ratio=AIR["gamma"])
+        for distance in RADIAL_DISTANCES:
             away = nodes["r_m"] >= hole_m * (1 - 1e-9) + distance * gap_m
             r_m, xi_real, xi_imag, p_real, p_imag = nodes.loc[away, "r_m":].to_numpy().T
             pressure, motion = (p_real + 1j * p_imag) / AIR_PA, (xi_real + 1j * xi_imag) / gap_m
@@ -161,7 +161,7 @@ def radial_films() -> Iterator[Row]:
             yield dict(
                 source="Honzík et al.",
                 case=f"{kind}, {1e6 * gap_m:.0f} µm, {1e-3 * frequency_hz:.0f} kHz",
-                quantity=RADIAL.format(distance),
+                quantity=RADIAL_QUANTITY.format(distance),
                 modified_reynolds=reynolds,
                 exact_deviation=deviation[0],
                 viscous_deviation=deviation[1],
@@ -176,9 +176,9 @@ def depth_averaging(
     Of a square, then of a disc; without the solver's where that is not converged. Raises RunError
     where there is none for another reason, or one that is not that of the parabolic profiles.
     """
-    for shape, thermal, re, s in product(RESPONSES, ("none", "included"), reynolds, sigma):
+    for shape, thermal, re, s in product(RESPONSE_OF_SHAPE, ("none", "included"), reynolds, sigma):
         scene = film("", SMALL_EPSILON, s, profile=PISTON, reynolds=re, shape=shape)
-        scene, response, status = scene.with_gas(thermal=thermal), RESPONSES[shape], "ok"
+        scene, response, status = scene.with_gas(thermal=thermal), RESPONSE_OF_SHAPE[shape], "ok"
         try:
             (outputs,) = _quantities([scene], "harmonics", tolerance=1e-5, device=device)
         except RunError as error:
@@ -193,7 +193,7 @@ def depth_averaging(
         parabolic = response(s, factors=depth_averaged(re, **gas))
         if abs(ours / parabolic - 1) >= HARMONIC_TOLERANCE:
             raise RunError(f"first harmonic at Re {re:g}, σ {s:g}: {ours:.9g}, not {parabolic:.9g}")
-        resolved = response(s, factors=exact(re, **gas))
+        resolved = response(s, factors=exact_flow(re, **gas))
         yield dict(
             source="depth averaging",
             case="disc: " * (shape == "ellipse")

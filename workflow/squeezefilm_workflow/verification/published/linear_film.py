@@ -21,7 +21,7 @@ from scipy.special import ive
 
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
-WAVES = 2000
+WAVE_COUNT = 2000
 """Of a piston's motion along a side: what is cut off is 1e-11 of the force."""
 
 
@@ -35,7 +35,7 @@ class Factors(NamedTuple):
 VISCOUS = Factors()
 
 
-def exact(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> Factors:
+def exact_flow(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> Factors:
     """A and B with the exact profiles, Re = ρ0 ω h0²/μ above 0; Pr = 0 for an isothermal gas."""
 
     def mean(q: complex) -> complex:
@@ -65,7 +65,7 @@ def piston_response(sigma: float, aspect: float = 1.0, factors: Factors = VISCOU
 
     b being the aspect; they fall as 1/m⁴.
     """
-    m = np.arange(1, WAVES, 2)
+    m = np.arange(1, WAVE_COUNT, 2)
     q = np.sqrt((pi * m) ** 2 + 1j * sigma * factors.density / factors.flow)
     half = q * aspect / 2
     parts = 8 / (pi * m) ** 2 * (1j * sigma / (factors.flow * q**2)) * (1 - np.tanh(half) / half)
