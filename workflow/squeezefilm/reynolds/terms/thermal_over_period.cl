@@ -61,7 +61,7 @@ static void warm(const Grid *g, const Film *film, field warmth, field lags)
     }
     SYNC;
     const int n = g->nt, size = 4 * n * (n + 1);
-    const int item = get_local_id(0), items = min(WORK_ITEMS, film->row->most_krylov * g->length / size);
+    const int item = get_local_id(0), items = min((long)WORK_ITEMS, film->row->most_krylov * g->length / size);
     field4 values = (field4)(film->basis + g->length + item * size), matrix_rows = values + n;
     for (int row = item < items ? 4 * item : g->rows; row < g->rows; row += 4 * items) {
         const int last = (g->rows - 1) * n, a = row * n, b = min(a + n, last);
