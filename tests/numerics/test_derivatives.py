@@ -199,7 +199,7 @@ def test_step_of_a_difference_is_in_the_error(guard: str, value: float, monkeypa
     """Of a film that all but touches, at a tight tolerance; with another guard it is not."""
     scene = film(epsilon=0.9, sigma=5.0, profile=PISTON)
     scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
-    how = {"tolerance": 1e-7, "names": ("h0_m",)}
+    how = {"tolerance": 1e-7}
     solutions = solve([scene], tolerance=1e-7, method="periodic", keep_states=True)
 
     def value_and_error() -> tuple[float, float]:

@@ -393,10 +393,10 @@ def test_the_page_shows_what_comes_out(words: str, repository: Path, capsys) -> 
     shown, printed = (
         dict(re.findall(rows, each, re.MULTILINE)) for each in (capsys.readouterr().out, text)
     )
-    assert len(shown) > 6
-    assert list(shown) == list(printed)
-    for name, line in shown.items():
-        value, _, error, unit = line.split(maxsplit=3)
-        documented, *_, documented_unit = printed[name].split(maxsplit=3)
+    assert len(printed) > 6
+    assert [name for name in shown if name in printed] == list(printed)
+    for name, line in printed.items():
+        value, _, error, unit = shown[name].split(maxsplit=3)
+        documented, *_, documented_unit = line.split(maxsplit=3)
         assert abs(float(value) - float(documented)) <= float(error), name
         assert unit == documented_unit

@@ -54,7 +54,7 @@ def test_scenes_as_columns_have_the_numbers_of_each(scene):
     each = [replace(film, h0_m=h0_m) for h0_m in (5e-6, 8e-6) for film in (scene, tilted)]
     scenes = Scenes.of(each)
     assert list(scenes) == each
-    for name in ("epsilon", "sigma", "modified_reynolds", "narrowest", "force_scale_n"):
+    for name in ("epsilon", "sigma", "modified_reynolds", "force_scale_n"):
         alone = [getattr(one, name) for one in each]
         assert getattr(scenes, name) == pytest.approx(alone, rel=1e-15), name
     assert scenes.closure == pytest.approx([one.closure() for one in each], rel=1e-15)

@@ -23,7 +23,7 @@ SCRIPT = """
 import os
 import subprocess
 from squeezefilm.errors import InputError
-from squeezefilm_workflow.job import run, tell
+from squeezefilm_workflow.job import print_result, run
 
 
 def main(snakemake, config):
@@ -75,7 +75,7 @@ def test_all_that_a_script_prints_goes_to_its_log(run):
 def test_a_result_that_people_wait_for_is_told_on_the_terminal_too(run):
     """`snakemake profile` ends with the summary that the tutorial shows, on any terminal."""
     ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-    status, terminal, log, _ = run("tell('noise  ± 1.6 µm')", **ascii_only)
+    status, terminal, log, _ = run("print_result('noise  ± 1.6 µm')", **ascii_only)
     assert status == 0
     assert terminal.count("noise  +/- 1.6 um") == log.count("noise  +/- 1.6 um") == 1
 

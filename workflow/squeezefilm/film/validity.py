@@ -158,8 +158,9 @@ EDGE_TOLERANCE = 1e-9
 
 def check_scenes(scenes: Scenes) -> None:
     """Reject scenes as ``check_scene`` does, the first of them that has no solution."""
+    unnamed = scenes.point_id.tolist() == ["1"]
     for row in np.flatnonzero(~exist(scenes)).tolist():
-        check_scene(scenes[row], place="operating point" if len(scenes) == 1 else None)
+        check_scene(scenes[row], place="operating point" if unnamed else None)
 
 
 def exist(scenes: Scenes) -> np.ndarray:
