@@ -28,6 +28,7 @@ PLACEHOLDERS = {
     "SCENES.csv": f"{MADE}/scenes.csv",
     "/PLAN/": "/screen/",
     "results/paper/": "results/quick/",
+    "results/paper --output": "results/quick --output",
     "STUDIES=mine": "STUDIES=my-actuator",
     "snakemake --configfile config/mine.yaml": "snakemake --configfile config/my-actuator.yaml",
 }
@@ -65,6 +66,7 @@ BY_HAND = {
     "make clean": "removes what the others made; a unit test runs the recipe",
     "pip uninstall squeezefilm": "removes what the others need",
     "podman build .": "needs a container engine and a registry",
+    "make test-fresh": "an hour, and a root user",
     "squeezefilm-verification random-studies --studies 100 --seed 1 --output TABLE.csv": (
         "minutes; eleven such studies are a test"
     ),
