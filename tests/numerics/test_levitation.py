@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 import yaml
 from films import PISTON, SINC, film
+from ring_down import RingDown
 from scipy.optimize import newton
 from test_slow_film import disc_stiffness
 
@@ -15,7 +16,6 @@ from squeezefilm.cli.main import main
 from squeezefilm.dynamics.levitation import OVERDAMPED_STATUS, levitate, resonance
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm_workflow.verification.ring_down import RingDown
 
 DEVICE = choose_device()
 SETTINGS = {"tolerance": 1e-6, "model_tolerance": 1e-3, "device": DEVICE}

@@ -67,7 +67,7 @@ MOST_OSCILLATION = 0.3
 # what the worst of those discs needed up to there.
 AVERAGING_FACTOR = 2.0
 # The same by inertia of the vibrating gas, over ε², the layer's thickness and Re/10: about twice
-# what discs needed (Re 1–7, σ 300–2000, ε 0.15–0.3; verification/ring_down.py).
+# what discs needed (Re 1–7, σ 300–2000, ε 0.15–0.3; tests/numerics/ring_down.py).
 INERTIA_FACTOR = 6.0
 # Excursion ratio that stands for none, and the steps to a root of the equation of motion.
 TINY_EPSILON = 1e-6
