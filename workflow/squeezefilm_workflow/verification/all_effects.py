@@ -1,13 +1,13 @@
-"""A film with all effects solved for together: inertia, thermal effects, slip, loss at the rim.
+"""A film with all effects solved for together: inertia, thermal effects, slip, loss at the edge.
 
 It shares the equations with the solver (squeezefilm/reynolds/terms: inertia, thermal) and nothing
 else: pressure, velocities and warming at collocation points in space, at all instants together.
 Derivatives are dense matrices, so that a disc's radius, a rectangle and an ellipse are sets of
-points (``points_of``). At the rim
+points (``points_of``). At the edge
 
     P = 1 − C (σ Re/24) u²    where gas comes in at a mean velocity u,    P = 1 where it goes out,
 
-and gas that comes in has no velocity along the rim. Newton's steps are solved by GMRES, whose
+and gas that comes in has no velocity along the edge. Newton's steps are solved by GMRES, whose
 matrix is differentiated by complex steps, after one system in space for each harmonic.
 """
 
@@ -36,7 +36,7 @@ LARGEST_STEP = 0.4
 RADIAL_POINTS, POINT_COUNTS, INSTANT_COUNT = 64, (24, 28, 36), 21
 # Share of the points on the coarser grid, that of the error estimate.
 COARSER_RATIO = 0.8
-# Velocity at the rim, over ε/√σ, within which gas neither comes in nor goes out.
+# Velocity at the edge, over ε/√σ, within which gas neither comes in nor goes out.
 REVERSING_VELOCITY = 0.1
 
 
@@ -49,7 +49,7 @@ class Points:
         weights: of a mean over the pad, (points,).
         gradient, divergence: a matrix for each component of a vector.
         slopes: of each component of a velocity the derivatives along all axes.
-        normal: outward at the rim, 0 inside, (components, points).
+        normal: outward at the edge, 0 inside, (components, points).
         corner: where two sides meet.
     """
 
@@ -217,7 +217,7 @@ class Effects:
     Attributes:
         slip: none, that of first order by the gas' own coefficient, or by the flow factor, a
             table of the linearised Boltzmann equation (rarefied_flow.py).
-        edge_coefficient: C of the loss at the rim where gas comes in; 0 without.
+        edge_coefficient: C of the loss at the edge where gas comes in; 0 without.
     """
 
     inertia: bool = True
@@ -320,7 +320,7 @@ class FilmWithEffects:
     def _set_edge_conditions(
         self, excess: np.ndarray, velocity: np.ndarray, mass: np.ndarray, momentum: np.ndarray
     ) -> None:
-        """Put the conditions at the rim into the residuals of mass and momentum."""
+        """Put the conditions at the edge into the residuals of mass and momentum."""
         edge_rows, corner = self.points.on_edge_mask, self.points.corner
         normal = self.points.normal[:, edge_rows, None]
         out = np.sum(normal * velocity[:, edge_rows], axis=0)

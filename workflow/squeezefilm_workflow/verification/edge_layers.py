@@ -2,7 +2,7 @@
 
 Its docstring has the equations. Without inertia the layer's mass is solved for by Newton's method
 with GMRES, with inertia a stream function of ξ and T by dense matrices. Collocation is Chebyshev's
-on 0 ≤ ξ ≤ LAYER_DEPTH, crowded at the rim: ξ = LAYER_DEPTH (exp(k z) − 1)/(exp(k) − 1).
+on 0 ≤ ξ ≤ LAYER_DEPTH, crowded at the edge: ξ = LAYER_DEPTH (exp(k z) − 1)/(exp(k) − 1).
 """
 
 import argparse
@@ -97,7 +97,7 @@ def _unstretched(coordinates: np.ndarray) -> list[float]:
 
 
 class HalfLine(NamedTuple):
-    """Nodes ξ from the rim inwards, d/dξ on them, and weights of the integral over ξ."""
+    """Nodes ξ from the edge inwards, d/dξ on them, and weights of the integral over ξ."""
 
     xi: np.ndarray
     first: np.ndarray
@@ -195,7 +195,7 @@ def layers_with_inertia(reynolds: float, rising: list[float]) -> list[tuple[floa
 
 @dataclass(frozen=True)
 class InertiaLayer:
-    """The layer with inertia at one excursion ratio; fields are (nodes, instants), rim first.
+    """The layer with inertia at one excursion ratio; fields are (nodes, instants), edge first.
 
     The unknown, ``stream``, is X less the linear part of a layer without inertia.
     """
@@ -264,13 +264,13 @@ class InertiaLayer:
         by_core = self._linear(stream, xi, 1.0, -psi * mobility)
         changes = []
         for forcing in (by_slope, by_core):
-            forcing[0] = 0.0  # P = 1 on the rim
+            forcing[0] = 0.0  # P = 1 on the edge
             answer = self.line.first @ self._solved(factors, -forcing[:-1])
             changes.append(float(answer[-1].mean()))
         return psi**2 - 1, d, 2 * psi * changes[0], changes[1]
 
     def _residual(self, stream: np.ndarray) -> np.ndarray:
-        """On all nodes but the last, where X = 0; on the rim w − H."""
+        """On all nodes but the last, where X = 0; on the edge w − H."""
         mass, flux, rate = self.mass(stream), -stream @ self.rate.T, self.rate
         slope = self.second @ stream
         inertia = (

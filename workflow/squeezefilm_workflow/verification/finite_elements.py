@@ -1,14 +1,14 @@
 """Finite elements in space, Crank-Nicolson in time: the textbook method, with scikit-fem.
 
 Scheme: with u = (P^2 - 1)/2 the film equation reads, for every test function phi that
-vanishes on the rim,
+vanishes on the edge,
 
     sigma d/dT int H P phi = -int H^3 grad u . grad phi + Lambda int H P dphi/dX,
 
 with P = sqrt(1 + 2 u),
 
 so diffusion is linear in u and its matrix a cubic in epsilon sin T assembled once. Biquadratic
-quadrilaterals (9 nodes) on a mesh graded towards the rim; Crank-Nicolson from rest, fully
+quadrilaterals (9 nodes) on a mesh graded towards the edge; Crank-Nicolson from rest, fully
 implicit. Each step is solved by Newton's method with the factors of the same phase of an
 earlier period, renewed when they no longer serve.
 
@@ -54,7 +54,7 @@ def periodic_force(
     """Mean force in p0 l0^2 over the last period.
 
     cells: elements along each half side, folded or not; steps: time steps a period;
-    mesh: triangles of another pad than the square, all of whose edge is its rim, in
+    mesh: triangles of another pad than the square, all of whose sides are its edge, in
     units of its side along x from a corner of what surrounds it; marching: as
     `march_to_periodic` takes it, the tolerance that of u.
 

@@ -2,7 +2,7 @@
 
 Each of them solves the isothermal Reynolds equation on the unit square X, Y in [0, 1],
 
-    div(H^3 P grad P) = Lambda d(HP)/dX + sigma d(HP)/dT,     P = 1 on the rim,
+    div(H^3 P grad P) = Lambda d(HP)/dX + sigma d(HP)/dT,     P = 1 on the edge,
     H = 1 + epsilon s(X, Y) sin T,
 
 and returns the mean force of the periodic state, the integral of <P> - 1 over the square,
@@ -41,7 +41,7 @@ def fold_of(scene: Scene) -> tuple[bool, bool]:
 
 
 def graded_edges(*, cells: int, folded: bool) -> FloatArray:
-    """Cell edges on [0, 1], or on [0, 1/2] if folded, closing up towards the rim as a cosine.
+    """Cell edges on [0, 1], or on [0, 1/2] if folded, closing up towards the edge as a cosine.
 
     cells: in each half of the side, so that a folded mesh is half of the whole one.
     The smooth map from a uniform mesh keeps a scheme's order, and the first cell shrinks as

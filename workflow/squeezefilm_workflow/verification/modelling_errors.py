@@ -46,8 +46,8 @@ SLIDING_PROBABILITY, OFF_CENTRE_PROBABILITY, SLIP_PROBABILITY, UNIFORM_GAP_PROBA
 """Probabilities: pad slides; is off the centre; gas slips; has neither inertia nor heat."""
 SHAPES = {"disc": 0.4, "ellipse": 0.25, "rectangle": 0.35}
 PROFILES = {"sinc": 0.35, "bessel": 0.3, "standing-wave": 0.25, "piston": 0.1}
-# Where a node lies: over the distance of the rim from the centre along x.
-NODE_DISTANCE = {"rim": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
+# Where a node lies: over the distance of the edge from the centre along x.
+NODE_DISTANCE = {"edge": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
 BESSEL_ZERO = 2.404825557695773
 LOSS_COEFFICIENTS = (1.0, 1.54)
 # Range of Re of the films of which `auto` neglects some effects.

@@ -73,7 +73,7 @@ class Collocation:
         self.i_k = 1j * np.arange(nt // 2 + 1)
         self.i_k[-1] = 0  # the derivative of the sawtooth mode vanishes at the points
         self.in_time = np.fft.irfft(self.i_k * np.fft.rfft(np.eye(nt)), n=nt)
-        # The gap is differentiated on the whole grid, rim included.
+        # The gap is differentiated on the whole grid, edge included.
         phase = 2 * math.pi * np.arange(nt) / nt
         whole = scene.gap(*np.meshgrid(self.x.x, self.y.x, indexing="ij"), phase)
         slope_x = np.tensordot(self.x.first, whole, 1)[inside, inside]

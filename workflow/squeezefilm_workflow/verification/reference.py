@@ -5,7 +5,7 @@ Scheme: Legendre spectral elements in space, in the weak form of
     div(H^3 grad u) = sigma d(HP)/dT,     u = (P^2 - 1)/2,     P = sqrt(1 + 2 u),
 
 with Gauss-Lobatto nodes, two elements per half side, the outer one narrow for the layer at the
-rim; an odd number of instants with trigonometric interpolation in time; Newton's method with
+edge; an odd number of instants with trigonometric interpolation in time; Newton's method with
 GMRES on the weak form. Where the solver under test collocates strong derivatives of other
 variables on Chebyshev points, here an integral identity is met in another basis. Only the steps
 of Newton's method are those of ``numpy_periodic``: the residual shows their error.

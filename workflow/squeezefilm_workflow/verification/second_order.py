@@ -10,7 +10,7 @@ W the flow through surfaces of constant ζ, they are
 walls at ζ = ±1/2. The first order is in proportion to e^(iT): p by the factors of
 ``linear_film.exact_flow``, u = U(ζ) F with F = −(12/σ) ∇p, and θ = 1 + (1 − 1/γ) Θ(ζ) p. Of the
 second order the mean is asked for. Its flow over the gap has no divergence, a Poisson equation for
-the mean pressure, 0 on the rim; its temperature is not needed, for gas at rest carries nothing.
+the mean pressure, 0 on the edge; its temperature is not needed, for gas at rest carries nothing.
 """
 
 import argparse

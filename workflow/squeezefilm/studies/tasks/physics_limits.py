@@ -1,7 +1,7 @@
 """The asymptotic forces of a study's scenes, without solving in time or fitting, and a table.
 
 `fast_limit_n` is the force at infinite squeeze number, `limit_n` the same with the boundary layer
-at the pad's rim, correct to 1/√σ, `limit_error_n` the estimate of its error. With the
+at the pad's edge, correct to 1/√σ, `limit_error_n` the estimate of its error. With the
 gas' inertia the next order is ε²/σ, without it ε²/σ^(3/2): there `limit_n` is the composite that
 is exact to ε². A scene whose inertia is `auto` counts as having it, for limits cost the same.
 """
