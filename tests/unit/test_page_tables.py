@@ -66,6 +66,8 @@ def test_models_have_their_verdict_first_and_columns_in_words():
     assert shown["95 % error, median"].iloc[0] == "2 %"
     assert shown["global error"].iloc[0] == "2 %"
     assert shown["least coverage"].iloc[0] == "90 %, high third of the gap h0"
+    none_validated = table[table["model"] == "unknown"]
+    assert list(models.shown_table(models.ranked(none_validated)).columns) == list(shown.columns)
 
 
 @pytest.mark.parametrize("word", ["recommended", "explains"])

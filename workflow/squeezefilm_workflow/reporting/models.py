@@ -85,13 +85,18 @@ def ranked(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def shown_table(judged: pd.DataFrame) -> pd.DataFrame:
-    """Return ranked models as their page shows them, errors beside the recommended one's."""
+    """Return ranked models, if there are any, as their page shows them.
+
+    Errors are beside the recommended one's.
+    """
     times = judged["validation_error"] / judged["validation_error"].min()
-    verdict = times.map("{:.3g} times the error".format)
-    verdict.iloc[:1] = "recommended"
-    percent_95 = judged["error_95_percent"].map("{:.3g} %".format)
-    least = judged["coverage_min"].map(percent) + ", " + judged["coverage_min_region"]
-    judged = judged.assign(verdict=verdict, error_95_percent=percent_95, least_coverage=least)
+    others = [f"{ratio:.3g} times the error" for ratio in times[1:]]
+    regions = zip(judged["coverage_min"], judged["coverage_min_region"], strict=True)
+    judged = judged.assign(
+        verdict=["recommended", *others][: len(judged)],
+        error_95_percent=[f"{error:.3g} %" for error in judged["error_95_percent"]],
+        least_coverage=[f"{percent(least)}, {region}" for least, region in regions],
+    )
     return readable(judged[list(SHOWN)]).set_axis([*SHOWN.values()], axis="columns")
 
 
