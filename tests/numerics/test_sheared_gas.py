@@ -53,7 +53,7 @@ def fields_of(film: Film, pressure: np.ndarray) -> SimpleNamespace:
         sigma=strip.sigma,
         numbers=lambda name, *, absent: numbers.get(name, absent),
         equation={"flow": np.ones((1, 1))},
-        turn=np.ones(1),
+        map_slope=np.ones(1),
         area=1.0,
         gap=gap,
         mass=gap * pressure[None, :, None],

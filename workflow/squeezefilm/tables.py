@@ -20,7 +20,7 @@ import numpy as np
 from squeezefilm.columns import TEXT_COLUMNS, unregistered
 from squeezefilm.errors import InputError, RunError, needing, prefix_errors
 from squeezefilm.files import read_text, whole_file, write_text
-from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, with_position
+from squeezefilm.film.positions import CARTESIAN, POLAR, columns_as_in, with_position
 from squeezefilm.headers import folded, words_and_unit
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
@@ -194,9 +194,9 @@ def _read(
     table, lines = _rows(path, columns, needs=needs or ", ".join(columns), **how)
     word = "row" if path.suffix == PARQUET else "line"
     source, statuses = f"{path}: {word}", table.get("status")
-    wanted = [name for name in as_in(columns, table) if name in table]
+    wanted = [name for name in columns_as_in(columns, table) if name in table]
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
-    for name in [each for each in as_in(numbers, wanted) if each in wanted]:
+    for name in [each for each in columns_as_in(numbers, wanted) if each in wanted]:
         values = table[name].map(number_in).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             problem = f"{name} is {table[name].tolist()[row]!r}, not a finite number"
@@ -241,7 +241,8 @@ def _rows(
         table, lines = _csv_rows(path, columns=columns, needs=needs)
     header = list(map(str, table))
     with prefix_errors(path):
-        asked, optional = as_in(columns, header), [*optional, *as_in(optional, header)]
+        asked = columns_as_in(columns, header)
+        optional = [*optional, *columns_as_in(optional, header)]
         _check_header(header, asked, optional, others=others, needs=needs)
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
@@ -268,7 +269,7 @@ def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.Dat
             )
     lines = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
-    names, asked = list(header), {*as_in(columns, ()), *as_in(columns, CARTESIAN)}
+    names, asked = list(header), {*columns_as_in(columns, ()), *columns_as_in(columns, CARTESIAN)}
     for column_index, name in enumerate(header):
         if separator != ",":
             table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")

@@ -82,7 +82,7 @@ class AveragedFilm:
         a = epsilon * np.abs(grid.edge_s)
         values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
         if self.layer:
-            _, in_phase, ahead = edge_layer.ratios(a)
+            _, in_phase, ahead = edge_layer.layer_ratios(a)
             turned = grid.edge_s.conj() * grid.edge_slope
             u = epsilon**2 * (in_phase * turned.real + ahead * turned.imag)
             values = values + u / np.sqrt(self.layer_number) / 2
@@ -250,7 +250,7 @@ class AveragedFilm:
     def _layer(self, epsilon: float) -> float:
         if not self.layer:
             return 0.0
-        d, _ = edge_layer.integrals(epsilon * np.abs(self.grid.edge_s))
+        d, _ = edge_layer.layer_integrals(epsilon * np.abs(self.grid.edge_s))
         return float(self.grid.edge_weights @ d / np.sqrt(self.layer_number))
 
 

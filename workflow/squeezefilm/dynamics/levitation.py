@@ -25,7 +25,7 @@ from squeezefilm.dynamics.averaged_film import (
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import GAPS_M, exceeded
+from squeezefilm.film.validity import GAPS_M, exceeded_limits
 from squeezefilm.formatting import scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
@@ -133,7 +133,7 @@ class Levitation:
     @property
     def invalidity_reasons(self) -> list[str]:
         """Return the reasons why the gap is not valid for a real film; empty where it is."""
-        reasons = list(exceeded(self.scene))
+        reasons = list(exceeded_limits(self.scene))
         error_m = abs(self._moved_m(self.budget.known_error_percent))
         error_m += self.second_order_m(error_m)
         if self.budget.status == "ok" and not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
@@ -202,7 +202,7 @@ def levitate(
             chosen = chosen.with_gas(**{name: "none"})
     # Outside the limits of validity no gap is given, whatever its modelling error.
     budget = ErrorBudget(status="outside the limits of validity")
-    if not exceeded(levitation.scene):
+    if not exceeded_limits(levitation.scene):
         (budget,) = error_budgets([levitation.scene], device=device)
     notes = excluded_terms(near, method=method)
     for name, reason in not_included.items():
@@ -230,7 +230,7 @@ def valid_range_text(scene: Scene, *, device: Device) -> str:
     # The equation that has the widest limits.
     widest = _scenes_at_gaps(scene.with_gas(inertia="included", thermal="none"), *gaps_m)
     valid = [
-        k for k, there in enumerate(widest) if slopes[k] < 0 < forces_n[k] and not exceeded(there)
+        k for k, at in enumerate(widest) if slopes[k] < 0 < forces_n[k] and not exceeded_limits(at)
     ]
     if not valid:
         return "at this amplitude no gap is within the limits of validity"
@@ -263,7 +263,7 @@ def _at_the_load(
     slope = float(_known_or_raise(values[2, 0], h0_m, status))
     # The gap may lie anywhere here; where all of it is outside, none is given and these show why.
     ends = (replace(scene, h0_m=(1 + off) * h0_m) for off in (-ROUGH_TOLERANCE, ROUGH_TOLERANCE))
-    if not all(map(exceeded, ends)):
+    if not all(map(exceeded_limits, ends)):
         for _ in range(MOST_STEPS):
             step_m = excess(h0_m, how) / slope
             h0_m += step_m

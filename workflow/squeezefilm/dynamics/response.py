@@ -22,7 +22,7 @@ from squeezefilm.dynamics.averaged_film import (
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import exceeded, validity
+from squeezefilm.film.validity import exceeded_limits, validity
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.outputs import negative_slopes
@@ -255,7 +255,7 @@ def neglected(
 
 def _slip_changes(scene: Scene) -> dict[str, float]:
     slipping = scene.with_gas(rarefaction="slip")
-    if exceeded(slipping, symbols=("Kn",)):
+    if exceeded_limits(slipping, symbols=("Kn",)):
         return {f"slip_{what}_percent": nan for what in SLIP_CHANGE_COLUMNS}
     before, after = (_response(film_scene, GRID_POINTS[0]) for film_scene in (scene, slipping))
     return {

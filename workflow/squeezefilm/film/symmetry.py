@@ -253,11 +253,11 @@ def axisymmetric(pad_positions: PadPositions) -> np.ndarray:
     It is that of a disc at rest, the gap flat or crowned, where the profile is the same all around
     each circle about the disc's centre.
     """
-    return pad_positions.once(_axisymmetric)
+    return pad_positions.cached(_axisymmetric)
 
 
 def _axisymmetric(places: PadPositions) -> np.ndarray:
-    pad, same = places.under.pad, np.zeros(len(places.x_m), dtype=bool)
+    pad, same = places.pad_profile.pad, np.zeros(len(places.x_m), dtype=bool)
     disc = pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m
     if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:
         return same
@@ -268,7 +268,7 @@ def _axisymmetric(places: PadPositions) -> np.ndarray:
     rows = np.flatnonzero(_same_around(places, *few))
     for some in np.array_split(rows, 1 + len(rows) // POSITIONS_PER_BATCH):
         same[some] = _same_around(places.subset(some), radius, angle, other)
-    x_m, y_m = landmarks_of(places.under.profile)
+    x_m, y_m = landmarks_of(places.pad_profile.profile)
     for row in np.flatnonzero(same).tolist() if len(x_m) else ():
         from_centre = x_m - places.x_m[row] + 1j * (y_m - places.y_m[row])
         radius, angle = abs(from_centre) / pad.length_x_m, np.angle(from_centre)

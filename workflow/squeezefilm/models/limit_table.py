@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
-from squeezefilm.film.positions import form_of
+from squeezefilm.film.positions import position_form
 from squeezefilm.models.data import RANGE_SLACK, Array, Factors
 
 AXIS_NAMES = ("h0_m", "epsilon_square")
@@ -40,7 +40,7 @@ class LimitTable(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> LimitTable:
-        axes = (*AXIS_NAMES, *form_of(self.ranges))
+        axes = (*AXIS_NAMES, *position_form(self.ranges))
         if set(self.ranges) != set(axes):
             raise ValueError(f"ranges must be of {', '.join(axes)}")
         if any(len(flat) != prod(self.shape) for flat in self.coefficients.values()):
@@ -50,7 +50,7 @@ class LimitTable(BaseModel):
     @cached_property
     def axes(self) -> dict[str, tuple[float, float]]:
         """The ranges in the order of the shape; a file has them in any."""
-        return {axis: self.ranges[axis] for axis in (*AXIS_NAMES, *form_of(self.ranges))}
+        return {axis: self.ranges[axis] for axis in (*AXIS_NAMES, *position_form(self.ranges))}
 
     @cached_property
     def tables(self) -> dict[str, Array]:

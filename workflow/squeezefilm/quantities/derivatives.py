@@ -20,9 +20,9 @@ from squeezefilm.quantities.states import (
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.resolution import profile_fall
+from squeezefilm.reynolds.periodic.resolution import profile_ratio
 from squeezefilm.reynolds.plan import plan_of
-from squeezefilm.reynolds.terms import refused_on_grid, terms_of
+from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid
 from squeezefilm.solution import DERIVATIVES, Derivatives, Solution, Solutions
 
 # Below this, iterations would end in rounding.
@@ -79,7 +79,7 @@ def _derivatives(
     factor, _ = remainder(scenes, solutions, tolerance=tolerance)
     error = factor * change + missed
     coarse, fine = (state.grid for state in solutions.states[0])
-    falls = profile_fall(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)
+    falls = profile_ratio(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)
     # What grids miss of a force by a profile that they do not resolve changes with the place as
     # fast as their shortest wave, π times the nodes; and two grids may agree on it by chance.
     for k, nodes in zip(map([*DERIVATIVES].index, ("x_m", "y_m")), fine.across, strict=True):
@@ -125,7 +125,7 @@ def _growths(
             )
             missed[k] = 0.0
             continue
-        if refused_on_grid(beside[0], terms_of(beside[0])):
+        if unsupported_on_grid(beside[0], terms_of(beside[0])):
             continue
         states = solve_batch(
             beside,

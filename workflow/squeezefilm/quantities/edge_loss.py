@@ -23,7 +23,7 @@ from squeezefilm.quantities.sheared_gas import wall_speed, wall_velocity
 from squeezefilm.quantities.states import changes_with_errors, solved_beside
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.spectral import FluxPoints
-from squeezefilm.reynolds.terms.rarefaction import slip_flow, slip_growth, slip_of
+from squeezefilm.reynolds.terms.rarefaction import flow_factor_derivatives, slip_flow, slip_of
 from squeezefilm.solution import Solution
 
 # Coefficients C of a plug and of a parabola.
@@ -171,7 +171,7 @@ def _flows_by_edge(films: Fields) -> list[np.ndarray]:
         if inverse is None:
             flows.append(slip * gap * rise)
         else:  # to first order in the pressure, as flow_from splits the flow
-            growth = slip_growth(inverse)[0]
+            growth = flow_factor_derivatives(inverse)[0]
             flows[0] = flows[0] + gap**1.5 * slip / gap * growth * rise
             flows.append(slip * gap * (slip_flow(inverse) - growth) * rise)
     return flows

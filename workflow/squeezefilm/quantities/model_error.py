@@ -25,7 +25,7 @@ from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import edge_loss, moving_profile, sheared_gas
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import refused_on_grid, terms_of
+from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.rarefaction import slip_flow
 from squeezefilm.reynolds.terms.term import Term
@@ -178,7 +178,7 @@ class FilmWithEffects:
             with_effect = self.reference.with_gas(**{name: "included"})
             if getattr(gas, name) == "included":
                 self.pairs[name] = scene, scene.with_gas(**{name: "none"})
-            elif refused_on_grid(with_effect, terms_of(with_effect)):
+            elif unsupported_on_grid(with_effect, terms_of(with_effect)):
                 self.unsolvable.append(name)
             else:
                 self.pairs[name] = with_effect, self.reference
@@ -550,7 +550,7 @@ def _refused(scene: Scene, name: str, method: str) -> str:
     if method == "composite":
         derived = AUTO_TERMS[name].IN_EXPANSIONS
         return "" if derived else "the composite expansion is not derived with it"
-    return refused_on_grid(scene, terms_of(scene))
+    return unsupported_on_grid(scene, terms_of(scene))
 
 
 def budget_row(budget: ErrorBudget) -> dict[str, object]:

@@ -28,7 +28,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import known_solutions, solve
-from squeezefilm.reynolds.spectral import Around, flux_points
+from squeezefilm.reynolds.spectral import AngleAxis, flux_points
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_outputs
 
@@ -329,7 +329,7 @@ class Sample:
         """Return the part of a field (3, Q) that counts in a mean with the pressure, (3, x, y)."""
         grid, (_, count_x, count_y) = self.fields.grid, self.pressure.shape
         seen = field.reshape(3, len(grid.x.all_nodes), len(grid.y.all_nodes))
-        if isinstance(grid.y, Around):
+        if isinstance(grid.y, AngleAxis):
             for order in grid.y.mirrored:
                 seen = (seen + seen[..., order]) / 2
         else:
@@ -381,7 +381,7 @@ def _extreme(field: np.ndarray, grid: Grid, *, sign: int) -> float:
     nodes = grid.x.nodes, grid.y.nodes, grid.t.nodes
     start = np.array([float(axis_nodes[k]) for axis_nodes, k in zip(nodes, best, strict=True)])
     # On the edge of the pad the pressure is ambient: no extreme but that of a film at rest.
-    around = isinstance(grid.y, Around)
+    around = isinstance(grid.y, AngleAxis)
     free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
     minimum = minimize(fallen, start, bounds=free, options={"ftol": 1e-13})
     return float(max(0.0, sign * field[best], -size * minimum.fun))
@@ -407,7 +407,8 @@ def momentum_out(film: Fields) -> np.ndarray:
         flux = _momentum_flux_at_ends(film, k)
         if outline := grid.outline:  # both ends of μ are all of the edge; ū is that times |z′|
             along, around = flux[:, 0]
-            ways = (along + 1j * around) / film.turn[0, :, 0].conj() / outline.typical_stretch**0.5
+            ways = (along + 1j * around) / film.map_slope[0, :, 0].conj()
+            ways /= outline.typical_stretch**0.5
             around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
             momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
         else:

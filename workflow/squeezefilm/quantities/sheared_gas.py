@@ -219,4 +219,4 @@ def wall_speed(films: Fields) -> np.ndarray:
 def wall_velocity(films: Fields) -> np.ndarray:
     """U as a vector field; under an outline along its coordinates, as ``Fields.slide``."""
     everywhere = wall_speed(films) * np.ones_like(films.gap)
-    return np.stack([films.turn.real * everywhere, -films.turn.imag * everywhere])
+    return np.stack([films.map_slope.real * everywhere, -films.map_slope.imag * everywhere])

@@ -10,9 +10,9 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after, margin_of
+from squeezefilm.reynolds.error_estimate import UNKNOWN_RATIO, error_per_change, margin_factor
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
+from squeezefilm.reynolds.periodic.resolution import least_ratio, profile_ratio
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import distinct_terms
@@ -121,9 +121,9 @@ def remainder(
     """
     plan, (coarse, fine) = plan_of(scenes), (state.grid.across for state in solutions.states[0])
     fall = np.maximum(
-        np.maximum(UNKNOWN_FALL, profile_fall(plan, coarse, fine, tolerance=tolerance)),
-        least_fall(scenes),
+        np.maximum(UNKNOWN_RATIO, profile_ratio(plan, coarse, fine, tolerance=tolerance)),
+        least_ratio(scenes),
     )
     # A mass error w moves the pressure by about n w/H.
     left = scenes.gas.polytropic_exponent * solutions.residual / scenes.narrowest
-    return margin_of(plan.terms) * left_after(fall), left
+    return margin_factor(plan.terms) * error_per_change(fall), left

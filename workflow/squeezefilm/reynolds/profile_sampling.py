@@ -14,12 +14,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.film.outline import Outline, Polar
+from squeezefilm.film.outline import DiscCoordinates, Outline
 from squeezefilm.film.profiles import landmarks_of
 from squeezefilm.film.scene import PadPositions
 from squeezefilm.film.symmetry import ROUNDING_TOLERANCE
 from squeezefilm.reynolds.grid import MOST_NODES
-from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
+from squeezefilm.reynolds.spectral import AngleAxis, Axis, angle_axis, axis, period
 
 SAMPLED_NODE_COUNTS = (24, 48, 96, 192, MOST_NODES)
 # Points at which the first interpolant is checked, and the others, which are tried where it fails.
@@ -27,7 +27,7 @@ FIRST_CHECK_POINTS, LATER_CHECK_POINTS = 100, 1000
 # Numbers of samples that are worked on at a time: more would fall out of the caches.
 POINTS_AT_ONCE = 2**17
 
-Coordinates = Outline | Polar | None
+Coordinates = Outline | DiscCoordinates | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ class SampledProfiles:
 
     def feature_m(self) -> float:
         """Width in metres, at half height, of the profile's least resolved feature."""
-        first, place, pad = self._samples[0], self.places, self.places.under.pad
+        first, place, pad = self._samples[0], self.places, self.places.pad_profile.pad
         assert first is not None
         x, y = first.worst[0]
         angle = np.pi / 4 * np.arange(8)
@@ -254,7 +254,7 @@ class _Sampler:
     def __init__(self, points: int, coordinates: Coordinates) -> None:
         self.coordinates = coordinates
         self.line = line = axis(points, False)
-        across: Axis | Around = around(points + 2, False, False) if coordinates else line
+        across: Axis | AngleAxis = angle_axis(points + 2, False, False) if coordinates else line
         self.across, order = across, points + 1
         u, v = _between(
             FIRST_CHECK_POINTS if points == SAMPLED_NODE_COUNTS[0] else LATER_CHECK_POINTS
@@ -284,10 +284,10 @@ _sampler = lru_cache(maxsize=8 * len(SAMPLED_NODE_COUNTS))(_Sampler)
 
 def _landmarks_under(places: PadPositions) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """The profile's landmarks under the pad, in [0, 1] across it, where there are any."""
-    x_m, y_m = landmarks_of(places.under.profile)
+    x_m, y_m = landmarks_of(places.pad_profile.profile)
     if not len(x_m):
         return {}
-    pad = places.under.pad
+    pad = places.pad_profile.pad
     turned_back = replace(pad, rotation_deg=-pad.rotation_deg)
     along_x, along_y = turned_back.turned(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
     x, y = 0.5 + along_x / pad.length_x_m, 0.5 + along_y / pad.length_y_m

@@ -22,7 +22,7 @@ from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.kernel_cache import kernel_cache
-from squeezefilm.reynolds.periodic.launch import grid_under, solve_batch
+from squeezefilm.reynolds.periodic.launch import grid_on_pad, solve_batch
 
 STORED_FORCES = Path(__file__).with_name("self_test.csv")
 FORCE_TOLERANCE = 1e-9
@@ -33,7 +33,7 @@ GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
 
 
 def films() -> dict[str, tuple[Scene, Grid]]:
-    """Films that have every term among them, and the points of their grids (``grid_under``)."""
+    """Films that have every term among them, and the points of their grids (``grid_on_pad``)."""
     whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
     half = Grid(12, 8, 12, fold_x=False, fold_y=True)
     quarter = Grid(8, 8, 12, fold_x=True, fold_y=True)
@@ -101,7 +101,7 @@ def forces(device: Device) -> dict[str, float]:
     """The films' mean gauge pressures in units of p0, as the device finds them."""
     force_of_film = {}
     for name, (scene, points) in films().items():
-        grid = grid_under(scene, points)
+        grid = grid_on_pad(scene, points)
         states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
         force_of_film[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
     return force_of_film

@@ -297,7 +297,7 @@ radius = lru_cache(maxsize=64)(Radius)
 
 
 @dataclass(frozen=True)
-class Around:
+class AngleAxis:
     """Fourier collocation on [start, start + 2π), between the mirror axes, with what mirrors do.
 
     An axis that is folded by one or both symmetries holds the nodes of a half or a quarter.
@@ -420,7 +420,7 @@ class Around:
         return self._fold(self.derivative[: self.points], odd=odd)
 
 
-around = lru_cache(maxsize=64)(Around)
+angle_axis = lru_cache(maxsize=64)(AngleAxis)
 
 
 @dataclass(frozen=True)
@@ -509,12 +509,12 @@ class FluxPoints:
 
 
 @dataclass(frozen=True)
-class AroundPoints:
+class AnglePoints:
     """The same of an outline's ν, which has no ends: its nodes, on which a velocity along it is odd
     at each mirror.
     """
 
-    axis: Around
+    axis: AngleAxis
 
     @property
     def from_all_nodes(self) -> np.ndarray:
@@ -531,11 +531,11 @@ class AroundPoints:
     def to_inner(self) -> np.ndarray:
         return np.eye(self.axis.points)
 
-    def interpolation_to(self, finer: AroundPoints) -> np.ndarray:
+    def interpolation_to(self, finer: AnglePoints) -> np.ndarray:
         return self.axis.at(finer.axis.nodes, odd=True)
 
 
 @lru_cache(maxsize=64)
-def flux_points(of: Axis | Around) -> FluxPoints | AroundPoints:
+def flux_points(of: Axis | AngleAxis) -> FluxPoints | AnglePoints:
     """Flux points of an axis; their matrices are computed once."""
-    return FluxPoints(of) if isinstance(of, Axis) else AroundPoints(of)
+    return FluxPoints(of) if isinstance(of, Axis) else AnglePoints(of)

@@ -23,7 +23,7 @@ from matplotlib.testing.compare import compare_images
 from matplotlib.testing.exceptions import ImageComparisonFailure
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import form_of
+from squeezefilm.film.positions import position_form
 from squeezefilm.models.data import factors_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.reporting.figures.style import PLAIN_SUFFIX
@@ -425,7 +425,7 @@ def _claims(results: Results, close: Kinds, part: str, item: str) -> Made:
 def _simulations(results: Results, close: Kinds, part: str, item: str) -> Made:
     """The points of a plan, their forces, and whether error estimates keep the tolerance."""
     forces = results.forces(item)
-    shown = forces[["point_id", "h0_m", "hv_m", *form_of(forces), "force_n"]]
+    shown = forces[["point_id", "h0_m", "hv_m", *position_form(forces), "force_n"]]
     yield from column_quantities(shown, close, part, item)
     largest = (forces["force_error_n"] / forces["force_n"].abs()).max()
     kept = {"of all points": str(largest <= results.config.solver.tolerance)}

@@ -15,7 +15,7 @@ import scipy
 from squeezefilm.columns import COLUMNS
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import as_in, form_of
+from squeezefilm.film.positions import columns_as_in, position_form
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read_fit
 from squeezefilm.models.fitting import local_fit, parameter_ranges
@@ -126,7 +126,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     half = ranking_half(len(sample))
     known = half & (sample["status"] == "ok").to_numpy()
     factors, forces = factors.take(known), sample[known].reset_index(drop=True)
-    scenes, no_force = forces[as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
+    scenes, no_force = forces[columns_as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
     for name in results.config.comparison.of(space):
         path = results.candidate(space, name)
@@ -219,9 +219,9 @@ def _recommended(
         "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
     }
     target = results.config.extrapolation
-    positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
+    positions = forces[RECOMMENDED_BY[0]][list(position_form(every))].drop_duplicates()
     if space == "two_factor":  # the centre alone: models know no other
-        positions = pd.DataFrame([dict.fromkeys(form_of(every), 0.0)])
+        positions = pd.DataFrame([dict.fromkeys(position_form(every), 0.0)])
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
         place = {str(name): float(value) for name, value in row.items()}
         at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **place)

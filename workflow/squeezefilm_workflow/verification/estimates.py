@@ -19,7 +19,7 @@ from squeezefilm.parallel import progress_of
 from squeezefilm.reynolds import error_estimate, solve
 from squeezefilm.reynolds.periodic import refinement, resolution
 from squeezefilm.reynolds.periodic.launch import RESULT_ROW
-from squeezefilm.reynolds.periodic.resolution import least_fall
+from squeezefilm.reynolds.periodic.resolution import least_ratio
 from squeezefilm.reynolds.terms import distinct_terms
 from squeezefilm_workflow.verification.origin import origin
 from squeezefilm_workflow.verification.random_films import TOLERANCES, RandomFilm, random_film
@@ -280,7 +280,7 @@ class Recorded:
                 scenes=scenes,
                 terms=kinds[int(of_kind)],
                 of_profile=self.table["of_profile"].to_numpy()[at],
-                least=least_fall(scenes),
+                least=least_ratio(scenes),
                 tolerance=float(tolerance),
             )
         return error, allowed

@@ -37,7 +37,7 @@ from squeezefilm.reynolds.asymptotics.films import (
     expansion_axis,
     films_of,
     grid_error,
-    wide,
+    per_film,
 )
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
 from squeezefilm.reynolds.plan import Plan
@@ -110,7 +110,7 @@ def _with_slip_and_inertia(expand: Expand) -> Expand:
         moving, still = expand(equivalent), expand(replace(equivalent, reynolds=none))
         change = moving.mean - still.mean
         error = np.maximum(slipping.error, moving.error) + films.slip_fraction * np.abs(change)
-        return AsymptoticForces(mean=slipping.mean + change, error=_known(error))
+        return AsymptoticForces(mean=slipping.mean + change, error=_infinite_where_missing(error))
 
     return together
 
@@ -162,7 +162,7 @@ def small_amplitude_expansion(films: Films) -> AsymptoticForces:
         rest=fine.edge_mean - coarse.edge_mean,
     )
     mean = films.mean(fine.flow - fine.loss) + fine.edge_mean
-    return AsymptoticForces(mean=square * mean, error=_known(square * error))
+    return AsymptoticForces(mean=square * mean, error=_infinite_where_missing(square * error))
 
 
 @_with_slip_and_inertia
@@ -172,7 +172,7 @@ def composite_expansion(films: Films) -> AsymptoticForces:
     The additive composite of two expansions (Van Dyke, Perturbation Methods in Fluid Mechanics,
     1975): what is left is of order ε⁴/σ.
     """
-    (fine, change), (coarse, _) = _exchanged(films), _exchanged(films.coarser)
+    (fine, change), (coarse, _) = _exact_second_order(films), _exact_second_order(films.coarser)
     square = films.epsilon**2
     error = (
         2 * square * np.sqrt(films.depth) * np.abs(change)
@@ -186,14 +186,14 @@ def composite_expansion(films: Films) -> AsymptoticForces:
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
-def _exchanged(films: Films) -> tuple[Expansion, np.ndarray]:
+def _exact_second_order(films: Films) -> tuple[Expansion, np.ndarray]:
     """An expansion with its part of order ε² exchanged for the exact one, and what that changes."""
     full, exact, square = _expand(films), _second_order(films), films.epsilon**2
     second = _expand(replace(films, epsilon=np.full_like(films.epsilon, TINY_EPSILON)))
     density = exact.flow - exact.loss - second.density / TINY_EPSILON**2
     layer = exact.edge_mean - second.layer / TINY_EPSILON**2
     changed = Expansion(
-        full.density + wide(square) * density, full.layer + square * layer, full.gross
+        full.density + per_film(square) * density, full.layer + square * layer, full.gross
     )
     return changed, square * (films.mean(density) + layer)
 
@@ -216,10 +216,10 @@ def _second_order(films: Films) -> SecondOrder:
 def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
     """Forces, with an infinite error where layers are too thick or the layer's table ends."""
     thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
-    return AsymptoticForces(mean=mean, error=_known(np.where(thin, error, np.inf)))
+    return AsymptoticForces(mean=mean, error=_infinite_where_missing(np.where(thin, error, np.inf)))
 
 
-def _known(error: np.ndarray) -> np.ndarray:
+def _infinite_where_missing(error: np.ndarray) -> np.ndarray:
     """Infinite where a number is missing."""
     return np.where(np.isfinite(error), error, np.inf)
 
@@ -250,7 +250,7 @@ class Expanded:
     def __getitem__(self, which: np.ndarray) -> Expanded:
         return Expanded(*[column[which] for column in vars(self).values()])
 
-    def put(self, which: np.ndarray, others: Expanded) -> None:
+    def write_rows(self, which: np.ndarray, others: Expanded) -> None:
         """Write others in the place of some."""
         for name, column in vars(self).items():
             column[which] = getattr(others, name)
@@ -266,7 +266,7 @@ class Expanded:
         nothing = np.where(self.error == 0, 0.0, np.inf)
         return np.divide(self.error, np.abs(self.mean), out=nothing, where=self.mean != 0)
 
-    def holds(self, tolerance: float) -> np.ndarray:
+    def is_accurate(self, tolerance: float) -> np.ndarray:
         """Return where the estimate meets a relative tolerance; ``nan`` does not."""
         return np.asarray(self.error <= tolerance * np.abs(self.mean))
 
@@ -279,7 +279,7 @@ class Expanded:
             if holds
             else f"the composite expansion is accurate to {relative:.1e} only"
             for error, holds, relative in zip(
-                self.error, self.holds(tolerance), self.relative_error, strict=True
+                self.error, self.is_accurate(tolerance), self.relative_error, strict=True
             )
         ]
 
@@ -331,13 +331,13 @@ def composite(plan: Plan, *, tolerance: float, auto: bool, but: Collection[int] 
     rows = np.flatnonzero(known)
     by_layer = expanded(edge_layer_expansion, plan, rows, tolerance=tolerance)
     flat = np.broadcast_to(scenes.column(lambda film: film.pad.gap.flat), len(scenes))
-    more = np.flatnonzero(flat[rows] & ~by_layer.holds(tolerance))
+    more = np.flatnonzero(flat[rows] & ~by_layer.is_accurate(tolerance))
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
     # grid's error was twice the tolerance (σ 1e5, 1e-6).
     joined = expanded(_with_second_order, plan, rows[more], tolerance=tolerance / 10, layers=True)
     better = joined.error < by_layer.error[more]
-    by_layer.put(more[better], joined[better])
-    return by_layer[by_layer.holds(tolerance)] if auto else by_layer
+    by_layer.write_rows(more[better], joined[better])
+    return by_layer[by_layer.is_accurate(tolerance)] if auto else by_layer
 
 
 def _with_second_order(films: Films) -> AsymptoticForces:

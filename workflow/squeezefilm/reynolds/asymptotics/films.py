@@ -53,11 +53,11 @@ class Films:
     rest: np.ndarray | None = None
 
     @property
-    def x(self) -> Axis:
+    def x_axis(self) -> Axis:
         return axis(self.s.shape[1] - 2, False)
 
     @property
-    def y(self) -> Axis:
+    def y_axis(self) -> Axis:
         return axis(self.s.shape[2] - 2, False)
 
     @property
@@ -73,26 +73,26 @@ class Films:
 
     def mean(self, field: np.ndarray) -> np.ndarray:
         """Mean over the pad, shape (B,)."""
-        return (field @ all_weights(self.y)) @ all_weights(self.x)
+        return (field @ all_weights(self.y_axis)) @ all_weights(self.x_axis)
 
     def gradient(self, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives along x and y."""
-        along_y = field @ self.y.derivative.T / wide(self.aspect)
-        return self.x.derivative @ field, along_y
+        along_y = field @ self.y_axis.derivative.T / per_film(self.aspect)
+        return self.x_axis.derivative @ field, along_y
 
     def divergence(self, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:
-        across = along_y @ self.y.derivative.T / wide(self.aspect)
-        return self.x.derivative @ along_x + across
+        across = along_y @ self.y_axis.derivative.T / per_film(self.aspect)
+        return self.x_axis.derivative @ along_x + across
 
     def laplacian(self, field: np.ndarray) -> np.ndarray:
-        along_y = (field @ _second_derivative(self.y.points).T) / wide(self.aspect) ** 2
-        return _second_derivative(self.x.points) @ field + along_y
+        along_y = (field @ _second_derivative(self.y_axis.points).T) / per_film(self.aspect) ** 2
+        return _second_derivative(self.x_axis.points) @ field + along_y
 
     def solve(self, source: np.ndarray, *, shift: np.ndarray | float = 0.0) -> np.ndarray:
         """The u with ∇²u − shift u = source that is zero on the edge; by fast diagonalisation."""
-        values_x, vectors_x, inverse_x = self.x.modes
-        values_y, vectors_y, inverse_y = self.y.modes
-        divisor = values_x[:, None] + values_y / wide(self.aspect) ** 2 - shift
+        values_x, vectors_x, inverse_x = self.x_axis.modes
+        values_y, vectors_y, inverse_y = self.y_axis.modes
+        divisor = values_x[:, None] + values_y / per_film(self.aspect) ** 2 - shift
         modes = inverse_x @ source[:, 1:-1, 1:-1] @ inverse_y.T / divisor
         u = np.zeros(source.shape, dtype=modes.dtype)
         u[:, 1:-1, 1:-1] = vectors_x @ modes @ vectors_y.T
@@ -115,22 +115,22 @@ class Films:
             return self.solve(source)
         half = self.rest**1.5
         bend = self.laplacian(half) / half
-        middle = wide((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
+        middle = per_film((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
 
-        def closer(v: np.ndarray) -> np.ndarray:
+        def improved(v: np.ndarray) -> np.ndarray:
             return self.solve(source / half + (bend - middle) * v, shift=middle)
 
-        return fixed_point(closer, np.zeros_like(half)) / half
+        return fixed_point(improved, np.zeros_like(half)) / half
 
     def on_edge(self, field: np.ndarray) -> np.ndarray:
         sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
         return np.concatenate(sides, axis=1)
 
-    def from_edge(self, values: np.ndarray) -> np.ndarray:
+    def blended_from_edge(self, values: np.ndarray) -> np.ndarray:
         """A smooth field with these values on the edge, blended between opposite sides (Coons)."""
-        nx, ny = self.x.points + 2, self.y.points + 2
+        nx, ny = self.x_axis.points + 2, self.y_axis.points + 2
         left, right, low, high = np.split(values, [ny, 2 * ny, 2 * ny + nx], axis=1)
-        x, y = self.x.all_nodes[:, None], self.y.all_nodes
+        x, y = self.x_axis.all_nodes[:, None], self.y_axis.all_nodes
         ends = [(1 - x, left[:, None]), (x, right[:, None])]
         corners = sum(
             blend * (side[..., :1] * (1 - y) + side[..., -1:] * y) for blend, side in ends
@@ -142,16 +142,16 @@ class Films:
 
     def inward(self, field: np.ndarray) -> np.ndarray:
         """Derivative along the inward normal, on the edge."""
-        ends_x, ends_y = self.x.derivative[[0, -1]], self.y.derivative[[0, -1]]
+        ends_x, ends_y = self.x_axis.derivative[[0, -1]], self.y_axis.derivative[[0, -1]]
         across_x = ends_x @ field
-        across_y = field @ ends_y.T / wide(self.aspect)
+        across_y = field @ ends_y.T / per_film(self.aspect)
         sides = [across_x[:, 0], -across_x[:, 1], across_y[:, :, 0], -across_y[:, :, 1]]
         return np.concatenate(sides, axis=1)
 
     def edge_integral(self, values: np.ndarray) -> np.ndarray:
         """Integral along the edge over the pad's area, shape (B,)."""
-        sides = np.split(values, [2 * (self.y.points + 2)], axis=1)
-        weights = (np.tile(all_weights(line), 2) for line in (self.y, self.x))
+        sides = np.split(values, [2 * (self.y_axis.points + 2)], axis=1)
+        weights = (np.tile(all_weights(line), 2) for line in (self.y_axis, self.x_axis))
         along_y, along_x = (
             side @ weights_of_side for side, weights_of_side in zip(sides, weights, strict=True)
         )
@@ -179,7 +179,7 @@ class Films:
         return self.inward(self.s)
 
     @cached_property
-    def curvature(self) -> np.ndarray:
+    def laplacian_s(self) -> np.ndarray:
         """∇²s."""
         return self.laplacian(self.s)
 
@@ -224,7 +224,7 @@ class Films:
     def layer_remainder(self) -> np.ndarray:
         """Error of the edge layer's expansion: slopes, curvature of s, corners, meeting layers."""
         sigma = self.layer_number
-        curvature = self.mean(np.abs(self.curvature) ** 2)
+        curvature = self.mean(np.abs(self.laplacian_s) ** 2)
         meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
         remainder = self.corner_remainder + np.sqrt(self.depth) * self.inertia_remainder
         return (
@@ -280,7 +280,7 @@ class Films:
     def unevenness(self) -> np.ndarray:
         """|∇s|² + |s ∇²s|."""
         along_x, along_y = self.gradient(self.s)
-        return np.abs(along_x) ** 2 + np.abs(along_y) ** 2 + np.abs(self.s * self.curvature)
+        return np.abs(along_x) ** 2 + np.abs(along_y) ** 2 + np.abs(self.s * self.laplacian_s)
 
     @property
     def amplitude_remainder(self) -> np.ndarray:
@@ -360,10 +360,10 @@ def fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> 
         if not np.any(change > ROUND_PRECISION * np.abs(field).max(axis=(1, 2))):
             break
     settled = change <= 1e3 * ROUND_PRECISION * np.abs(field).max(axis=(1, 2))
-    return np.where(wide(settled), field, np.nan)
+    return np.where(per_film(settled), field, np.nan)
 
 
-def wide(values: np.ndarray) -> np.ndarray:
+def per_film(values: np.ndarray) -> np.ndarray:
     return values[:, None, None]
 
 

@@ -37,7 +37,7 @@ class SmoothOutline(Term):
     def of(cls, scene: Scene) -> SmoothOutline | None:
         if not scene.pad.smooth_outline:
             return None
-        return Radius() if axisymmetric(scene.pad_positions)[0] else cls()
+        return RadialFilm() if axisymmetric(scene.pad_positions)[0] else cls()
 
     @classmethod
     def note(cls, scene: Scene) -> str:
@@ -87,7 +87,7 @@ class SmoothOutline(Term):
 
 
 @dataclass(frozen=True)
-class Radius(SmoothOutline):
+class RadialFilm(SmoothOutline):
     """A disc on an axisymmetric film: its radius is the only axis, and has its own modes."""
 
     NAME = "radius"

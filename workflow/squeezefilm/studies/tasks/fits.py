@@ -14,7 +14,7 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import POLAR, as_in
+from squeezefilm.film.positions import POLAR, columns_as_in
 from squeezefilm.models.data import POSITION_COLUMNS, Factors, factors_of
 from squeezefilm.models.fit_file import FORMAT, FittedModel, fit_of
 from squeezefilm.models.fitting import (
@@ -66,7 +66,7 @@ def profile_uncertainty(config: Study, *, summary: Path | str | None = None) -> 
 
 def limits_of(points: pd.DataFrame, config: Study) -> pd.DataFrame:
     """The asymptotic forces of the scenes of a table."""
-    return with_limits(points, scenes_in(points, config))[as_in(LIMIT_COLUMNS, points)]
+    return with_limits(points, scenes_in(points, config))[columns_as_in(LIMIT_COLUMNS, points)]
 
 
 def limit_table_values(config: Study) -> dict[str, Any]:
@@ -245,7 +245,7 @@ def errors_on(
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
     sizes = error_sizes(model_n=predicted, simulation_n=simulated)
     worst = int(np.argmax(np.abs(errors)))
-    table = forces[as_in(SCENE_COLUMNS, forces)].assign(
+    table = forces[columns_as_in(SCENE_COLUMNS, forces)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors
     )
     point = table.iloc[worst]
@@ -257,5 +257,5 @@ def errors_on(
         "fraction_within_band": float(np.mean(np.abs(errors) <= band)),
         "worst_relative_error": float(errors[worst]),
         "worst_point_id": point["point_id"],
-        **{f"worst_{name}": float(point[name]) for name in as_in(FACTOR_COLUMNS, forces)},
+        **{f"worst_{name}": float(point[name]) for name in columns_as_in(FACTOR_COLUMNS, forces)},
     }

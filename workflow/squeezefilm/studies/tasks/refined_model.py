@@ -10,7 +10,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.designs.space import coordinates
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.film.positions import as_in
+from squeezefilm.film.positions import columns_as_in
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import fit_of
 from squeezefilm.models.fitting import Fit
@@ -74,7 +74,7 @@ class SimulatedSpace:
 
     def rows(self, table: pd.DataFrame, points: Any, columns: Sequence[str]) -> pd.DataFrame:
         """Columns of points in one of the tables, in the form that positions have there."""
-        return table.loc[points, as_in(columns, table)].reset_index(drop=True)
+        return table.loc[points, columns_as_in(columns, table)].reset_index(drop=True)
 
 
 def refine(
