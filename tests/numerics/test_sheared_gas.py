@@ -12,7 +12,7 @@ from sheared_strip import Film, Strip, forces, resolved
 
 from squeezefilm.api.film import Film as FilmOfUser
 from squeezefilm.film.pad import GapShape
-from squeezefilm.quantities.edge_loss import ram_changes
+from squeezefilm.quantities.edge_loss import ram_pressure_changes
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.quantities.outputs import with_outputs
@@ -258,7 +258,7 @@ def test_dragged_gas_may_have_half_rho_u_squared_where_it_comes_in(turns):
     gas = {"rarefaction": "none", "inertia": "none", "thermal": "none"}
     scene = FilmOfUser.of(actuator=actuator, pad=pad, gas=gas).scene("10 um", "0.1 um")
     solutions = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    ((change,),), ((error,),) = ram_changes([scene], solutions, device=choose_device())
+    ((change,),), ((error,),) = ram_pressure_changes([scene], solutions, device=choose_device())
     strip = Film(Strip(scene.sigma, abs(scene.bearing_number), tilt=-0.8))
     nothing, inlet = np.zeros_like(strip.gap), np.ones_like(strip.gap)
     inlet[0] += 1e-4

@@ -69,7 +69,7 @@ class Outline:
     @cached_property
     def points(self) -> np.ndarray:
         """Points x + iy all along it, shape (OUTLINE_SAMPLES,)."""
-        return self.place(
+        return self.point_at(
             np.array(self.edge_mu), 2 * pi * np.arange(OUTLINE_SAMPLES) / OUTLINE_SAMPLES
         )
 
@@ -93,10 +93,10 @@ class Outline:
 
     def positions(self, across: np.ndarray, nu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places in [0, 1] across the pad's sides, for μ from −edge to edge in [0, 1] and ν."""
-        z = self.place(self.edge_mu * (2 * across - 1), nu)
+        z = self.point_at(self.edge_mu * (2 * across - 1), nu)
         return 0.5 + z.real, 0.5 + z.imag / self.aspect
 
-    def place(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    def point_at(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """x + iy of coordinates of a common shape."""
         return np.asarray(chebval(np.cosh(mu + 1j * np.asarray(nu)), self.coefficients))
 
@@ -151,11 +151,11 @@ class Outline:
         mu, nu = np.meshgrid(np.linspace(0, self.edge_mu, 33), np.linspace(0, 2 * pi, 128))
         zeta = (mu + 1j * nu).ravel()
         z = x + 1j * y
-        nearest = np.abs(self.place(zeta.real, zeta.imag)[None] - z[:, None]).argmin(axis=1)
+        nearest = np.abs(self.point_at(zeta.real, zeta.imag)[None] - z[:, None]).argmin(axis=1)
         zeta_found = zeta[nearest]
         for _ in range(8):
             slope = self.map_slope(zeta_found.real, zeta_found.imag)
-            step = (self.place(zeta_found.real, zeta_found.imag) - z) / np.where(
+            step = (self.point_at(zeta_found.real, zeta_found.imag) - z) / np.where(
                 slope == 0, 1, slope
             )
             zeta_found = zeta_found - step * np.minimum(1, 0.1 / np.maximum(np.abs(step), 1e-300))

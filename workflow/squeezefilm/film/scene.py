@@ -16,7 +16,7 @@ from squeezefilm.film.gas import Gas as Gas
 from squeezefilm.film.pad import Pad, net
 from squeezefilm.film.profiles import PROFILE_KINDS, Profile, ScanFile
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
-from squeezefilm.sections import KEYS, NOT_GIVEN, Length, Number, mistake
+from squeezefilm.sections import NOT_GIVEN, SECTION_KEYS, Length, Number, error_at
 
 KEYED = GetPydanticSchema(
     lambda _, schema: schema(Annotated[PROFILE_KINDS, Field(discriminator="kind")])
@@ -39,7 +39,7 @@ class Actuator:
             mode [J_n(kr) + c I_n(kr)] cos n(φ − φ0); `formula`; `measured`
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     frequency_hz: Annotated[float, Number("Hz", 1e-3, 1e9)]
     surface_radius_m: Length = NOT_GIVEN
@@ -59,10 +59,10 @@ class Actuator:
 def with_one_surface(actuator: Actuator) -> Actuator:
     """An actuator that has one surface, and a profile that this can have."""
     if (actuator.rectangle is None) == (actuator.surface_radius_m is None):
-        raise mistake("give surface_radius, of a disc, or surface, of a rectangle, and not both")
+        raise error_at("give surface_radius, of a disc, or surface, of a rectangle, and not both")
     profile = actuator.profile
     if actuator.rectangle and isinstance(profile, ScanFile) and profile.axisymmetric:
-        raise mistake("a rectangle has no axis; it must be false", "profile", "axisymmetric")
+        raise error_at("a rectangle has no axis; it must be false", "profile", "axisymmetric")
     return actuator
 
 
@@ -262,7 +262,7 @@ NUMBERS_OF_GAS = tuple(each.name for each in fields(Gas))
 # Which of some scenes.
 Rows = slice | np.ndarray
 # Positions up to which what is known of them is kept.
-MOST_KEPT = 256
+MOST_CACHED = 256
 Found = TypeVar("Found")
 
 
@@ -331,7 +331,7 @@ class PadPositions:
 
         Many gaps and amplitudes share their positions; of more than a few it is found each time.
         """
-        call = cached if len(self.x_m) <= MOST_KEPT else cached.__wrapped__
+        call = cached if len(self.x_m) <= MOST_CACHED else cached.__wrapped__
         return call(find, self, *arguments)
 
 

@@ -173,7 +173,7 @@ def symmetry(pad: Pad, profile: Profile, *, surface: Surface) -> Symmetry:
     """Return the symmetry of the force over the pad's position."""
     if not isinstance(surface, Rectangle):
         return _directions(pad, profile, surface)
-    x, y = (_keeps(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0))
+    x, y = (_is_unchanged(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0))
     return Mirrors(x, y)
 
 
@@ -190,12 +190,12 @@ def _directions(pad: Pad, profile: Profile, surface: Surface) -> Directions:
     sectors, film = [], (pad, profile, surface)
     for base_deg in _axes(pad, profile):
         axes = [base_deg + step for step in (0, 45, 90, 135)]
-        mirrors = [axis for axis in axes if _keeps(2 * axis, *film, mirror=True)]
+        mirrors = [axis for axis in axes if _is_unchanged(2 * axis, *film, mirror=True)]
         if mirrors:
             width = 180.0 / len(mirrors)
             sectors.append(Directions(min(mirrors) % width, width, mirror=True))
             continue
-        turns = [turn for turn in (90.0, 180.0) if _keeps(turn, *film)]
+        turns = [turn for turn in (90.0, 180.0) if _is_unchanged(turn, *film)]
         sectors.append(Directions(0.0, min(turns, default=360.0), mirror=False))
     return min(sectors, key=lambda sector: sector.width_deg)
 
@@ -210,7 +210,7 @@ def _axes(pad: Pad, profile: Profile) -> Iterator[float]:
         yield float(getattr(profile, "direction_deg", 0.0))
 
 
-def _keeps(
+def _is_unchanged(
     turn_deg: float, pad: Pad, profile: Profile, surface: Surface, *, mirror: bool = False
 ) -> bool:
     """Return whether a turn keeps outline, gap at rest, velocity and vibration as they are.

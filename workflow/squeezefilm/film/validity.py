@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import refuse
+from squeezefilm.errors import check_problems
 from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
@@ -188,7 +188,7 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
     """
     source, h0_m, hv_m = place or f"point {scene.point_id}", scene.h0_m, scene.hv_m
     least_um, largest_um = (1e6 * gap_m for gap_m in GAPS_M)
-    refuse(
+    check_problems(
         source,
         {
             f"h0 = {1e6 * h0_m:g} µm must lie between {least_um:g} and {largest_um:g} µm: the model"
@@ -202,11 +202,11 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
     reach = surface.reach(*outline_m.T)
     part = "a corner" if scene.pad.shape == "rectangle" else "the edge"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
-    off = f"{surface.where(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
-    refuse(
+    off = f"{surface.text_at(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
+    check_problems(
         source, {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + EDGE_TOLERANCE}
     )
     contact = "they touch within the noise of the measured profile"
     if not scene.pad.gap.flat:
         contact = "the tilted or crowned pad touches the surface; pad.gap leaves too little"
-    refuse(source, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})
+    check_problems(source, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})

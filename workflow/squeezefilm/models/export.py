@@ -84,7 +84,7 @@ def source(fit: FittedModel, language: str) -> str:
         "slack": _number(RANGE_SLACK),
         "error_constant": constant,
         "error_share": relative,
-        "formula": _printed(model.parsed, names, own, REAL_FUNCTIONS.get(language, ())),
+        "formula": _bracketed(model.parsed, names, own, REAL_FUNCTIONS.get(language, ())),
     }
     text = (TEMPLATES_FOLDER / f"{language}.in").read_text(encoding="utf-8")
     code, tabulated, column = map(Template, re.split("------ .*\n", text))
@@ -140,7 +140,7 @@ def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[s
     return names
 
 
-def _printed(
+def _bracketed(
     expression: Expression, names: Mapping[str, str], own: str, real: Iterable[str]
 ) -> str:
     """A formula with everything in brackets, so that the order is explicit."""

@@ -98,8 +98,8 @@ def crossover(parents: Array, lower: Array, upper: Array, random: np.random.Gene
     part, width = random.random(len(near)), far - near
     power = np.full(len(near), CROSSOVER_INDEX + 1.0)
 
-    def spread(room: Array) -> Array:
-        whole = 2.0 - (1.0 + 2.0 * room / width) ** -power
+    def spread(distance: Array) -> Array:
+        whole = 2.0 - (1.0 + 2.0 * distance / width) ** -power
         contracts = part <= 1.0 / whole
         return np.where(contracts, part * whole, 1.0 / (2.0 - part * whole)) ** (1.0 / power)
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.states import (
-    MOST_TOGETHER,
+    NUMBERS_PER_BATCH,
+    error_of_change,
     groups_on_equal_grids,
-    remainder,
     with_states,
 )
 from squeezefilm.reynolds.device import Device, choose_device
@@ -57,7 +57,7 @@ def with_derivatives(
     for row, status in zip(known.tolist(), solved.status, strict=True):
         results[row] = Derivatives(status=status)
     device = device or choose_device()
-    for rows in groups_on_equal_grids(films, solved, numbers=MOST_TOGETHER):
+    for rows in groups_on_equal_grids(films, solved, numbers=NUMBERS_PER_BATCH):
         of_group = _derivatives(films[rows], solved[rows], tolerance=tolerance, device=device)
         for row, derivatives_of_scene in zip(known[rows].tolist(), of_group, strict=True):
             results[row] = derivatives_of_scene
@@ -76,7 +76,7 @@ def _derivatives(
     with np.errstate(invalid="ignore"):
         largest = np.fmax.reduce(change, axis=0)
         change = np.where(growth != 0, np.fmax(change, FRACTION_OF_OTHERS * largest), 0.0)
-    factor, _ = remainder(scenes, solutions, tolerance=tolerance)
+    factor, _ = error_of_change(scenes, solutions, tolerance=tolerance)
     error = factor * change + missed
     coarse, fine = (state.grid for state in solutions.states[0])
     falls = profile_ratio(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)

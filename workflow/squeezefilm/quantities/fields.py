@@ -208,7 +208,7 @@ class Fields:
         matrix = derivatives_with_edge(self.grid.y)[int(odd)] / self.lengths[1]
         return np.asarray(matrix @ values)
 
-    def slide(self, values: np.ndarray) -> np.ndarray:
+    def pad_x_slope(self, values: np.ndarray) -> np.ndarray:
         """∂/∂X along the pad's own x axis."""
         if self.grid.outline is None:
             return self.x_derivative(values)
@@ -221,7 +221,7 @@ class Fields:
     def divergence(self, flux: np.ndarray) -> np.ndarray:
         return self.x_derivative(flux[0], odd=True) + self.y_derivative(flux[1], odd=True)
 
-    def carried(self, v: np.ndarray) -> np.ndarray:
+    def convected(self, v: np.ndarray) -> np.ndarray:
         """(v·∇)v of a velocity (reynolds/terms/inertia.py)."""
         along = self.x_derivative(v[0], odd=True), self.x_derivative(v[1])
         across = self.y_derivative(v[0]), self.y_derivative(v[1], odd=True)

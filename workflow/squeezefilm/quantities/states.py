@@ -55,7 +55,7 @@ def groups_on_equal_grids(
 
 
 # Numbers of the finer states of films that are solved together.
-MOST_TOGETHER = 2**19
+NUMBERS_PER_BATCH = 2**19
 
 
 def changes_with_errors(
@@ -78,13 +78,13 @@ def changes_with_errors(
     """
     scenes, solutions = Scenes.of(scenes), Solutions.of(solutions)
     changes_and_errors = np.full((2, changes, len(scenes)), np.nan)
-    for rows in groups_on_equal_grids(scenes, solutions, numbers=MOST_TOGETHER):
+    for rows in groups_on_equal_grids(scenes, solutions, numbers=NUMBERS_PER_BATCH):
         group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
             on_grid(Fields.of(group, states[0].grid, np.stack([each.unknowns for each in states])))
             for states in zip(*solved.states, strict=True)
         )
-        factor, _ = remainder(group, solved, tolerance=tolerance)
+        factor, _ = error_of_change(group, solved, tolerance=tolerance)
         changes_and_errors[:, :, rows] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
     return changes_and_errors
 
@@ -108,7 +108,7 @@ def solved_beside(
     return replace(films, unknowns=states.unknowns), mean
 
 
-def remainder(
+def error_of_change(
     scenes: Scenes, solutions: Solutions, *, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the error after a quantity's change between the grids, as for the force.

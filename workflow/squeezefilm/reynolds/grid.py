@@ -98,23 +98,21 @@ class Grid(HashedOnce):
         """
         if self.outline is None:
             return 1.0
-        return self.outline.stretch(*self._behind(across)) / self.outline.typical_stretch
+        return self.outline.stretch(*self._mu_nu(across)) / self.outline.typical_stretch
 
     def map_slope(self, across: np.ndarray) -> np.ndarray | float:
         """z′ of an outline there, by the same lengths; 1 under a rectangle."""
         if self.outline is None:
             return 1.0
-        return self.outline.map_slope(*self._behind(across)) / sqrt(self.outline.typical_stretch)
+        return self.outline.map_slope(*self._mu_nu(across)) / sqrt(self.outline.typical_stretch)
 
     def map_log_slope(self, across: np.ndarray) -> np.ndarray | float:
         """z″/z′ of an outline there, by the same lengths; 0 under a rectangle."""
         if self.outline is None:
             return 0.0
-        return self.outline.map_log_slope(*self._behind(across)) / sqrt(
-            self.outline.typical_stretch
-        )
+        return self.outline.map_log_slope(*self._mu_nu(across)) / sqrt(self.outline.typical_stretch)
 
-    def _behind(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _mu_nu(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return μ and ν there."""
         assert self.outline
         return self.outline.edge_mu * (2 * across[:, None] - 1), self.y.nodes
@@ -168,10 +166,10 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
     length_x, length_y = grid.lengths(aspect)
     values_x, values_y = values_x / length_x**2, values_y / length_y**2
     parts = {
-        "laplace_x": grid.x.in_parts / length_x**2,
+        "laplace_x": grid.x.second_parts / length_x**2,
         "modes_x": vectors_x,
         "to_modes_x": inverse_x,
-        "laplace_y": grid.y.in_parts / length_y**2,
+        "laplace_y": grid.y.second_parts / length_y**2,
         "modes_y": vectors_y,
         "to_modes_y": inverse_y,
         "time_derivative": grid.t.derivative.T,

@@ -16,7 +16,7 @@ from squeezefilm.reynolds.terms import Terms, distinct_terms, numbers_of
 
 # Numbers of what is kept of the profile at some positions, where it is asked for again for many
 # gaps and amplitudes; more are found anew.
-MOST_KEPT = 100_000
+MOST_CACHED = 100_000
 
 
 def gap_parts(scenes: Scenes, grid: Grid) -> np.ndarray:
@@ -83,7 +83,7 @@ def profiles_at(
     in_space = tuple([grid.in_space for grid in grids])
 
     def find(places: PadPositions) -> tuple[Packed, np.ndarray]:
-        if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MOST_KEPT:
+        if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MOST_CACHED:
             return _profiles(places, in_space, terms)
         return places.cached(_profiles, in_space, terms)
 

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from squeezefilm.film.outline import POLAR_COORDINATES
-from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scene, Scenes, cached, rows_by_value
+from squeezefilm.film.scene import MOST_CACHED, Film, Rows, Scene, Scenes, cached, rows_by_value
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, Samples, joined_samples
 from squeezefilm.reynolds.terms import Terms, absent_terms, distinct_terms, is_radial
 
@@ -61,12 +61,12 @@ class Plan:
             self._cache[name, *arguments] = of(*arguments)
         return self._cache[name, *arguments]
 
-    def samples(self, share: float) -> Samples:
+    def samples(self, fraction: float) -> Samples:
         """Return the samples of grids whose error is at most a fraction of the profiles, (n,)."""
-        return self.cached("samples", self._sampled, share)
+        return self.cached("samples", self._sampled, fraction)
 
-    def _sampled(self, share: float) -> Samples:
-        found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
+    def _sampled(self, fraction: float) -> Samples:
+        found = [sampled.at(fraction)[at] for _, sampled, at in self.profiles]
         rows = np.concatenate([rows for rows, _, _ in self.profiles])
         return joined_samples(found)[np.argsort(rows)]
 
@@ -75,7 +75,7 @@ def plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> Plan:
     """Return what scenes need by their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
     # The terms of a gap that is shaped at rest go by its size.
-    if not scenes.flat or len(scenes) > MOST_KEPT:
+    if not scenes.flat or len(scenes) > MOST_CACHED:
         return _plan_of(scenes)
     columns = (scenes.film_index, scenes.x_m, scenes.y_m)
     plan = cached(_plan_at, scenes.films, *(each.tobytes() for each in columns))

@@ -50,9 +50,9 @@ class Samples:
     def __getitem__(self, rows: np.ndarray | slice) -> Samples:
         return Samples(*(each[rows] for each in vars(self).values()))
 
-    def nodes(self, share: float) -> np.ndarray:
+    def nodes(self, fraction: float) -> np.ndarray:
         """Nodes along x and y that miss no more than a share, (n, 2)."""
-        return np.argmax(self.tail <= share, axis=2)
+        return np.argmax(self.tail <= fraction, axis=2)
 
     def missed_by(self, nodes: tuple[int, int], rows: np.ndarray | slice) -> np.ndarray:
         """Return the errors of interpolants with so many nodes along x, y, (n, 2)."""
@@ -79,9 +79,9 @@ class SampledProfiles:
         self._landmarks = _landmarks_under(places)
         self._sample(0, np.arange(count))
 
-    def at(self, share: float) -> Samples:
+    def at(self, fraction: float) -> Samples:
         """Return samples of the first level whose error is at most a fraction, else the last."""
-        if share not in self._at:
+        if fraction not in self._at:
             rows = np.arange(len(self._largest))
             parts, which = [], []
             for level in range(len(SAMPLED_NODE_COUNTS)):
@@ -89,15 +89,15 @@ class SampledProfiles:
                 samples = self._samples[level]
                 assert samples is not None
                 found = samples[self._row[level, rows]]
-                enough = (found.missed <= share) | (level == len(SAMPLED_NODE_COUNTS) - 1)
+                enough = (found.missed <= fraction) | (level == len(SAMPLED_NODE_COUNTS) - 1)
                 parts.append(found[enough])
                 which.append(rows[enough])
                 rows = rows[~enough]
                 if not rows.size:
                     break
             order = np.argsort(np.concatenate(which))
-            self._at[share] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
-        return self._at[share]
+            self._at[fraction] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
+        return self._at[fraction]
 
     def feature_m(self) -> float:
         """Width in metres, at half height, of the profile's least resolved feature."""
@@ -133,10 +133,12 @@ class SampledProfiles:
             self._row[level, some] = sum(len(each.missed) for each in parts) + np.arange(len(some))
             parts.append(samples)
             if level == 0:
-                self._look(some, samples, s, between)
+                self._find_symmetries(some, samples, s, between)
         self._samples[level] = joined_samples(parts)
 
-    def _look(self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray) -> None:
+    def _find_symmetries(
+        self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray
+    ) -> None:
         """Find symmetries from the values of the first level, at the nodes and between them."""
         self._largest[rows] = _largest(s, between)
         same = ROUNDING_TOLERANCE * self._largest[rows]

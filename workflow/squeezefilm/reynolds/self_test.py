@@ -57,11 +57,11 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             _film(inertia="included", rarefaction="slip", thermal="included"),
             quarter,
         ),
-        "any gap": (_of_any_gap(_film(x_m=2e-3)), half),
-        "any gap, wide and narrow": (_of_any_gap(_film(hv_m=1.2e-6), tilt_x_m=6.4e-6), half),
-        "any gap, inertia": (_of_any_gap(_film(x_m=2e-3, inertia="included")), half),
+        "any gap": (_with_uneven_gap(_film(x_m=2e-3)), half),
+        "any gap, wide and narrow": (_with_uneven_gap(_film(hv_m=1.2e-6), tilt_x_m=6.4e-6), half),
+        "any gap, inertia": (_with_uneven_gap(_film(x_m=2e-3, inertia="included")), half),
         "ellipse, sliding": (_film(pad=slender), half),
-        "disc, any gap": (_of_any_gap(_film(x_m=2e-3, pad=disc)), half),
+        "disc, any gap": (_with_uneven_gap(_film(x_m=2e-3, pad=disc)), half),
         "disc, inertia and thermal effects": (
             _film(pad=disc, inertia="included", thermal="included"),
             quarter,
@@ -73,7 +73,7 @@ def films() -> dict[str, tuple[Scene, Grid]]:
     }
 
 
-def _of_any_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
+def _with_uneven_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     """Tilted and crowned, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
     modes = Quadrature(SINC_PROFILE, crests, component_factors=(0.8, 0.6))
@@ -113,7 +113,7 @@ def check_device(device: Device) -> None:
     Raises:
         InputError: naming the films that it gives otherwise, and by how much.
     """
-    if wrong := _wrong(device):
+    if wrong := _failed_films(device):
         raise InputError(
             f"{device.name} fails its self-test: forces of stored films differ by more than "
             f"{FORCE_TOLERANCE:g}, relative ({wrong}). Its driver compiles the solver's kernel "
@@ -160,7 +160,7 @@ def check_survival(option: str | None) -> None:
 
 
 @cache
-def _wrong(device: Device) -> str:
+def _failed_films(device: Device) -> str:
     """The films that a device gives otherwise."""
     stored = pd.read_csv(STORED_FORCES, index_col="film")["mean_overpressure"]
     difference = (pd.Series(forces(device))[stored.index] / stored - 1).abs()

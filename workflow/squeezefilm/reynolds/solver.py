@@ -104,7 +104,7 @@ def known_solutions(plan: Plan, *, tolerance: float, method: str) -> tuple[Solut
     refused = unresolved_profiles(plan, tolerance=tolerance)
     found = NOT_EXPANDED
     if method != "periodic":
-        found = composite(plan, tolerance=tolerance, auto=method == "auto", but=refused)
+        found = composite(plan, tolerance=tolerance, auto=method == "auto", excluded=refused)
     if method == "composite":
         refused = not_derived_for(plan) | refused
     else:

@@ -152,12 +152,12 @@ def check(options: argparse.Namespace) -> int:
     part's worst quantity and every quantity that failed; all of them are in the table.
     The exit status is 1 when anything failed.
     """
-    from squeezefilm_workflow.reporting.check import FAILED, check_table, on_screen
+    from squeezefilm_workflow.reporting.check import FAILED, check_table, screen_text
 
     table = check_table(Results.of(options.results, options.config), options.reference)
     if options.output:
         write_table(table, options.output)
-    print(on_screen(table))
+    print(screen_text(table))
     return int((table["verdict"] == FAILED).any())
 
 

@@ -132,7 +132,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
         path = results.candidate(space, name)
         values = read_json(path)
         try:
-            row, relative = _judged(fit_of(values, source=path), factors, forces)
+            row, relative = _errors_of_model(fit_of(values, source=path), factors, forces)
         except InputError as error:
             rows.append({"model": name, "note": str(values.get("not_supported", error))})
             continue
@@ -142,7 +142,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     return table, pd.concat(errors[1:] or errors, ignore_index=True)
 
 
-def _judged(
+def _errors_of_model(
     fit: FittedModel, factors: Factors, forces: pd.DataFrame
 ) -> tuple[dict[str, Any], np.ndarray]:
     """A model's row, and its relative error at each point.
@@ -210,7 +210,7 @@ def _recommended(
     fit = read_fit(results.candidate(space, best["model"]))
     every = pd.concat(list(forces.values()), ignore_index=True)
     known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
-    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(known)))
+    model_n = fit.force_model.evaluate(fit.theta, fit.with_limits(factors_of(known)))
     errors = ((model_n - known["force_n"]) / known["force_n"]).to_numpy()
     about = {
         "space": space,

@@ -216,7 +216,7 @@ def guard_switched_off(guard: str) -> Iterator[None]:
 
 
 @dataclass(frozen=True)
-class Recorded:
+class RecordedGrids:
     """Recorded grids of films with direct solutions, in the order of each film's way.
 
     Attributes:
@@ -232,7 +232,7 @@ class Recorded:
     scenes: Scenes
 
     @classmethod
-    def of(cls, forces: pd.DataFrame, grids: pd.DataFrame) -> "Recorded":
+    def of(cls, forces: pd.DataFrame, grids: pd.DataFrame) -> "RecordedGrids":
         """Join tables of ``estimates``; films without a direct solution have no row.
 
         Raises InputError where no film has one.
@@ -301,7 +301,7 @@ def guards(options: argparse.Namespace) -> None:
     then are those that need it.
     """
     forces, grids = pd.read_csv(options.forces), pd.read_csv(options.grids)
-    recorded = Recorded.of(forces, grids)
+    recorded = RecordedGrids.of(forces, grids)
     rows = []
     for guard in ("none", *GUARDS):
         with guard_switched_off(guard) if guard in GUARDS else nullcontext():

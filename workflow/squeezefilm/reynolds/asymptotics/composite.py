@@ -141,7 +141,7 @@ def edge_layer_expansion(films: Films) -> AsymptoticForces:
     fine, coarse = _expand(films), _expand(films.coarser)
     error = films.layer_remainder + films.slip_fraction * fine.gross
     rest = fine.layer - coarse.layer
-    error = error + grid_error(films, fine.density, coarse.density, rest=rest)
+    error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
@@ -159,7 +159,7 @@ def small_amplitude_expansion(films: Films) -> AsymptoticForces:
         films,
         fine.flow - fine.loss,
         coarse.flow - coarse.loss,
-        rest=fine.edge_mean - coarse.edge_mean,
+        layer_change=fine.edge_mean - coarse.edge_mean,
     )
     mean = films.mean(fine.flow - fine.loss) + fine.edge_mean
     return AsymptoticForces(mean=square * mean, error=_infinite_where_missing(square * error))
@@ -182,7 +182,7 @@ def composite_expansion(films: Films) -> AsymptoticForces:
         + square * films.depth * films.slip_fraction * fine.gross
     )
     rest = fine.layer - coarse.layer
-    error = error + grid_error(films, fine.density, coarse.density, rest=rest)
+    error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
@@ -207,7 +207,7 @@ def _expand(films: Films) -> Expansion:
 
 
 def _second_order(films: Films) -> SecondOrder:
-    if films.rest is not None:
+    if films.rest_gap is not None:
         raise ValueError("the second order in ε is derived for gaps that are uniform at rest")
     inertia = films.reynolds.any()
     return core.second_order_with_inertia(films) if inertia else core.second_order(films)
@@ -310,7 +310,9 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
     return ""
 
 
-def composite(plan: Plan, *, tolerance: float, auto: bool, but: Collection[int] = ()) -> Expanded:
+def composite(
+    plan: Plan, *, tolerance: float, auto: bool, excluded: Collection[int] = ()
+) -> Expanded:
     """The scenes' forces by the composite expansion: the edge layer's alone where that holds the
     tolerance, else with the exact second order in ε where the gap is even at rest.
 
@@ -327,7 +329,7 @@ def composite(plan: Plan, *, tolerance: float, auto: bool, but: Collection[int] 
         known = (shorter >= thin) | (scenes.epsilon**2 <= TINY_MOTION * tolerance)
         if not known.any():
             return NOT_EXPANDED
-    known[[*but, *not_derived_for(plan)]] = False
+    known[[*excluded, *not_derived_for(plan)]] = False
     rows = np.flatnonzero(known)
     by_layer = expanded(edge_layer_expansion, plan, rows, tolerance=tolerance)
     flat = np.broadcast_to(scenes.column(lambda film: film.pad.gap.flat), len(scenes))
@@ -403,5 +405,5 @@ def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
         aspect=scenes.aspect,
         slip=6 * scenes.slip_knudsen,
         reynolds=np.where(scenes.gas.inertia == "included", scenes.modified_reynolds, 0.0),
-        rest=None if like.pad.gap.flat else 1 + rise_m / scenes.h0_m[:, None, None],
+        rest_gap=None if like.pad.gap.flat else 1 + rise_m / scenes.h0_m[:, None, None],
     )

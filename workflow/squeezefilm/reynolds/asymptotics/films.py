@@ -41,7 +41,7 @@ class Films:
     Fields have shape (B, nx + 2, ny + 2); values on the edge (B, 2 (nx + ny + 4)), side after side:
     x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. Two quadrature
     components have s₁ + i s₂ for s. For a non-uniform gap at rest s is over that gap, which is
-    ``rest``, in units of h0; None for a uniform one.
+    ``rest_gap``, in units of h0; None for a uniform one.
     """
 
     epsilon: np.ndarray
@@ -50,7 +50,7 @@ class Films:
     aspect: np.ndarray
     slip: np.ndarray
     reynolds: np.ndarray
-    rest: np.ndarray | None = None
+    rest_gap: np.ndarray | None = None
 
     @property
     def x_axis(self) -> Axis:
@@ -63,8 +63,8 @@ class Films:
     @property
     def coarser(self) -> Films:
         """The same films on every other node."""
-        rest = None if self.rest is None else self.rest[:, ::2, ::2]
-        return replace(self, s=self.s[:, ::2, ::2], rest=rest)
+        rest_gap = None if self.rest_gap is None else self.rest_gap[:, ::2, ::2]
+        return replace(self, s=self.s[:, ::2, ::2], rest_gap=rest_gap)
 
     def take(self, which: np.ndarray) -> Films:
         """Some of the films, by a mask (B,); those with inertia have an even gap."""
@@ -100,10 +100,10 @@ class Films:
 
     def diffusion(self, field: np.ndarray) -> np.ndarray:
         """∇·(G³∇field) with the gap at rest G."""
-        if self.rest is None:
+        if self.rest_gap is None:
             return self.laplacian(field)
         along_x, along_y = self.gradient(field)
-        return self.divergence(self.rest**3 * along_x, self.rest**3 * along_y)
+        return self.divergence(self.rest_gap**3 * along_x, self.rest_gap**3 * along_y)
 
     def solve_diffusion(self, source: np.ndarray) -> np.ndarray:
         """The u with ∇·(G³∇u) = source that is zero on the edge; NaN where none is found.
@@ -111,9 +111,9 @@ class Films:
         With v = G^(3/2) u that is Δv − q v = source/G^(3/2), q = Δ(G^(3/2))/G^(3/2) (Liouville),
         where q is nearly the same everywhere: in rounds by Δ less its middle.
         """
-        if self.rest is None:
+        if self.rest_gap is None:
             return self.solve(source)
-        half = self.rest**1.5
+        half = self.rest_gap**1.5
         bend = self.laplacian(half) / half
         middle = per_film((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
 
@@ -161,7 +161,7 @@ class Films:
     @cached_property
     def static_gap_on_edge(self) -> np.ndarray | float:
         """The static gap over h0 on the film edge."""
-        return 1.0 if self.rest is None else self.on_edge(self.rest)
+        return 1.0 if self.rest_gap is None else self.on_edge(self.rest_gap)
 
     @cached_property
     def profile_squared(self) -> np.ndarray:
@@ -194,7 +194,7 @@ class Films:
 
         Where the gap at rest is not even, that of its widest place.
         """
-        widest = 1.0 if self.rest is None else self.rest.max(axis=(1, 2))
+        widest = 1.0 if self.rest_gap is None else self.rest_gap.max(axis=(1, 2))
         return self.sigma / ((1 + self.slip) * widest**2)
 
     @property
@@ -253,11 +253,11 @@ class Films:
     @property
     def shape_remainder(self) -> np.ndarray | float:
         """Error of the edge layer's expansion by a gap that is shaped at rest: of order ε²/σ."""
-        if self.rest is None:
+        if self.rest_gap is None:
             return 0.0
-        along_x, along_y = self.gradient(self.rest)
-        steep = self.on_edge((along_x**2 + along_y**2) / self.rest**2)
-        bent = self.on_edge(np.abs(self.laplacian(self.rest)) / self.rest)
+        along_x, along_y = self.gradient(self.rest_gap)
+        steep = self.on_edge((along_x**2 + along_y**2) / self.rest_gap**2)
+        bent = self.on_edge(np.abs(self.laplacian(self.rest_gap)) / self.rest_gap)
         uneven = self.edge_integral((steep + bent) * np.abs(self.edge_profile) ** 2)
         return SHAPE_FACTOR * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
 
@@ -309,7 +309,7 @@ def films_of(
     aspect: Numbers = 1.0,
     slip: Numbers = 0.0,
     reynolds: Numbers = 0.0,
-    rest: np.ndarray | None = None,
+    rest_gap: np.ndarray | None = None,
 ) -> Films:
     """Films of profiles over h0, and of gaps at rest likewise if they are not even.
 
@@ -322,7 +322,7 @@ def films_of(
         aspect: pad's length along y over that along x, a number or shape (B,).
         slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
         reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
-        rest: gap at rest over h0 on the same nodes where it is not even, without slip and inertia;
+        rest_gap: over h0, on the same nodes where it is not even, without slip and inertia;
             for the high-squeeze limit and the edge layer alone.
     """
     for points in amplitude.shape[1:]:
@@ -331,21 +331,21 @@ def films_of(
     epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(
         *(np.asarray(number, dtype=float) for number in given)
     )
-    local = amplitude if rest is None else amplitude / rest
-    return Films(epsilon, sigma, local, aspect, slip, reynolds, rest)
+    local = amplitude if rest_gap is None else amplitude / rest_gap
+    return Films(epsilon, sigma, local, aspect, slip, reynolds, rest_gap)
 
 
 def grid_error(
-    films: Films, fine: np.ndarray, coarse: np.ndarray, *, rest: np.ndarray | float = 0.0
+    films: Films, fine: np.ndarray, coarse: np.ndarray, *, layer_change: np.ndarray | float = 0.0
 ) -> np.ndarray:
     """Difference of the mean from that on every second node, or a part of the density's.
 
     Args:
         fine, coarse: densities whose means over the pad are compared, on the two grids.
-        rest: change of what is not in the densities.
+        layer_change: change of what is not in the densities.
     """
     half = films.coarser
-    change = films.mean(fine) - half.mean(coarse) + rest
+    change = films.mean(fine) - half.mean(coarse) + layer_change
     return np.maximum(
         np.abs(change), DENSITY_FRACTION * half.mean(np.abs(fine[:, ::2, ::2] - coarse))
     )

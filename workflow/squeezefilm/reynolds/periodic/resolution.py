@@ -15,7 +15,7 @@ import numpy as np
 
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scenes, rows_by_value
+from squeezefilm.film.scene import MOST_CACHED, Film, Rows, Scenes, rows_by_value
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_RATIO
 from squeezefilm.reynolds.grid import MOST_NODES, Grid
 from squeezefilm.reynolds.plan import Plan, plan_of
@@ -311,7 +311,7 @@ def profile_ratio(
         falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
         return np.asarray(falls.max(axis=1))
 
-    if len(plan.scenes) > MOST_KEPT:
+    if len(plan.scenes) > MOST_CACHED:
         return fall(rows)
     return plan.cached("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
 
@@ -326,16 +326,16 @@ def finer_grid(
     """
     finer = _resized(
         grid,
-        nx=grid.nx + _part(grid.nx, step, fold=grid.fold_x),
-        ny=grid.ny + _part(grid.ny, step, fold=grid.fold_y),
-        nt=grid.nt + _part(grid.nt, MULTIPLE_FAST, fold=False),
+        nx=grid.nx + _nodes_to_add(grid.nx, step, fold=grid.fold_x),
+        ny=grid.ny + _nodes_to_add(grid.ny, step, fold=grid.fold_y),
+        nt=grid.nt + _nodes_to_add(grid.nt, MULTIPLE_FAST, fold=False),
     )
     if max(finer.x.full_points, finer.y.full_points) > MOST_NODES or finer.nt > MOST_INSTANTS:
         return None
     return finer if finer.count <= capacity else None
 
 
-def _part(points: int, step: int, *, fold: bool) -> int:
+def _nodes_to_add(points: int, step: int, *, fold: bool) -> int:
     """About a fifth of the points, in steps; never less than four nodes across the pad."""
     least = 1 if fold else MULTIPLE_FAST // step
     return step * max(least, round(points / 5 / step))

@@ -61,7 +61,7 @@ class SmoothOutline(Term):
         assert outline
         x, y = grid.x, grid.y
         (length_x, length_y), weights = grid.lengths(aspect), x.weights / x.weights.sum()
-        second = x.second_derivative / length_x**2, y.in_parts / length_y**2
+        second = x.second_derivative / length_x**2, y.second_parts / length_y**2
         if outline.varies_around:
             mean, own, weights = weights @ area, second[1], y.weights
             others = x.modes_in_parts[0] / length_x**2

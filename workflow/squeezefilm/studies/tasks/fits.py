@@ -26,8 +26,8 @@ from squeezefilm.models.fitting import (
     evolution,
     fit_by,
     genetic,
+    open_range_notes,
     parameter_ranges,
-    undetermined,
 )
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.prediction_interval import (
@@ -40,7 +40,7 @@ from squeezefilm.models.prediction_interval import (
 )
 from squeezefilm.studies.space import space_of
 from squeezefilm.studies.study import film_of, scenes_in
-from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits, with_physics
+from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limit_forces, with_limits
 from squeezefilm.studies.tasks.scan_errors import errors_in_study
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
 
@@ -110,7 +110,8 @@ def fit_to_forces(
         limit_table = limit_table_values(config)
     if uncertainty is None:
         uncertainty = profile_uncertainty(config)
-    factors, force_n = factors_of(with_physics(model, forces, config)), forces["force_n"].to_numpy()
+    factors = factors_of(with_limit_forces(model, forces, config))
+    force_n = forces["force_n"].to_numpy()
     check_columns(model, factors)
     if len(factors) >= len(model.parameter_names):
         check_identifiable(model, factors)
@@ -186,7 +187,7 @@ def _ranges(
         ranges = parameter_ranges(model, factors, force_n, theta)
     except InputError as error:
         return [], [str(error)]
-    return ranges, undetermined(ranges)
+    return ranges, open_range_notes(ranges)
 
 
 def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> FittedModel:
@@ -196,11 +197,11 @@ def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> Fitte
     model, against the limits at the sample's points.
     """
     model = fit.force_model
-    factors = factors_of(with_physics(model, sample, config))
+    factors = factors_of(with_limit_forces(model, sample, config))
     force = sample["force_n"].where(sample["status"] == "ok").to_numpy()
     exact_n = model_n = model.evaluate(fit.theta, factors)
     if model.column_names and fit.limit_table is not None:
-        model_n = model.evaluate(fit.theta, fit.limit_table.complete(factors))
+        model_n = model.evaluate(fit.theta, fit.limit_table.with_limits(factors))
         errors = exact_n - np.stack([force, model_n])
         errors = errors[:, np.isfinite(errors).all(axis=0)]
         own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
@@ -238,7 +239,7 @@ def errors_on(
     over all points; it has the share of points within the study's band of relative errors.
     """
     band = config.validation.relative_error_band
-    factors = factors_of(with_physics(fit.force_model, forces, config))
+    factors = factors_of(with_limit_forces(fit.force_model, forces, config))
     check_columns(fit.force_model, factors)
     predicted = fit.force_model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()
