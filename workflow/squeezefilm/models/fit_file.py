@@ -42,7 +42,7 @@ FILM_UNKNOWN = "not known: the fit's file does not describe its film"
 NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
 FORMAT = 1
 """Of the file: counted up where a reader of the one before could not use it."""
-PARTS = ("parameter_units", "ranges", "error_scale", "profile_uncertainty", "directions", "film")
+NEEDED = ("parameter_units", "ranges", "error_scale", "profile_uncertainty", "directions", "film")
 """What a file has besides: without them an error or a limit would be missing unseen."""
 AMPLITUDES_TRIED = 400
 """Places at which a model is looked at before the one for a target force is refined."""
@@ -247,7 +247,7 @@ def read_fit(path: Path | str) -> FittedModel:
     another version.
     """
     values = read_json(path)
-    lacking = [part for part in ("format", *PARTS) if part not in values]
+    lacking = [part for part in ("format", *NEEDED) if part not in values]
     if "not_supported" not in values and (lacking or values["format"] != FORMAT):
         what = f"it lacks {', '.join(lacking)}" if lacking else f"its is {values['format']}"
         raise InputError(

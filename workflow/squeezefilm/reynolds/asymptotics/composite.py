@@ -175,11 +175,11 @@ def composite_expansion(films: Films) -> AsymptoticForces:
     (fine, change), (coarse, _) = _exact_second_order(films), _exact_second_order(films.coarser)
     square = films.epsilon**2
     error = (
-        2 * square * np.sqrt(films.depth) * np.abs(change)
+        2 * square * np.sqrt(films.narrowing) * np.abs(change)
         + films.corner_remainder
-        + square * films.depth * films.streaming_remainder
-        + INERTIA_SQUARE * square * films.depth * films.inertia_remainder
-        + square * films.depth * films.slip_fraction * fine.gross
+        + square * films.narrowing * films.streaming_remainder
+        + INERTIA_SQUARE * square * films.narrowing * films.inertia_remainder
+        + square * films.narrowing * films.slip_fraction * fine.gross
     )
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)

@@ -184,7 +184,7 @@ class Films:
         return self.laplacian(self.s)
 
     @cached_property
-    def depth(self) -> np.ndarray:
+    def narrowing(self) -> np.ndarray:
         """1/(1 − ε² max s²): grows as the narrowest gap closes."""
         return 1 / (1 - (self.epsilon * np.abs(self.s).max(axis=(1, 2))) ** 2)
 
@@ -215,7 +215,7 @@ class Films:
         return (
             CORNER_FACTOR
             * self.epsilon**4
-            * self.depth
+            * self.narrowing
             * corners
             / (self.layer_number * self.aspect)
         )
@@ -226,15 +226,15 @@ class Films:
         sigma = self.layer_number
         curvature = self.mean(np.abs(self.laplacian_s) ** 2)
         meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
-        remainder = self.corner_remainder + np.sqrt(self.depth) * self.inertia_remainder
+        remainder = self.corner_remainder + np.sqrt(self.narrowing) * self.inertia_remainder
         return (
             remainder
             + self.streaming_remainder
             + self.shape_remainder
             + self.epsilon**2
             * (
-                EDGE_SLOPES * np.sqrt(self.depth) * self.edge_unevenness / sigma**1.5
-                + INNER_CURVATURE * np.sqrt(self.depth) * curvature / sigma**2
+                EDGE_SLOPES * np.sqrt(self.narrowing) * self.edge_unevenness / sigma**1.5
+                + INNER_CURVATURE * np.sqrt(self.narrowing) * curvature / sigma**2
                 + MEETING_LAYERS_FACTOR
                 * self.edge_integral(np.abs(self.edge_profile) ** 2)
                 * meeting
@@ -248,7 +248,8 @@ class Films:
         if not np.iscomplexobj(self.s):
             return 0.0
         uneven = self.mean(self.unevenness)
-        return STREAMING_FACTOR * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+        root = np.sqrt(self.narrowing)
+        return STREAMING_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
 
     @property
     def shape_remainder(self) -> np.ndarray | float:
@@ -259,7 +260,8 @@ class Films:
         steep = self.on_edge((along_x**2 + along_y**2) / self.rest_gap**2)
         bent = self.on_edge(np.abs(self.laplacian(self.rest_gap)) / self.rest_gap)
         uneven = self.edge_integral((steep + bent) * np.abs(self.edge_profile) ** 2)
-        return SHAPE_FACTOR * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+        root = np.sqrt(self.narrowing)
+        return SHAPE_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
 
     @property
     def inertia_remainder(self) -> np.ndarray | float:
@@ -287,7 +289,7 @@ class Films:
         """Relative error of the second-order mean: of order ε².
 
         From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
-        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``). For
+        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with ``narrowing`` to the power 9/2). For
         two quadrature components twice that.
         """
         effective = self.decay_number / (1 + self.aspect**-2.0)
@@ -297,7 +299,7 @@ class Films:
             phases
             * self.epsilon**2
             * (STIFF_FACTOR + FREE_FLOW_FACTOR * free)
-            * self.depth ** (1 + 3.5 * free)
+            * self.narrowing ** (1 + 3.5 * free)
         )
 
 
