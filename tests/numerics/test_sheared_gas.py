@@ -60,8 +60,8 @@ def fields_of(film: Film, pressure: np.ndarray) -> SimpleNamespace:
         velocity=np.stack([velocity, 0 * velocity]),
         pressure_rate=film.by_t(pressure)[None, :, None],
         t_derivative=film.by_t,
-        slide=along,
-        carried=lambda v: np.stack([v[0] * along(v[0]), 0 * v[0]]),
+        pad_x_slope=along,
+        convected=lambda v: np.stack([v[0] * along(v[0]), 0 * v[0]]),
     )
 
 
@@ -184,8 +184,8 @@ def test_velocity_carried_by_the_wall_is_that_of_its_cartesian_parts():
     swelling = (0.25 - (x - 0.5) ** 2 - (y - 0.5) ** 2) * (1 + x) * np.sin(grid.t.nodes)
     fields = Fields.of([scene], grid, swelling[None, None, 1:-1])
     v, wall = fields.velocity, wall_velocity(fields)
-    by_wall = fields.along_axes(fields.carried(v + wall) - fields.carried(v))
-    parts = [fields.slide(each) for each in fields.along_axes(v)]
+    by_wall = fields.along_axes(fields.convected(v + wall) - fields.convected(v))
+    parts = [fields.pad_x_slope(each) for each in fields.along_axes(v)]
     expected = np.stack(parts) * wall_speed(fields) / fields.area
     size = np.abs(expected).max()
     assert by_wall == pytest.approx(expected, rel=0, abs=1e-6 * size)

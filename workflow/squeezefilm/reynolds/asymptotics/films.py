@@ -289,8 +289,8 @@ class Films:
         """Relative error of the second-order mean: of order ε².
 
         From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
-        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with ``narrowing`` to the power 9/2). For
-        two quadrature components twice that.
+        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with ``narrowing`` to the power 9/2).
+        For two quadrature components twice that.
         """
         effective = self.decay_number / (1 + self.aspect**-2.0)
         free = 1 / (1 + (effective / FREE_FLOW_SIGMA) ** 2)
