@@ -51,11 +51,11 @@ UNDEFINED_VALUE = complex(math.nan, math.nan)
 
 @dataclass(frozen=True, eq=False)
 class Operation:
-    """An operator or function on other parts; ``place`` is its text in the formula."""
+    """An operator or function on other parts; ``text`` is its text in the formula."""
 
     operator: str
     arguments: tuple[Node, ...]
-    place: str
+    text: str
 
 
 class Quantity(float):
@@ -68,7 +68,7 @@ def constants_of(
     values: Mapping[str, str | float],
     *,
     names: Iterable[str],
-    place: str,
+    source: str,
     angles_rad: bool = False,
 ) -> dict[str, Quantity]:
     """The constants of a formula from numbers and texts such as ``12 mm``.
@@ -78,12 +78,12 @@ def constants_of(
         angles_rad: angles are in radians, not in degrees.
 
     Raises:
-        InputError: naming the place of a text that is no number with a unit, and of a name that
+        InputError: naming the source of a text that is no number with a unit, and of a name that
             is another's already.
     """
     constants, taken = {}, (*names, *NAMED_CONSTANTS, *FUNCTIONS)
     for name, value in values.items():
-        where, match = f"{place}.constants.{name}", NUMBER.match(str(value))
+        where, match = f"{source}.constants.{name}", NUMBER.match(str(value))
         if name in taken or not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
             raise InputError(
                 f"{where}: cannot be a constant's name; take letters, digits and _, and none of "
@@ -320,7 +320,7 @@ def parse(
         if operator == "**" and isinstance(exponent, float) and abs(exponent) > LARGEST_EXPONENT:
             what = f"the exponent must lie within ±{LARGEST_EXPONENT:g}, not {exponent:g}"
             raise refused(node, what)
-        return Operation(operator, tuple(arguments), place=text_of(node))
+        return Operation(operator, tuple(arguments), text=text_of(node))
 
     return Expression(text, read(tree.body), tuple(used))
 
@@ -370,7 +370,7 @@ def parameter_units(
             case "+" | "-":
                 a, b = (f"in {_text(d)}" if d else "without unit" for d in map(reduced, inner))
                 verb = "adds" if part.operator == "+" else "subtracts"
-                equate(first, second, f"{part.place!r} {verb} quantities {a} and {b}")
+                equate(first, second, f"{part.text!r} {verb} quantities {a} and {b}")
                 return first
             case "*" | "/":
                 return times(first, second, 1 if part.operator == "*" else -1)
@@ -388,7 +388,7 @@ def parameter_units(
                     f"; give a number its unit by `constants: {{name: {EXAMPLE_OF_UNIT[unit]}}}`"
                 )
             equate(
-                each, DIMENSIONLESS, f"{part.place!r} needs a number without unit, not {unit}{hint}"
+                each, DIMENSIONLESS, f"{part.text!r} needs a number without unit, not {unit}{hint}"
             )
         return DIMENSIONLESS
 

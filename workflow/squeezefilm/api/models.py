@@ -170,7 +170,7 @@ class Fit:
         """
         ranges = self.model.ranges
         if "h0_m" not in ranges:
-            raise InputError(f"{self.model.place}: tells no range of gaps; give them")
+            raise InputError(f"{self.model.file}: tells no range of gaps; give them")
         low, high = ranges["h0_m"]
         gaps = np.linspace(low, high, DEFAULT_GAPS if high > low else 1)
         return [float(f"{gap:.12g}") for gap in gaps]

@@ -13,7 +13,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import axisymmetric
 from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
 from squeezefilm.reynolds.asymptotics.films import Films
-from squeezefilm.reynolds.spectral import Axis, axis, period, radius
+from squeezefilm.reynolds.spectral import axis, period, radius
 
 # Nodes around an outline for each one along a line through its middle.
 NODES_AROUND = 2
@@ -121,8 +121,8 @@ def rectangle_grid(films: Films) -> PadGrid:
 def disc_grid(amplitude: Amplitude, points: int) -> PadGrid:
     """The nodes along the radius of a disc whose profile has no angle: twice as many, cheaply."""
     line = radius(points + 1)
-    near, far = _halves(line, line.divergence @ line.derivative)
-    slope_near, slope_far = _halves(line, line.derivative)
+    near, far = _halves(line.divergence @ line.derivative)
+    slope_near, slope_far = _halves(line.derivative)
     slope = slope_near[-1] + slope_far[-1]
     across = line.all_nodes[line.points + 1 :]
     s = amplitude(*POLAR_COORDINATES.positions(across, np.zeros_like(across)))
@@ -149,14 +149,14 @@ def outline_grid(outline: Outline, amplitude: Amplitude, points: int) -> PadGrid
     stretch = outline.stretch(unit * (across - 0.5), nu)
     s = amplitude(*outline.positions(across.ravel(), nu.ravel())).reshape(across.shape)
     mirrored = -np.arange(angle.points) % angle.points
-    near, far = _halves(line, line.derivative @ line.derivative)
+    near, far = _halves(line.derivative @ line.derivative)
     around, same = angle.derivative @ angle.derivative, np.eye(angle.points)
     laplacian = (np.kron(near, same) + np.kron(far, same[mirrored])) / unit**2
     laplacian += np.kron(np.eye(len(near)), around)
     inside = np.ones(across.shape, dtype=bool)
     inside[-1] = False
     inner = inside.ravel()
-    slope_near, slope_far = _halves(line, line.derivative)
+    slope_near, slope_far = _halves(line.derivative)
     slope = (slope_near[-1] @ s + slope_far[-1] @ s[:, mirrored]) / unit
     length, step = np.sqrt(stretch[-1]), 2 * np.pi / angle.points
     weights = all_weights(line)[len(across) :, None] * unit * step * stretch / outline.area
@@ -173,7 +173,7 @@ def outline_grid(outline: Outline, amplitude: Amplitude, points: int) -> PadGrid
     )
 
 
-def _halves(line: Axis, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _halves(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Parts of a matrix on all nodes for the second half: by its values and by the first's."""
     half = len(matrix) // 2
     return matrix[half:, half:], matrix[half:, half - 1 :: -1]

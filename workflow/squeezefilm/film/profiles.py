@@ -333,7 +333,7 @@ def _parsed(expression: str, constants: tuple[tuple[str, str | float], ...]) -> 
         expression,
         names=names,
         source=f"{place}.expression",
-        constants=constants_of(dict(constants), names=names, place=place, angles_rad=True),
+        constants=constants_of(dict(constants), names=names, source=place, angles_rad=True),
     )
 
 

@@ -51,7 +51,7 @@ def source(fit: FittedModel, language: str) -> str:
     """
     if not re.fullmatch(r"[a-z][a-z0-9_]{0,39}", fit.model):
         raise InputError(
-            f"{fit.place}: the model's name {fit.model!r} cannot name a function; it must be "
+            f"{fit.file}: the model's name {fit.model!r} cannot name a function; it must be "
             "small letters, digits and _"
         )
     if language not in LANGUAGES:

@@ -108,7 +108,7 @@ class FittedModel(BaseModel):
     directions: Any = None
     film: FilmOfFit | None = None
     source: dict[str, Any] = {}
-    place: str = Field("fit", exclude=True)
+    file: str = Field("fit", exclude=True)
     """The file, for messages."""
 
     def to_dict(self) -> dict[str, Any]:
@@ -122,17 +122,17 @@ class FittedModel(BaseModel):
         Raises InputError naming the file, for an invalid formula.
         """
         if len(self.parameters) != len(self.parameter_units):
-            raise InputError(f"{self.place}: give one of 'parameter_units' for each parameter")
+            raise InputError(f"{self.file}: give one of 'parameter_units' for each parameter")
         parameters = dict(zip(self.parameters, self.parameter_units, strict=True))
         entry = {
             "expression": self.expression,
             "constants": self.constants,
             "parameters": parameters,
         }
-        model = make_model(self.model, entry, source=self.place)
+        model = make_model(self.model, entry, source=self.file)
         if len(model.parameter_names) != len(self.theta):
             raise InputError(
-                f"{self.place}: 'theta' has {len(self.theta)} numbers for the parameters "
+                f"{self.file}: 'theta' has {len(self.theta)} numbers for the parameters "
                 f"{', '.join(model.parameter_names)}"
             )
         return model
@@ -142,7 +142,7 @@ class FittedModel(BaseModel):
         """The pad's positions that represent all in the model's study, if the file has them."""
         if self.directions is None:
             return None
-        return symmetry_from_dict(self.directions, source=f"{self.place}: directions")
+        return symmetry_from_dict(self.directions, source=f"{self.file}: directions")
 
     @property
     def position(self) -> tuple[str, str]:
@@ -170,7 +170,7 @@ class FittedModel(BaseModel):
         names = self.force_model.column_names
         if names and self.limit_table is None:
             raise InputError(
-                f"{self.place}: the model {self.model} needs {', '.join(names)} and its file has "
+                f"{self.file}: the model {self.model} needs {', '.join(names)} and its file has "
                 "no table of them: they do not hold all over its study's space"
             )
         return self.limit_table if names else None
@@ -266,7 +266,7 @@ def fit_of(values: Mapping[str, Any], *, source: Path | str) -> FittedModel:
         raise InputError(f"{source}: there is no fit: {values['not_supported']}")
     try:
         # Of the film a file has names with units, which are keys of a study without.
-        given = {**values, "place": str(source)}
+        given = {**values, "file": str(source)}
         return FittedModel.model_validate(given, by_alias=True, by_name=True)
     except ValidationError as error:
         wrong = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]

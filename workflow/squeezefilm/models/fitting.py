@@ -445,13 +445,13 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
         names = np.array(model.parameter_names)[large]
         what = "has no effect on the force" if len(names) == 1 else "cannot be told apart"
         raise InputError(
-            f"{model.place}: {', '.join(names)} {what} at these points; leave a parameter out, or "
+            f"{model.source}: {', '.join(names)} {what} at these points; leave a parameter out, or "
             "vary the factors that it belongs to"
         )
     if count:
         raise InputError(
-            f"{model.place}: the formula is undefined at {DRAWS} random parameter sets; no fit can "
-            "start from there"
+            f"{model.source}: the formula is undefined at {DRAWS} random parameter sets; no fit "
+            "can start from there"
         )
 
 

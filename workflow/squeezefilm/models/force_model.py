@@ -51,7 +51,7 @@ class ExpressionModel:
     parameter_units: tuple[str, ...]
     about: str = ""
     constants: Mapping[str, str | float] = field(default_factory=dict, hash=False)
-    place: str = "model"
+    source: str = "model"
     """Where the expression was written, for messages."""
 
     @property
@@ -128,7 +128,7 @@ class ExpressionModel:
         if len(wrong):
             row, column = wrong[0]
             raise InputError(
-                f"{self.place}: {self.expression!r} has no finite derivative with respect to "
+                f"{self.source}: {self.expression!r} has no finite derivative with respect to "
                 f"{self.parameter_names[column]} {self.point_text(theta, factors, row)}"
             )
         return np.where(defined[:, None], slopes, np.nan)
@@ -186,7 +186,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> Expres
             )
     usual = tuple(f"t{index}" for index in range(MOST_PARAMETERS))
     given = settings.get("constants", {})
-    constants = constants_of(given, names=(*known, *declared, *usual), place=source)
+    constants = constants_of(given, names=(*known, *declared, *usual), source=source)
     where = f"{source}.expression"
     expression = parse(
         settings["expression"],
@@ -215,7 +215,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> Expres
         parameter_units=tuple(inferred.values()),
         about=settings.get("about", ""),
         constants=given,
-        place=where,
+        source=where,
     )
 
 

@@ -107,15 +107,15 @@ def _growths(
     grid, state = own[0].grid, np.stack([each.unknowns for each in own])
     growth, missed = np.full((2, len(DERIVATIVES), len(scenes)), np.nan)
     folded = {"x_m": grid.fold_x, "y_m": grid.fold_y}
-    for k, number in enumerate(DERIVATIVES):
+    for k, quantity in enumerate(DERIVATIVES):
         beside = [
-            with_number_changed(scene, number, sign * DIFFERENCE_STEP * _unit(scene, number))
+            with_number_changed(scene, quantity, sign * DIFFERENCE_STEP * _unit(scene, quantity))
             for sign in (1, -1)
             for scene in scenes
         ]
         ahead, behind = beside[: len(scenes)], beside[len(scenes) :]
         scale = np.array([scene.force_scale_n for scene in beside])
-        if folded.get(number):  # the force is even in the place
+        if folded.get(quantity):  # the force is even in the place
             growth[k], missed[k] = 0.0, 0.0
             continue
         if all(_equation(a) == _equation(b) for a, b in zip(ahead, behind, strict=True)):
@@ -154,7 +154,7 @@ def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
     needed = [name != "polytropic_exponent" for name in DERIVATIVES]
     if not np.isfinite(error[needed]).all():
         return Derivatives(status=NEIGHBOUR_NOT_CONVERGED)
-    units, pad = [_unit(scene, number) for number in DERIVATIVES], scene.pad
+    units, pad = [_unit(scene, quantity) for quantity in DERIVATIVES], scene.pad
     values, errors = (
         dict(zip(DERIVATIVES, (numbers / units).tolist(), strict=True))
         for numbers in (growth, error)
@@ -165,20 +165,20 @@ def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
     return Derivatives(value=values, error=errors, status="ok")
 
 
-def with_number_changed(scene: Scene, number: str, by: float) -> Scene:
+def with_number_changed(scene: Scene, quantity: str, by: float) -> Scene:
     """The scene with another number; ``x_m`` and ``y_m`` are along the pad's own axes."""
-    if number in ("x_m", "y_m"):
-        x_m, y_m = scene.pad.turned(*((by, 0.0) if number == "x_m" else (0.0, by)))
+    if quantity in ("x_m", "y_m"):
+        x_m, y_m = scene.pad.turned(*((by, 0.0) if quantity == "x_m" else (0.0, by)))
         return replace(scene, x_m=scene.x_m + x_m, y_m=scene.y_m + y_m)
-    if number in ("h0_m", "hv_m"):
-        return replace(scene, **{number: getattr(scene, number) + by})
-    return scene.with_gas(**{number: getattr(scene.gas, number) + by})
+    if quantity in ("h0_m", "hv_m"):
+        return replace(scene, **{quantity: getattr(scene, quantity) + by})
+    return scene.with_gas(**{quantity: getattr(scene.gas, quantity) + by})
 
 
-def _unit(scene: Scene, number: str) -> float:
+def _unit(scene: Scene, quantity: str) -> float:
     """Return the scale of a number: itself, or the gap or the length that it goes with."""
-    if number in ("h0_m", "hv_m"):
+    if quantity in ("h0_m", "hv_m"):
         return scene.h0_m
-    if number in ("x_m", "y_m"):
+    if quantity in ("x_m", "y_m"):
         return scene.pad.length_x_m
-    return float(getattr(scene.gas, number))
+    return float(getattr(scene.gas, quantity))

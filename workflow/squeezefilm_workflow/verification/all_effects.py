@@ -415,22 +415,6 @@ class FilmWithEffects:
         return apply
 
 
-def force_with(scene: Scene, effects: Effects) -> tuple[float, float]:
-    """Return the mean force of a scene with given effects in newtons, and its error.
-
-    The effects that the scene's gas has or lacks do not count. The error is the change from a
-    coarser grid.
-
-    Raises:
-        ArithmeticError: if Newton's method does not converge.
-    """
-    fine, coarse = (
-        force_on_grid(scene, effects, points=points, instants=instants)
-        for points, instants in grids_of(scene)
-    )
-    return fine, abs(fine - coarse)
-
-
 def grids_of(scene: Scene) -> list[tuple[int, int]]:
     """Return points and instants of the grid for a scene and of a coarser one."""
     points = RADIAL_POINTS if is_axisymmetric(scene) else POINT_COUNTS[sum(fold_of(scene))]

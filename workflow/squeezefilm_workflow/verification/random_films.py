@@ -115,17 +115,14 @@ class RandomFilm:
         return Formula(self.profile, SURFACE, self.quadrature)
 
 
-def random_film(
-    number: int, *, seed: int, group: str = "", **limits: tuple[float, float]
-) -> RandomFilm:
+def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> RandomFilm:
     """The film of a number, whatever others are drawn.
 
     Args:
-        group: one of GROUPS; drawn by default.
         limits: of ``epsilon``, ``sigma``, ``bearing`` or ``reynolds`` other than the docstring's.
     """
     random = np.random.default_rng((seed, number))
-    group = group or _drawn(random, GROUPS)
+    group = _drawn(random, GROUPS)
     limits = (
         {"epsilon": EPSILON_RANGE, "sigma": SIGMA_RANGE} | RANGES_OF_GROUP.get(group, {}) | limits
     )

@@ -80,7 +80,7 @@ class FittedSpace:
 
 
 def designs_by_name(
-    study: FittedSpace, settings: Optimal, *, existing: pd.DataFrame | None
+    fitted: FittedSpace, settings: Optimal, *, existing: pd.DataFrame | None
 ) -> dict[str, ContinuousDesign]:
     """All designs by name, the local one first: local, bayesian, maximin, exact-N, augmented.
 
@@ -88,43 +88,43 @@ def designs_by_name(
     the first of the augmented design. An exact design with fewer points than the model has
     parameters determines none of them, and is not among the designs.
     """
-    maximin = maximin_design(study.derivatives(study.everywhere, every=True))
+    maximin = maximin_design(fitted.derivatives(fitted.everywhere, every=True))
     designs = {
-        "local": _box_design(study, study.derivatives),
-        "bayesian": _box_design(study, partial(study.derivatives, every=True)),
-        "maximin": maximin.on(study.everywhere),
+        "local": _box_design(fitted, fitted.derivatives),
+        "bayesian": _box_design(fitted, partial(fitted.derivatives, every=True)),
+        "maximin": maximin.on(fitted.everywhere),
     }
-    derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
+    derivatives, parameters = fitted.derivatives(fitted.grid), fitted.thetas.shape[1]
     apart: dict[str, Any] = {
-        "coordinates": study.coordinates(study.grid),
+        "coordinates": fitted.coordinates(fitted.grid),
         "separation": settings.separation,
         "seed": settings.seed,
     }
     for count in settings.points:
         if count >= parameters:
             chosen = exchange(derivatives, count, **apart)
-            designs[f"exact-{count}"] = _equal_weights(study.grid[chosen])
+            designs[f"exact-{count}"] = _equal_weights(fitted.grid[chosen])
     designs = {name: _sorted(design) for name, design in designs.items()}
     if existing is not None:
-        there = points_of(existing, study.space)
+        there = points_of(existing, fitted.space)
         added = exchange(
             derivatives,
             parameters,
-            existing=study.derivatives(there),
-            existing_coordinates=study.coordinates(there),
+            existing=fitted.derivatives(there),
+            existing_coordinates=fitted.coordinates(there),
             **apart,
         )
-        designs["augmented"] = _equal_weights(np.concatenate([there, study.grid[added]]))
+        designs["augmented"] = _equal_weights(np.concatenate([there, fitted.grid[added]]))
     return designs
 
 
-def _box_design(study: FittedSpace, gradients: Gradients) -> ContinuousDesign:
+def _box_design(fitted: FittedSpace, gradients: Gradients) -> ContinuousDesign:
     """The best weights on the grid; and off it, where derivatives cost no physics and the whole
     space can be simulated.
     """
-    if not study.model.column_names and study.space.allowed(study.space.levels(2)).all():
-        return optimal_in_box(gradients, study.space, study.everywhere, gap=1e-8)
-    return optimal_weights(gradients(study.everywhere)).on(study.everywhere)
+    if not fitted.model.column_names and fitted.space.allowed(fitted.space.levels(2)).all():
+        return optimal_in_box(gradients, fitted.space, fitted.everywhere, gap=1e-8)
+    return optimal_weights(gradients(fitted.everywhere)).on(fitted.everywhere)
 
 
 def _equal_weights(points: np.ndarray) -> ContinuousDesign:
@@ -137,9 +137,9 @@ def _sorted(design: ContinuousDesign) -> ContinuousDesign:
 
 
 def _table(
-    study: FittedSpace, name: str, design: ContinuousDesign, existing: pd.DataFrame | None
+    fitted: FittedSpace, name: str, design: ContinuousDesign, existing: pd.DataFrame | None
 ) -> pd.DataFrame:
-    table = table_of(design.points, study.space)
+    table = table_of(design.points, fitted.space)
     table["point_id"] = [f"{name}-{number}" for number in table["point_id"]]
     table = table.assign(design=name, weight=design.weights, origin="design")
     if name == "augmented" and existing is not None:
@@ -148,27 +148,27 @@ def _table(
 
 
 def efficiencies(
-    study: FittedSpace, designs: Mapping[str, ContinuousDesign], others: Mapping[str, np.ndarray]
+    fitted: FittedSpace, designs: Mapping[str, ContinuousDesign], others: Mapping[str, np.ndarray]
 ) -> pd.DataFrame:
     """Every design and plan: D-efficiency for the fit, a bound of it, and over all vectors.
 
     The efficiency is that of the best design within the ranges: points outside can exceed one. The
     lower bound does not need the best design; others are points by the names of their plans.
     """
-    candidates, local = study.derivatives(study.everywhere, every=True), designs["local"]
+    candidates, local = fitted.derivatives(fitted.everywhere, every=True), designs["local"]
     best = np.array([optimal_weights(layer).log_det[0] for layer in candidates])
     # Off the grid the best design may be a little better than on it.
-    own = study.derivatives(local.points)[0]
+    own = fitted.derivatives(local.points)[0]
     best[0] = max(best[0], *log_determinant(own, local.weights))
     reference = np.concatenate([candidates[0], own])
     rows = []
     plans = {**designs, **{name: _equal_weights(points) for name, points in others.items()}}
     for name, design in plans.items():
         points, weights = design.points, design.weights
-        derivatives = study.derivatives(points, every=True)
+        derivatives = fitted.derivatives(points, every=True)
         logs = log_determinant(derivatives, weights)
-        efficiency = np.exp((logs - best) / study.thetas.shape[1])
-        if not study.outside(points).any():
+        efficiency = np.exp((logs - best) / fitted.thetas.shape[1])
+        if not fitted.outside(points).any():
             efficiency = np.minimum(efficiency, 1.0)  # the grid is a little worse than the space
         level = sensitivity(derivatives[0], reference, weights=weights)
         by_local = float(efficiency[0]) * (local.efficiency_bound or 0.0)
@@ -176,7 +176,7 @@ def efficiencies(
             {
                 "plan": name,
                 "points": len(points),
-                "scenes": len(np.unique(np.round(study.coordinates(points), 9), axis=0)),
+                "scenes": len(np.unique(np.round(fitted.coordinates(points), 9), axis=0)),
                 "d_efficiency": float(efficiency[0]),
                 "d_efficiency_lower": max(1 / max(float(level.max()), 1.0), by_local),
                 "d_efficiency_min": float(efficiency.min()),
@@ -186,21 +186,21 @@ def efficiencies(
     return pd.DataFrame(rows)
 
 
-def _notes(study: FittedSpace, sizes: Sequence[int], existing: pd.DataFrame | None) -> list[str]:
+def _notes(fitted: FittedSpace, sizes: Sequence[int], existing: pd.DataFrame | None) -> list[str]:
     """Reasons for designs that are missing, and for efficiencies above one."""
-    parameters, notes = study.thetas.shape[1], []
+    parameters, notes = fitted.thetas.shape[1], []
     for size in sizes:
         if size < parameters:
             notes.append(
                 f"optimal.points: no design exact-{size}: {size} points do not determine the "
-                f"{parameters} parameters of {study.model.name}; give {parameters} or more"
+                f"{parameters} parameters of {fitted.model.name}; give {parameters} or more"
             )
     if existing is not None:
-        outside = study.outside(points_of(existing, study.space))
+        outside = fitted.outside(points_of(existing, fitted.space))
         points = existing.loc[outside, "point_id"].tolist()
         if points:
             ids = ", ".join(points[:MOST_NAMED]) + ", …" * (len(points) > MOST_NAMED)
-            limits = study.space.limits.items()
+            limits = fitted.space.limits.items()
             ranges = ", ".join(f"{name} {low:.4g} … {high:.4g}" for name, (low, high) in limits)
             notes.append(
                 f"augmented: {len(points)} of {len(existing)} existing points lie outside the "
@@ -210,13 +210,13 @@ def _notes(study: FittedSpace, sizes: Sequence[int], existing: pd.DataFrame | No
     return notes
 
 
-def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame:
+def sensitivity_map(fitted: FittedSpace, local: ContinuousDesign) -> pd.DataFrame:
     """The local design's sensitivity over the space in two panels, and its points.
 
     Over gap and amplitude it is the largest over positions; over the position that of the smallest
     gap and the largest amplitude.
     """
-    space, own = study.space, study.derivatives(local.points)
+    space, own = fitted.space, fitted.derivatives(local.points)
     layers = {"design": local.points}
     lines = np.linspace(0, 1, MAP_LINES)
     gaps = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -233,7 +233,7 @@ def sensitivity_map(study: FittedSpace, local: ContinuousDesign) -> pd.DataFrame
     parts = []
     for layer, points in layers.items():
         points = points[space.allowed(points)]
-        level = sensitivity(own, study.derivatives(points), weights=local.weights)
+        level = sensitivity(own, fitted.derivatives(points), weights=local.weights)
         at = factors_of(table_of(points, space))
         micrometres = {"h0_um": 1e6 * at.h0_m, "hv_um": 1e6 * at.hv_m}
         position_mm = {"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m}
@@ -271,26 +271,26 @@ def designs_of_fit(
 
     Raises InputError where the model cannot be used on these points, or has no parameters.
     """
-    study = FittedSpace(fit, config, forces=forces)
-    others = {name: points_of(scenes, study.space) for name, scenes in (plans or {}).items()}
+    fitted = FittedSpace(fit, config, forces=forces)
+    others = {name: points_of(scenes, fitted.space) for name, scenes in (plans or {}).items()}
     for kind in ("scalings", "forms"):
         for search, patterns_found in (patterns or {}).get(kind, {}).items():
             for pattern in patterns_found:
-                table = pd.DataFrame(pattern["points"])[list(study.space.names)]
+                table = pd.DataFrame(pattern["points"])[list(fitted.space.names)]
                 others[f"pattern {pattern['pattern']} ({search})"] = table.to_numpy()
-    designs = designs_by_name(study, config.optimal, existing=existing)
-    table = efficiencies(study, designs, others)
+    designs = designs_by_name(fitted, config.optimal, existing=existing)
+    table = efficiencies(fitted, designs, others)
     bounds = {name: design.efficiency_bound for name, design in designs.items()}
     summary = {
-        "model": study.model.name,
-        "theta": study.thetas[0].tolist(),
+        "model": fitted.model.name,
+        "theta": fitted.thetas[0].tolist(),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
-        "notes": _notes(study, config.optimal.points, existing),
+        "notes": _notes(fitted, config.optimal.points, existing),
     }
-    points = [_table(study, *named_design, existing) for named_design in designs.items()]
+    points = [_table(fitted, *named_design, existing) for named_design in designs.items()]
     return {
         "designs": pd.concat(points, ignore_index=True),
         "efficiencies": table,
-        "sensitivity": sensitivity_map(study, designs["local"]),
+        "sensitivity": sensitivity_map(fitted, designs["local"]),
         "summary": summary,
     }
