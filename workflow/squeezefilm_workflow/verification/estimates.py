@@ -40,7 +40,7 @@ GUARDS: dict[str, tuple[Any, str, float]] = {
     "UNKNOWN_FALL": (error_estimate, "UNKNOWN_FALL", 0.0),
     "THIN_LAYER_FALL": (resolution, "THIN_LAYER_FALL", 0.0),
     "UNEVEN_SIGMA": (resolution, "UNEVEN_SIGMA", float("inf")),
-    "VELOCITY_SIZE_FRACTION": (error_estimate, "VELOCITY_MARGIN", 1.0),
+    "VELOCITY_SIZE_FRACTION": (error_estimate, "VELOCITY_SIZE_FRACTION", 0.0),
 }
 
 
