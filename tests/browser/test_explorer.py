@@ -84,7 +84,7 @@ class Explorer:
 
     def library_n(self, name: str) -> float:
         fit = self.fit(name)
-        factors = fit.complete(Factors.of(**self.factors()))
+        factors = fit.with_limits(Factors.of(**self.factors()))
         return float(fit.force_model.evaluate(fit.theta, factors)[0])
 
 

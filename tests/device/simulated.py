@@ -13,7 +13,7 @@ import numpy as np
 from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import Batch, grid_under, in_single, launch
+from squeezefilm.reynolds.periodic.launch import Batch, grid_on_pad, in_single, launch
 from squeezefilm.reynolds.self_test import films
 from squeezefilm.reynolds.terms import terms_of
 
@@ -35,7 +35,7 @@ def means(device: Device, kernel: str) -> list[float]:
     terms = terms_of(scene)
     tolerance = TOLERANCE if in_single(terms) else IN_DOUBLE
     shape = grid.fold_x, grid.fold_y
-    grids = [grid_under(scene, Grid(points, 4, 8, *shape)) for points in (4, 6)]
+    grids = [grid_on_pad(scene, Grid(points, 4, 8, *shape)) for points in (4, 6)]
     other = replace(scene, hv_m=0.7 * scene.hv_m)
     batches = [
         Batch(Scenes.of([each]), np.arange(1), terms, tuple(some), [tolerance] * len(some))

@@ -11,7 +11,7 @@ from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import BesselMode
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.quantities.edge_loss import mean_changes
+from squeezefilm.quantities.edge_loss import force_changes
 from squeezefilm.quantities.model_error import (
     MODEL_TOLERANCE,
     error_budgets,
@@ -77,7 +77,7 @@ def test_the_edge_loss_of_a_film_that_newton_follows_in_shorter_steps_alone():
     terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
     scene = random_film(31).with_gas(**terms)
     (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    ((change, _), (error, _)) = mean_changes([scene], [solution], device=choose_device())[..., 0]
+    ((change, _), (error, _)) = force_changes([scene], [solution], device=choose_device())[..., 0]
     both = [Effects(slip="first-order", edge_coefficient=each) for each in (0.0, 1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=64, instants=21)
     assert change == pytest.approx(having_n / without_n - 1, abs=error)

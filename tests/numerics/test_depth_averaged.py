@@ -16,7 +16,11 @@ from squeezefilm.quantities.model_error import (
     depth_averaging_percent,
 )
 from squeezefilm.reynolds import solve
-from squeezefilm_workflow.verification.second_order import averaged_force, resolved_force, rows
+from squeezefilm_workflow.verification.second_order import (
+    averaged_force,
+    resolved_force,
+    table_points,
+)
 
 
 def film(scene: Scene, reynolds: float, sigma: float, epsilon: float = 0.1, **gas: str) -> Scene:
@@ -48,7 +52,7 @@ def test_the_tables_nodes_come_back(scene):
 @pytest.mark.parametrize("row", [0, 18, 33])
 def test_a_row_of_the_table_is_found_again(row):
     """``squeezefilm-verification depth-averaged``; stored averages with heat are of ε 0.005."""
-    thermal, reynolds, sigma = rows()[row]
+    thermal, reynolds, sigma = table_points()[row]
     stored = pd.read_csv(DEPTH_AVERAGING_TABLE).loc[row]
     assert tuple(stored[["thermal", "reynolds", "sigma"]]) == (thermal, reynolds, sigma)
     numbers = {"reynolds": reynolds, "sigma": sigma, "thermal": thermal}

@@ -38,7 +38,7 @@ EXPANSIONS = {
 )
 def test_boundary_layer_functions_at_known_excursions(a, d, g):
     """Values found with an independent solver, to its digits; d is even and g odd."""
-    assert edge_layer.integrals(np.array([a, -a])) == (
+    assert edge_layer.layer_integrals(np.array([a, -a])) == (
         pytest.approx([d, d], abs=3e-6),
         pytest.approx([g, -g], abs=2e-5),
     )
@@ -54,12 +54,12 @@ def test_the_layer_of_a_row_of_the_table_is_found_again(row):
 
 def test_boundary_layer_of_small_excursions_is_linear():
     a = 1e-3
-    d, g = edge_layer.integrals(np.array([a]))
+    d, g = edge_layer.layer_integrals(np.array([a]))
     assert d / a**2 == pytest.approx(-5 * np.sqrt(2) / 8, rel=1e-6)
     assert g / a == pytest.approx(3 / np.sqrt(2), rel=1e-6)
-    ratios = edge_layer.ratios(np.array(a))
+    ratios = edge_layer.layer_ratios(np.array(a))
     assert ratios == pytest.approx([d[0] / a**2, g[0] / a, -3 / np.sqrt(2)], rel=1e-6)
-    assert np.isnan(edge_layer.integrals(np.array([0.99]))[0]).all()
+    assert np.isnan(edge_layer.layer_integrals(np.array([0.99]))[0]).all()
 
 
 @pytest.mark.parametrize("aspect", [1.0, 0.3])

@@ -73,7 +73,7 @@ def test_an_ellipse_has_its_fast_limit(aspect):
     """The closed form over the area, and a layer that takes d(ε)/√σ of each length of the rim."""
     epsilon, sigma = 0.4, 5e3
     rim = 2 * max(1, aspect) * ellipe(1 - min(aspect, 1 / aspect) ** 2)
-    layer = float(edge_layer.integrals(np.array(epsilon))[0]) * rim / (pi / 4 * aspect)
+    layer = float(edge_layer.layer_integrals(np.array(epsilon))[0]) * rim / (pi / 4 * aspect)
     scene = ellipse(epsilon=epsilon, sigma=sigma, aspect=aspect, profile=PISTON)
     assert mean(scene) == pytest.approx(
         fast_piston(epsilon) + layer / sqrt(sigma), rel=4 / (aspect**2 * sigma)

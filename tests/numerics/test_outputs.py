@@ -23,7 +23,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.fields import dot
 from squeezefilm.quantities.outputs import (
-    FROM_STATE,
+    STATE_OUTPUTS,
     missing_reasons,
     momentum_out,
     with_outputs,
@@ -37,7 +37,7 @@ from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.solution import OUTPUTS, Outputs
 from squeezefilm.tables import merge_forces, read_forces, write_table
 
-ASKED = tuple(name for name in OUTPUTS if name in FROM_STATE)
+ASKED = tuple(name for name in OUTPUTS if name in STATE_OUTPUTS)
 AREA_M2 = LENGTH_M**2
 FORCE_N = PRESSURE_PA * AREA_M2
 

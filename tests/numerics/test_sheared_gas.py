@@ -12,7 +12,7 @@ from sheared_strip import Film, Strip, forces, resolved
 
 from squeezefilm.api.film import Film as FilmOfUser
 from squeezefilm.film.pad import GapShape
-from squeezefilm.quantities.edge_loss import ram_changes
+from squeezefilm.quantities.edge_loss import ram_pressure_changes
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.quantities.outputs import with_outputs
@@ -53,15 +53,15 @@ def fields_of(film: Film, pressure: np.ndarray) -> SimpleNamespace:
         sigma=strip.sigma,
         numbers=lambda name, *, absent: numbers.get(name, absent),
         equation={"flow": np.ones((1, 1))},
-        turn=np.ones(1),
+        map_slope=np.ones(1),
         area=1.0,
         gap=gap,
         mass=gap * pressure[None, :, None],
         velocity=np.stack([velocity, 0 * velocity]),
         pressure_rate=film.by_t(pressure)[None, :, None],
         t_derivative=film.by_t,
-        slide=along,
-        carried=lambda v: np.stack([v[0] * along(v[0]), 0 * v[0]]),
+        pad_x_slope=along,
+        convected=lambda v: np.stack([v[0] * along(v[0]), 0 * v[0]]),
     )
 
 
@@ -184,8 +184,8 @@ def test_velocity_carried_by_the_wall_is_that_of_its_cartesian_parts():
     swelling = (0.25 - (x - 0.5) ** 2 - (y - 0.5) ** 2) * (1 + x) * np.sin(grid.t.nodes)
     fields = Fields.of([scene], grid, swelling[None, None, 1:-1])
     v, wall = fields.velocity, wall_velocity(fields)
-    by_wall = fields.along_axes(fields.carried(v + wall) - fields.carried(v))
-    parts = [fields.slide(each) for each in fields.along_axes(v)]
+    by_wall = fields.along_axes(fields.convected(v + wall) - fields.convected(v))
+    parts = [fields.pad_x_slope(each) for each in fields.along_axes(v)]
     expected = np.stack(parts) * wall_speed(fields) / fields.area
     size = np.abs(expected).max()
     assert by_wall == pytest.approx(expected, rel=0, abs=1e-6 * size)
@@ -258,7 +258,7 @@ def test_dragged_gas_may_have_half_rho_u_squared_where_it_comes_in(turns):
     gas = {"rarefaction": "none", "inertia": "none", "thermal": "none"}
     scene = FilmOfUser.of(actuator=actuator, pad=pad, gas=gas).scene("10 um", "0.1 um")
     solutions = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    ((change,),), ((error,),) = ram_changes([scene], solutions, device=choose_device())
+    ((change,),), ((error,),) = ram_pressure_changes([scene], solutions, device=choose_device())
     strip = Film(Strip(scene.sigma, abs(scene.bearing_number), tilt=-0.8))
     nothing, inlet = np.zeros_like(strip.gap), np.ones_like(strip.gap)
     inlet[0] += 1e-4

@@ -19,9 +19,9 @@ from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
     FLOW_TABLE,
     SLIP_LIMIT,
+    flow_factor_derivatives,
     flow_over_viscous,
     slip_flow,
-    slip_growth,
 )
 from squeezefilm_workflow.verification.rarefied_flow import poiseuille_flow
 
@@ -54,9 +54,9 @@ def test_beyond_the_table_gas_slips_or_its_molecules_fly_freely():
 def test_the_flow_factors_derivatives_are_difference_quotients():
     inverse, step = np.geomspace(1e-3, 3e3, 30), 1e-4
     low, high = (inverse * np.exp(s) for s in (-step, step))
-    first, second = slip_growth(inverse)
+    first, second = flow_factor_derivatives(inverse)
     assert first == pytest.approx((slip_flow(high) - slip_flow(low)) / (2 * step), rel=1e-6)
-    rise = slip_growth(high)[0] - slip_growth(low)[0]
+    rise = flow_factor_derivatives(high)[0] - flow_factor_derivatives(low)[0]
     assert second == pytest.approx(rise / (2 * step), rel=1e-6)
 
 

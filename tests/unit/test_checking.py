@@ -13,7 +13,7 @@ from squeezefilm_workflow.reporting.check import (
     PASSED,
     PICTURES_FOLDER,
     SAMPLED_ROWS,
-    Close,
+    Closeness,
     Quantity,
     column_quantities,
     compare,
@@ -25,7 +25,7 @@ from squeezefilm_workflow.reporting.figures.style import PLAIN_SUFFIX
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}
 )
-CLOSE = {"model": Close(relative=1e-6)}
+CLOSE = {"model": Closeness(relative=1e-6)}
 
 
 def quantities(table: pd.DataFrame) -> list[Quantity]:
@@ -45,7 +45,7 @@ def failed(table: pd.DataFrame) -> list[str]:
 def test_what_failed_is_shown_once_with_its_file_and_what_to_do():
     found = [item._replace(part="simulations", item="screen") for item in quantities(FORCES)]
     table = compare(found, stored(found) | {found[2][:3]: {"row 1": "7"}})
-    text = check.on_screen(table)
+    text = check.screen_text(table)
     assert len(re.findall(r"\bforce_n\b", text)) == 1
     assert "simulations/screen/forces.csv" in text
     assert "`make reference`" in text
@@ -74,16 +74,16 @@ def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
 @pytest.mark.parametrize(
     ("tolerance", "expected", "got", "share"),
     [
-        (Close(relative=0.1), "2", "2.1", 0.5),
-        (Close(of_largest=0.1), "2", "2.4", 2),
-        (Close(absolute=1), "-3", "-4", 1),
-        (Close(), "2", "2", 0),
-        (Close(relative=1), "2", "many", np.inf),
-        (Close(relative=1e-9), "nan", "nan", 0),
+        (Closeness(relative=0.1), "2", "2.1", 0.5),
+        (Closeness(of_largest=0.1), "2", "2.4", 2),
+        (Closeness(absolute=1), "-3", "-4", 1),
+        (Closeness(), "2", "2", 0),
+        (Closeness(relative=1), "2", "many", np.inf),
+        (Closeness(relative=1e-9), "nan", "nan", 0),
         (EQUAL_TEXT, "a", "a", 0),
         (EQUAL_TEXT, "(µm)", "(mm)", np.inf),
-        (Close(digits=1), "0.987 N", "0.988 N", 1),
-        (Close(digits=1), "−2.1e−4", "−2.3e−4", 2),
+        (Closeness(digits=1), "0.987 N", "0.988 N", 1),
+        (Closeness(digits=1), "−2.1e−4", "−2.3e−4", 2),
     ],
 )
 def test_a_tolerance_is_what_it_says(tolerance, expected, got, share):

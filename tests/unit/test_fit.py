@@ -10,8 +10,8 @@ from squeezefilm.models.fitting import (
     checked_bounds,
     evolution,
     fit_model,
+    open_range_notes,
     parameter_ranges,
-    undetermined,
 )
 from squeezefilm.models.force_model import make_model
 
@@ -88,7 +88,7 @@ def test_of_a_step_steeper_than_the_points_resolve_its_place_is_determined():
     assert fit.global_error < 3e-3
     ranges = parameter_ranges(model, AT, force, fit.theta)
     assert [np.isfinite([each.lower, each.upper]).all() for each in ranges] == [True, False, False]
-    assert undetermined(ranges) == ["only t1/t2 is determined by these points"]
+    assert open_range_notes(ranges) == ["only t1/t2 is determined by these points"]
 
 
 def test_parameters_beyond_the_bounds_are_found_or_said_to_be_there():

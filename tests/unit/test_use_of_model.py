@@ -121,7 +121,7 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
     )
     assert len(table) == 8
     factors = Factors.of(**{c: table[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")})
-    expected = model.evaluate(THETA[name], read_fit(path).complete(factors))
+    expected = model.evaluate(THETA[name], read_fit(path).with_limits(factors))
     np.testing.assert_allclose(table["force_n"], expected, rtol=1e-12)
     np.testing.assert_allclose(table["error_95_n"], 2e-3 + 0.01 * expected, rtol=1e-12)
     np.testing.assert_allclose(table["error_99_n"], 4e-3 + 0.02 * expected, rtol=1e-12)
@@ -152,11 +152,11 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     assert len(found) == 3
     given = {c: found[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")}
     fit = read_fit(path)
-    force = get_model(name).evaluate(THETA[name], fit.complete(Factors.of(**given)))
+    force = get_model(name).evaluate(THETA[name], fit.with_limits(Factors.of(**given)))
     np.testing.assert_allclose(force, 0.5, rtol=1e-10)
     # An amplitude larger by its error gives a force larger by the model's.
     more = Factors.of(**given | {"hv_m": found["hv_m"] + found["hv_error_95_m"]})
-    rise = get_model(name).evaluate(THETA[name], fit.complete(more)) - force
+    rise = get_model(name).evaluate(THETA[name], fit.with_limits(more)) - force
     np.testing.assert_allclose(rise, 2e-3 + 0.01 * 0.5, rtol=3e-2)
 
 
@@ -383,7 +383,7 @@ def test_the_table_of_limits_states_its_error(limit_table):
     table = LimitTable.model_validate(json.loads(json.dumps(limit_table)))
     assert 0 < table.largest_relative_error < 1e-6
     outside = Factors.of(h0_m=[5e-6, 4e-6, 5e-6], hv_m=[4e-6, 1e-6, 1e-6], x_m=[0, 0, 5e-3])
-    assert np.isnan(table.complete(outside).column("limit_n")).all()
+    assert np.isnan(table.with_limits(outside).column("limit_n")).all()
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from squeezefilm.film.validity import (
     ERROR_UNVERIFIED,
     NOT_APPLICABLE,
     OK,
-    exceeded,
+    exceeded_limits,
     validity,
 )
 from squeezefilm.studies.study import scene_of
@@ -78,10 +78,10 @@ def test_beyond_a_limit_the_quantity_bound_and_consequence_are_named(scene, chan
 def test_a_limit_is_for_its_own_model(scene):
     """Slip and inertia in the equation widen what it holds for."""
     assert validity(at(scene, 0.8)) != OK == validity(at(scene, 0.8, **SLIP))
-    assert exceeded(at(scene, 0.06, **SLIP), ["Kn"])
-    assert not exceeded(at(scene, 0.06, **KINETIC), ["Kn"])
+    assert exceeded_limits(at(scene, 0.06, **SLIP), ["Kn"])
+    assert not exceeded_limits(at(scene, 0.06, **KINETIC), ["Kn"])
     assert validity(at(scene, 14)) != OK == validity(at(scene, 14, **IN))
-    assert len(exceeded(at(scene, 300, 299.99))) == 5  # all but those of Knudsen and sliding
+    assert len(exceeded_limits(at(scene, 300, 299.99))) == 5  # all but those of Knudsen and sliding
 
 
 @pytest.mark.parametrize("study", ["paper", "quick"])

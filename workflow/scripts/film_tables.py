@@ -7,7 +7,7 @@ import pandas as pd
 
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import budget_table, scan_error_of
-from squeezefilm.dynamics.levitation import levitation_table, levitations, loads_like
+from squeezefilm.dynamics.levitation import levitation_table, levitations, loads_of_forces
 from squeezefilm.dynamics.response import all_gains, responses
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAPS_M
@@ -21,7 +21,7 @@ FREQUENCY_HZ = np.geomspace(3, 4000, 60).round(1)
 def gaps_of_loads(study: Film, forces_file: str) -> pd.DataFrame:
     """The gaps that carry loads like the plan's forces."""
     settings = study.solver()
-    loads_n, amplitudes_m = loads_like(forces_file)
+    loads_n, amplitudes_m = loads_of_forces(forces_file)
     moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAPS_M[1]}))
     how = settings.how | {"model_tolerance": settings.model_tolerance}
     scan_error_n = scan_error_of(study.scan, device=settings.device)

@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from squeezefilm.units import sizes, split_unit
+from squeezefilm.units import split_unit, unit_sizes
 
 
 class Column(NamedTuple):
@@ -43,7 +43,7 @@ class Column(NamedTuple):
 
     def shown(self, values: Any) -> Any:
         """Values in the shown unit."""
-        return values / sizes(self.unit)[self.shown_unit]
+        return values / unit_sizes(self.unit)[self.shown_unit]
 
 
 _LINES = Path(__file__).with_name("columns.csv").read_text(encoding="utf-8").splitlines()

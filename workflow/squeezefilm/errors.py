@@ -21,7 +21,7 @@ class RunError(Exception):
     """
 
 
-def refuse(source: object, problems: Mapping[str, object]) -> None:
+def check_problems(source: object, problems: Mapping[str, object]) -> None:
     """Raise an InputError with the first problem whose condition holds."""
     for problem, wrong in problems.items():
         if wrong:

@@ -45,7 +45,7 @@ EFFECTS = (
 )
 # Effects whose error is no numerical one.
 WITH_ERROR = ("depth_averaged", "sheared_gas", "moving_profile", "ram_pressure", "flow_factor")
-SYMMETRIES = {"whole": "none", "quarter": "x and y", "radius": "all around"}
+SYMMETRY_OF_DOMAIN = {"whole": "none", "quarter": "x and y", "radius": "all around"}
 LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]
@@ -124,7 +124,7 @@ def in_lines(row: Mapping[Any, Any]) -> str:
     last += [(label_of(name), rest.pop(name, "")) for name in LAST_COLUMNS]
     errors = {error for name in rest for error in error_columns(name, rest)}
     others = [
-        (label_of(unit_of_column(name)[0]), _text(name, value, rest))
+        (label_of(unit_of_column(name)[0]), _value_text(name, value, rest))
         for name, value in rest.items()
         if name not in errors and value != "ok"
     ]
@@ -139,13 +139,13 @@ def in_lines(row: Mapping[Any, Any]) -> str:
     return "\n".join(f"{a:{wide}}  {text}" for a, (_, text) in zip(labels, lines, strict=True))
 
 
-def _text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
+def _value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     """Return a value of a row with its error, or the list of values that it holds."""
     if isinstance(value, list):
-        return [_text(name, each, row) for each in value]
+        return [_value_text(name, each, row) for each in value]
     if isinstance(value, Mapping):
         stems = {k: unit_of_column(k)[0] for k in value}
-        return ", ".join(f"{label_of(stems[k])} {_text(k, value[k], value)}" for k in stems)
+        return ", ".join(f"{label_of(stems[k])} {_value_text(k, value[k], value)}" for k in stems)
     stem, unit = unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
@@ -253,7 +253,7 @@ def _solver(row: Row) -> Lines:
     solver = [row.pop("method", ""), f"grid {' × '.join(sizes)} ({', '.join(axes[: len(sizes)])})"]
     steps = row.pop("krylov_iterations", 0)
     part, _, axis = domain.partition(" in ")
-    symmetry = f"{axis or SYMMETRIES.get(part, '')} ({part} domain)"
+    symmetry = f"{axis or SYMMETRY_OF_DOMAIN.get(part, '')} ({part} domain)"
     solver = solver[: 1 + bool(sizes)] + [f"{steps} GMRES iterations"] * bool(steps)
     return [("solver", ", ".join(solver)), ("symmetry", symmetry * bool(domain))]
 

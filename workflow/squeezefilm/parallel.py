@@ -19,7 +19,7 @@ Result = TypeVar("Result")
 _task: Callable[[Any], Any] | None = None
 _PR_SET_PDEATHSIG = 1
 # Time without a line of progress, in s.
-SILENCE_S = 10.0
+PROGRESS_INTERVAL_S = 10.0
 _under_way: list["Progress"] = []
 
 
@@ -122,10 +122,10 @@ def showing_progress(command: str, *, to: TextIO | None = None) -> Iterator[None
     before, after = ("\r\033[K", "") if stream.isatty() else ("", "\n")
 
     def show() -> None:
-        while not ended.wait(SILENCE_S):
+        while not ended.wait(PROGRESS_INTERVAL_S):
             parts = [f"{command}: {time.monotonic() - start:.0f} s", *map(str, _under_way)]
             print(before + "; ".join(parts), end=after, file=stream, flush=True)
-        if before and time.monotonic() - start > SILENCE_S:
+        if before and time.monotonic() - start > PROGRESS_INTERVAL_S:
             print(before, end="", file=stream, flush=True)
 
     thread = threading.Thread(target=show, daemon=True)

@@ -37,7 +37,7 @@ def key_of(name: str) -> str:
     return split_unit(name)[0]
 
 
-def mistake(
+def error_at(
     text: str, *key_path: str, kind: Literal["relation", "missing"] = "relation"
 ) -> PydanticCustomError:
     """An error at a key further inside than where the validator is that raises it."""
@@ -75,9 +75,9 @@ class Number:
         return value if number is None else number
 
 
-def _different(values: Items) -> Items:
+def _unique(values: Items) -> Items:
     if len(set(values)) < len(list(values)):
-        raise mistake("a value stands twice")
+        raise error_at("a value stands twice")
     return values
 
 
@@ -85,15 +85,15 @@ Length = Annotated[float, Number("m", 1e-6, 10)]
 Rise = Annotated[float, Number("m", -1e-3, 1e-3)]
 Direction = Annotated[float, Number("°", -360, 360)]
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
-UniqueItems = AfterValidator(_different)
+UniqueItems = AfterValidator(_unique)
 DERIVED: Any = Field(default=None)
 """Of an optional key: ``default:`` in the docstring says what follows from others."""
 NOT_GIVEN: Any = None
 """The same of one of the film's types."""
-Term = Literal["none", "included", "auto"]
+TermSetting = Literal["none", "included", "auto"]
 
 
-def described(schema: dict[str, Any], section: type) -> None:
+def add_meanings(schema: dict[str, Any], section: type) -> None:
     """Put what a docstring says of keys to these, in a section's JSON schema, in their order.
 
     The ``kind`` tells profiles apart, and is to be written.
@@ -112,13 +112,13 @@ def described(schema: dict[str, Any], section: type) -> None:
         key |= {"derived": words} if words else {}
 
 
-KEYS = ConfigDict(
-    extra="forbid", alias_generator=key_of, defer_build=True, json_schema_extra=described
+SECTION_KEYS = ConfigDict(
+    extra="forbid", alias_generator=key_of, defer_build=True, json_schema_extra=add_meanings
 )
 
 
 class Section(BaseModel):
-    model_config = KEYS
+    model_config = SECTION_KEYS
 
 
 @dataclass(frozen=True)

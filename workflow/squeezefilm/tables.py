@@ -20,11 +20,11 @@ import numpy as np
 from squeezefilm.columns import TEXT_COLUMNS, unregistered
 from squeezefilm.errors import InputError, RunError, needing, prefix_errors
 from squeezefilm.files import read_text, whole_file, write_text
-from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, with_position
+from squeezefilm.film.positions import CARTESIAN, POLAR, columns_as_in, with_position
 from squeezefilm.headers import folded, words_and_unit
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
-from squeezefilm.units import sizes
+from squeezefilm.units import unit_sizes
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""
@@ -34,7 +34,7 @@ TIMING_COLUMNS = ("point_id", "solve_s")
 LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_error_n", "status")
 ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
 """What a reader of a refinement's rounds may count on; the table has more."""
-WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
+ERROR_MAP_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 UNCERTAINTY_COLUMNS = ("force_uncertainty_n", "h0_uncertainty_m", "hv_uncertainty_m")
 # What a table of measured forces has, for messages.
 MEASURED_COLUMNS_TEXT = (
@@ -47,7 +47,7 @@ OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", "
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
-NOT_NEEDED = {*SOLUTION_COLUMNS} - {"force_n", "force_error_n", "status", "absent_terms"}
+OPTIONAL_COLUMNS = {*SOLUTION_COLUMNS} - {"force_n", "force_error_n", "status", "absent_terms"}
 """Columns of forces that a table may lack."""
 MOST_NAMED = 100
 """Points without a force, at most, in a message."""
@@ -64,11 +64,11 @@ _WORDS_OF = {
 }
 COLUMN_OF_WORDS = {words: name for name, several in _WORDS_OF.items() for words in several}
 """What people call columns, each also with the word uncertainty, and units beside it."""
-SIZES = {
-    unit.lower(): {folded(name): size for name, size in sizes(unit).items()}
+UNIT_SIZES = {
+    unit.lower(): {folded(name): size for name, size in unit_sizes(unit).items()}
     for unit in ("m", "deg", "N")
 }
-UNITS = {name for units in SIZES.values() for name in units}
+UNITS = {name for units in UNIT_SIZES.values() for name in units}
 
 OtherColumns = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
@@ -134,7 +134,7 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    how: dict[str, Any] = {"optional": NOT_NEEDED, "others": "kept" if whole else "ignored"}
+    how: dict[str, Any] = {"optional": OPTIONAL_COLUMNS, "others": "kept" if whole else "ignored"}
     table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
     for name in map(str, table):
         if name in ("force_n", "force_error_n") or name not in {*FORCE_COLUMNS, *TEXT_COLUMNS}:
@@ -177,7 +177,7 @@ def _read(
     numbers: Sequence[str],
     optional: Collection[str] = (),
     others: OtherColumns = "invalid",
-    needs: str = "",
+    required: str = "",
     chunk: tuple[int, int] = (1, 1),
 ) -> pd.DataFrame:
     """The columns of a table, and what becomes of others that it has.
@@ -191,12 +191,12 @@ def _read(
     """
     path, optional = Path(path), (*optional, "point_id", *POLAR, *CARTESIAN)
     how: dict[str, Any] = {"optional": optional, "others": others, "chunk": chunk}
-    table, lines = _rows(path, columns, needs=needs or ", ".join(columns), **how)
+    table, lines = _rows(path, columns, required=required or ", ".join(columns), **how)
     word = "row" if path.suffix == PARQUET else "line"
     source, statuses = f"{path}: {word}", table.get("status")
-    wanted = [name for name in as_in(columns, table) if name in table]
+    wanted = [name for name in columns_as_in(columns, table) if name in table]
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
-    for name in [each for each in as_in(numbers, wanted) if each in wanted]:
+    for name in [each for each in columns_as_in(numbers, wanted) if each in wanted]:
         values = table[name].map(number_in).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             problem = f"{name} is {table[name].tolist()[row]!r}, not a finite number"
@@ -228,7 +228,7 @@ def _rows(
     *,
     optional: Collection[str],
     others: OtherColumns,
-    needs: str,
+    required: str,
     chunk: tuple[int, int] = (1, 1),
 ) -> tuple[pd.DataFrame, list[int]]:
     """All rows of a CSV file but blank ones as text, or some of a Parquet file; the line of each.
@@ -238,17 +238,20 @@ def _rows(
     if path.suffix == PARQUET:
         table, lines = _parquet_rows(path, chunk=chunk)
     else:
-        table, lines = _csv_rows(path, columns=columns, needs=needs)
+        table, lines = _csv_rows(path, columns=columns, required=required)
     header = list(map(str, table))
     with prefix_errors(path):
-        asked, optional = as_in(columns, header), [*optional, *as_in(optional, header)]
-        _check_header(header, asked, optional, others=others, needs=needs)
+        asked = columns_as_in(columns, header)
+        optional = [*optional, *columns_as_in(optional, header)]
+        _check_header(header, asked, optional, others=others, required=required)
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
     return table, lines
 
 
-def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.DataFrame, list[int]]:
+def _csv_rows(
+    path: Path, *, columns: Iterable[str], required: str
+) -> tuple[pd.DataFrame, list[int]]:
     text = read_text(path, what="table")
     first = next(filter(str.strip, text.splitlines()), "")
     separator = max(SEPARATORS, key=first.count)
@@ -259,7 +262,7 @@ def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.Dat
     except csv.Error as error:
         raise InputError(f"{path}: the table cannot be read: {error}") from None
     if not rows:
-        raise InputError(f"{path}: the table is empty; it needs {needs}")
+        raise InputError(f"{path}: the table is empty; it needs {required}")
     (_, header), *rows = rows
     for line, cells in rows:
         if len(cells) != len(header):
@@ -268,7 +271,7 @@ def _csv_rows(path: Path, *, columns: Iterable[str], needs: str) -> tuple[pd.Dat
             )
     lines = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
-    names, asked = list(header), {*as_in(columns, ()), *as_in(columns, CARTESIAN)}
+    names, asked = list(header), {*columns_as_in(columns, ()), *columns_as_in(columns, CARTESIAN)}
     for column_index, name in enumerate(header):
         if separator != ",":
             table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
@@ -287,7 +290,7 @@ def _column(cell: str) -> tuple[str, float | None]:
         if text in COLUMN_OF_WORDS:
             stem, _, base = COLUMN_OF_WORDS[text].rpartition("_")
             name = f"{stem}_uncertainty_{base}" if uncertain else COLUMN_OF_WORDS[text]
-            return name, SIZES[base].get(unit)
+            return name, UNIT_SIZES[base].get(unit)
     return cell, None
 
 
@@ -316,17 +319,17 @@ def _parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, 
     try:
         with pq.ParquetFile(path) as file:
             about = file.metadata
-            sizes = [about.row_group(group).num_rows for group in range(about.num_row_groups)]
-            ends = np.cumsum(sizes, dtype=int)
+            row_counts = [about.row_group(group).num_rows for group in range(about.num_row_groups)]
+            ends = np.cumsum(row_counts, dtype=int)
             asked = range(about.num_rows)[chunk_rows(*chunk, about.num_rows)]
-            groups = np.flatnonzero((ends > asked.start) & (ends - sizes < asked.stop))
+            groups = np.flatnonzero((ends > asked.start) & (ends - row_counts < asked.stop))
             read = file.read_row_groups(groups.tolist())
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such table") from None
     except (OSError, pa.ArrowException) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: the table cannot be read: {reason}") from None
-    before = sum(sizes[: groups[0]]) if len(groups) else 0
+    before = sum(row_counts[: groups[0]]) if len(groups) else 0
     rows_read = read.slice(asked.start - before, len(asked)).to_pandas()
     return rows_read, [row + 1 for row in asked]
 
@@ -347,7 +350,7 @@ def _check_header(
     optional: Collection[str],
     *,
     others: OtherColumns,
-    needs: str,
+    required: str,
 ) -> None:
     """Reject a header with a column that is not known, then one that lacks a column.
 
@@ -372,15 +375,15 @@ def _check_header(
         own, _ = _column(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
-            units = ", ".join(f"{stem}_{unit}" for unit in SIZES[base])
+            units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES[base])
             raise InputError(
-                f"column {name!r} needs a unit, one of {units}; the table needs {needs}"
+                f"column {name!r} needs a unit, one of {units}; the table needs {required}"
             )
-        raise InputError(f"unknown column {name!r}; the table needs {needs}")
+        raise InputError(f"unknown column {name!r}; the table needs {required}")
     for name in missing:
         form = f" ({POSITION_FORMS})" if name in position else ""
         missed = f"column {name!r} is missing; it has {', '.join(header)}{form}"
-        raise InputError(f"{missed}; the table needs {needs}")
+        raise InputError(f"{missed}; the table needs {required}")
 
 
 def read_columns(
@@ -396,7 +399,7 @@ def read_columns(
     Raises InputError naming the file and the column that is missing, or a file without rows.
     """
     path, known = Path(path), (*columns, *optional)
-    table, _ = _rows(path, known, optional=optional, others="ignored", needs=", ".join(columns))
+    table, _ = _rows(path, known, optional=optional, others="ignored", required=", ".join(columns))
     if path.suffix != PARQUET:
         table = pd.read_csv(io.StringIO(table.to_csv(index=False)))
     return table

@@ -82,7 +82,7 @@ def compound(text: str) -> Unit | None:
     return Unit(size, dimension) if end == len(text) and end else None
 
 
-def sizes(unit: str) -> dict[str, float]:
+def unit_sizes(unit: str) -> dict[str, float]:
     """The simple units that measure what a unit does, each with its size in it."""
     wanted = compound(unit)
     return {name: each.size for name, each in UNITS.items() if wanted and each[1:] == wanted[1:]}
@@ -90,7 +90,7 @@ def sizes(unit: str) -> dict[str, float]:
 
 def examples(unit: str) -> str:
     """Two ways to write a quantity with its unit."""
-    return " or ".join(f"1 {name}" for name in (list(sizes(unit)) or [unit])[:2])
+    return " or ".join(f"1 {name}" for name in (list(unit_sizes(unit)) or [unit])[:2])
 
 
 def in_unit(text: str, unit: str) -> float | None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import prefix_errors
-from squeezefilm.film.positions import CARTESIAN, as_in, with_position
+from squeezefilm.film.positions import CARTESIAN, columns_as_in, with_position
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
 from squeezefilm.formatting import DIMENSIONLESS_COLUMNS, in_lines, scene_row
@@ -289,7 +289,7 @@ def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator
         row |= {
             "validity": validity(scene),
             "absent_terms": "; ".join(term.name for term in absent),
-            "absent_term_reasons": "; ".join(f"{term.name}: {term.why}" for term in absent),
+            "absent_term_reasons": "; ".join(f"{term.name}: {term.reason}" for term in absent),
             "notes": "; ".join(notes_of(scene)),
         }
         if settings.outputs:
@@ -379,7 +379,7 @@ def simulate_table(
             decided, known = settings.solved(batch)
             solutions = solved_with(decided, settings=settings, known=known, **how)
             wall = time.perf_counter() - start
-            columns = rows[as_in(SCENE_COLUMNS, rows)]
+            columns = rows[columns_as_in(SCENE_COLUMNS, rows)]
             write(pd.concat([columns, solutions.to_frame(rows.index)], axis=1))
             # By floating-point operations, of which closed forms need none worth counting.
             work = solutions.work

@@ -103,7 +103,7 @@ class Fit:
 
         fit = self.model
         with prefix_errors(place):
-            factors = fit.represented(factors_of(points))
+            factors = fit.folded(factors_of(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
         with np.errstate(divide="ignore", invalid="ignore"):

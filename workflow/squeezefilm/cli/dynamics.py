@@ -10,14 +10,14 @@ import numpy as np
 
 from squeezefilm.api.forces import scan_error_of
 from squeezefilm.cli.options import (
-    FILM,
-    SCENES,
-    SOLVER,
+    FILM_OPTIONS,
+    SCENES_ARGUMENT,
+    SOLVER_OPTIONS,
     command,
-    film_at,
+    film_of_options,
     option,
     points,
-    points_in,
+    points_of_options,
     points_or_scenes,
     shown,
     study_column,
@@ -42,7 +42,7 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10"),
     option("--mass", "QUANTITY", "levitated mass, e.g. 50g, for the resonance"),
     option("--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"),
-    *SOLVER,
+    *SOLVER_OPTIONS,
     points("h0"),
 )
 def levitate(options: argparse.Namespace) -> None:
@@ -73,7 +73,7 @@ def levitate(options: argparse.Namespace) -> None:
     `auto` does not include, those included near their limit, and the reason for a missing
     resonance. Of several loads each gap is told on stderr as soon as it is known.
     """
-    film = film_at(options)
+    film = film_of_options(options)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:
         raise InputError(f"--mass {options.mass!r} must be positive")
@@ -84,7 +84,7 @@ def levitate(options: argparse.Namespace) -> None:
         raise InputError("give --load and --hv, or --mass and --hv")
     if min(loads_n) <= 0:
         raise InputError(f"--load {options.load!r} must be positive")
-    points = points_in(options, times=len(loads_n))
+    points = points_of_options(options, times=len(loads_n))
     least, most = AMPLITUDES_M
     for hv_m in points["hv_m"]:
         if not least <= hv_m <= most:
@@ -124,7 +124,7 @@ def _levitation_line(row: dict[str, Any]) -> str:
 
 
 @command(
-    SCENES,
+    SCENES_ARGUMENT,
     option("--output", "RESPONSE.csv", "table to write, a row per scene"),
     option("--gains", "GAINS.csv", "table to write, a row per scene and frequency"),
     option(
@@ -138,7 +138,7 @@ def _levitation_line(row: dict[str, Any]) -> str:
         f"of the modulation: several with commas, or first:last:count; {FREQUENCIES}",
         default=FREQUENCIES,
     ),
-    *FILM,
+    *FILM_OPTIONS,
     points(many=False),
 )
 def response(options: argparse.Namespace) -> None:
@@ -164,7 +164,7 @@ def response(options: argparse.Namespace) -> None:
     effect on corner and settling times is not available). `validity` is `ok`, or the limits of
     validity that a scene exceeds under this equation.
     """
-    film = film_at(options)
+    film = film_of_options(options)
     points, alone = points_or_scenes(options), options.scenes is None
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
     table = pd.DataFrame(points) if alone else read_scenes(options.scenes)

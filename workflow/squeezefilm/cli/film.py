@@ -8,15 +8,15 @@ import sys
 from squeezefilm.api.film import INSTANTS_LIMITS, PLACES_LIMITS, Film
 from squeezefilm.api.forces import budget_table, forces_table, missing_of, preview, simulate_table
 from squeezefilm.cli.options import (
-    CONFIG,
-    FILM,
-    OUTPUT,
-    POINTS,
-    SCENES,
-    SOLVER,
+    CONFIG_OPTION,
+    FILM_OPTIONS,
+    HELP_OF_FACTOR,
+    OUTPUT_OPTION,
+    SCENES_ARGUMENT,
+    SOLVER_OPTIONS,
     check_json,
     command,
-    film_at,
+    film_of_options,
     flag,
     option,
     points,
@@ -34,9 +34,9 @@ from squeezefilm.tables import read_scenes, write_table
 
 
 @command(
-    SCENES,
+    SCENES_ARGUMENT,
     option("--output", "FORCES.csv", "table of forces to write"),
-    *SOLVER,
+    *SOLVER_OPTIONS,
     flag("--dry-run", "show how scenes would be solved, and solve nothing"),
     flag("--derivatives", "derivatives of the force too, by each quantity of a scene"),
     flag("--budget", "the modelling error too, as columns of several points"),
@@ -86,7 +86,7 @@ def simulate(options: argparse.Namespace) -> None:
     for each scene.
     """
     outputs = None if options.outputs is None else [*filter(None, options.outputs.split(","))]
-    film = film_at(options, outputs)
+    film = film_of_options(options, outputs)
     points, path = points_or_scenes(options), options.scenes
     if options.dry_run:
         with prefix_errors(path):
@@ -147,7 +147,7 @@ def _simulate_table(options: argparse.Namespace, film: Film) -> None:
         raise RunError(f"{what} for " + "; ".join(missing))
 
 
-@command(SCENES, OUTPUT, *FILM, points())
+@command(SCENES_ARGUMENT, OUTPUT_OPTION, *FILM_OPTIONS, points())
 def error_budget(options: argparse.Namespace) -> None:
     """Estimate the modelling error of forces: inertia, thermal effects, slip, edge loss, sliding.
 
@@ -165,13 +165,13 @@ def error_budget(options: argparse.Namespace) -> None:
     `depth_averaged_percent` is the estimated error of inertia and thermal effects as averages over
     the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
     """
-    points, film = points_or_scenes(options), film_at(options)
+    points, film = points_or_scenes(options), film_of_options(options)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)
     write_rows(budget_table(scenes, film), options)
 
 
 @command(
-    CONFIG,
+    CONFIG_OPTION,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
     option(
         "--places", None, "points a side, {} to {}".format(*PLACES_LIMITS), type=int, default=41
@@ -193,10 +193,10 @@ def pressure(options: argparse.Namespace) -> None:
     """
     if not options.output.endswith((".csv", ".nc")):
         raise InputError(f"--output {options.output}: name a file that ends in .csv or .nc")
-    given = {name: getattr(options, name) for name in POINTS}
+    given = {name: getattr(options, name) for name in HELP_OF_FACTOR}
     if not (given["h0"] and given["hv"]):
         raise InputError("give --h0 and --hv")
-    film = film_at(options)
+    film = film_of_options(options)
     field = film.pressure(**given, places=options.places, instants=options.instants)
     if options.output.endswith(".nc"):
         with whole_file(options.output) as path:

@@ -90,10 +90,10 @@ def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> 
         return 1
 
 
-def _run(words: Sequence[str], *, groups: Groups) -> int:
-    commands, chosen = commands_of(groups), words[0] if words else ""
+def _run(arguments: Sequence[str], *, groups: Groups) -> int:
+    commands, chosen = commands_of(groups), arguments[0] if arguments else ""
     if chosen not in commands:
-        _explain(words, commands, overview=overview(groups))
+        _explain(arguments, commands, overview=overview(groups))
     for name in THREAD_VARIABLES:
         os.environ.setdefault(name, "1")
     # No module is garbage before the process ends, and a search for it takes a quarter of the time
@@ -111,7 +111,7 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     actions = [action for add in command.options for action in add(parser)]
-    options, unknown = parser.parse_known_args(with_negative_values(words[1:]))
+    options, unknown = parser.parse_known_args(with_negative_values(arguments[1:]))
     if unknown:
         known = ["--help", *(name for action in actions for name in action.option_strings)]
         hint = _nearest(unknown[0].partition("=")[0], known)
@@ -121,10 +121,10 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         return int(command.run(options) or 0)
 
 
-def with_negative_values(words: Sequence[str]) -> list[str]:
+def with_negative_values(arguments: Sequence[str]) -> list[str]:
     """Words of which ``--x -2mm`` is ``--x=-2mm``: argparse takes such values for options."""
     joined: list[str] = []
-    for word in words:
+    for word in arguments:
         if NEGATIVE_NUMBER.match(word) and joined and OPTION.fullmatch(joined[-1]):
             joined[-1] += f"={word}"
         else:
@@ -132,7 +132,7 @@ def with_negative_values(words: Sequence[str]) -> list[str]:
     return joined
 
 
-def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
+def _explain(arguments: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
     """Answer --help, --version or an unknown command."""
     parser = argparse.ArgumentParser(
         prog="squeezefilm",
@@ -142,10 +142,10 @@ def _explain(words: Sequence[str], commands: Iterable[str], *, overview: str) ->
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
-    if words and not words[0].startswith("-"):
-        hint = _nearest(words[0], commands)
-        parser.error(f"there is no command {words[0]!r}; {hint}`squeezefilm --help` names all")
-    parser.parse_args(words)
+    if arguments and not arguments[0].startswith("-"):
+        hint = _nearest(arguments[0], commands)
+        parser.error(f"there is no command {arguments[0]!r}; {hint}`squeezefilm --help` names all")
+    parser.parse_args(arguments)
     parser.error("which command? `squeezefilm --help` names them")
 
 

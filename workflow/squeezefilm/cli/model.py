@@ -3,7 +3,15 @@
 import argparse
 
 from squeezefilm.api.models import Fit
-from squeezefilm.cli.options import FIT, SHOWN, command, option, points, points_in, write_rows
+from squeezefilm.cli.options import (
+    FIT_ARGUMENT,
+    RESULT_OPTIONS,
+    command,
+    option,
+    points,
+    points_of_options,
+    write_rows,
+)
 from squeezefilm.columns import unregistered
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
@@ -15,7 +23,9 @@ from squeezefilm.models.fit_file import FILM_UNKNOWN
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_columns
 
 
-@command(FIT, option("--points", "POINTS.csv", "points as a table"), *SHOWN, points())
+@command(
+    FIT_ARGUMENT, option("--points", "POINTS.csv", "points as a table"), *RESULT_OPTIONS, points()
+)
 def predict(options: argparse.Namespace) -> None:
     """Forces by a fitted model, from its file alone.
 
@@ -43,7 +53,7 @@ def predict(options: argparse.Namespace) -> None:
         kept = {*SCENE_COLUMNS, *CARTESIAN, *unregistered(map(str, table))}
         table = table[[name for name in table if name in kept]]
     else:
-        table, source = pd.DataFrame(points_in(options)), "predict"
+        table, source = pd.DataFrame(points_of_options(options)), "predict"
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=source)
@@ -55,9 +65,9 @@ def predict(options: argparse.Namespace) -> None:
 
 
 @command(
-    FIT,
+    FIT_ARGUMENT,
     option("--force", "QUANTITY", "target, e.g. 1.0N", required=True),
-    *SHOWN,
+    *RESULT_OPTIONS,
     points("hv"),
 )
 def amplitude_for(options: argparse.Namespace) -> None:
@@ -74,12 +84,12 @@ def amplitude_for(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
-    points = pd.DataFrame(points_in(options))
+    points = pd.DataFrame(points_of_options(options))
     write_rows(fit.amplitudes_for(points, options.force), options, **fit.about)
 
 
 @command(
-    FIT,
+    FIT_ARGUMENT,
     option("--language", help="of the code", required=True, choices=LANGUAGES),
     option("--output", "FILE", "file to write, else it is shown"),
 )

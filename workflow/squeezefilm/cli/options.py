@@ -23,7 +23,7 @@ from squeezefilm.units import error_text, to_its_error
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""
-POINTS = {
+HELP_OF_FACTOR = {
     "h0": "mean gap, e.g. 5um",
     "hv": "amplitude at the profile's maximum, e.g. 2um",
     "x": "pad's centre, e.g. -2mm; default: 0 m",
@@ -37,10 +37,10 @@ SEVERAL_VALUES_HELP = (
 )
 
 OptionAdder = Callable[[argparse.ArgumentParser], list[argparse.Action]]
-Run = Callable[[argparse.Namespace], int | None]
+CommandFunction = Callable[[argparse.Namespace], int | None]
 
 
-def command(*options: OptionAdder) -> Callable[[Run], SimpleNamespace]:
+def command(*options: OptionAdder) -> Callable[[CommandFunction], SimpleNamespace]:
     """Make a function a command that has some options."""
     return lambda run: SimpleNamespace(run=run, options=options)
 
@@ -63,30 +63,35 @@ def points(*without: str, many: bool = True) -> OptionAdder:
         group = parser.add_argument_group(title, SEVERAL_VALUES_HELP if many else None)
         return [
             group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)
-            for name, text in POINTS.items()
+            for name, text in HELP_OF_FACTOR.items()
             if name not in without
         ]
 
     return add
 
 
-CONFIG = option("--config", "CONFIG.yaml", "the study; default: a checkout's paper.yaml")
-STUDY = option("--config", "CONFIG.yaml", "the study", required=True)
-DEVICE = option("--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device")
+CONFIG_OPTION = option("--config", "CONFIG.yaml", "the study; default: a checkout's paper.yaml")
+STUDY_OPTION = option("--config", "CONFIG.yaml", "the study", required=True)
+DEVICE_OPTION = option(
+    "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
+)
 TOLERANCE_OPTION = option(
     "--tolerance", help="instead of the config's solver.tolerance", type=float
 )
-METHOD = option("--method", help="instead of the config's solver.method", choices=METHODS)
-JSON = flag("--json", "print one point as a JSON object, whose keys are names of columns")
-SOLVER, FILM = (CONFIG, TOLERANCE_OPTION, METHOD, DEVICE, JSON), (CONFIG, DEVICE, JSON)
-FIT = option("fit", "FIT.json", "the fitted model")
-FORCES = option("forces", "FORCES.csv", "simulated forces")
-SCENES = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
-OUTPUT = option("--output", "TABLE.csv", "table to write; without it the table is shown")
-SHOWN = (OUTPUT, JSON)
+METHOD_OPTION = option("--method", help="instead of the config's solver.method", choices=METHODS)
+JSON_OPTION = flag("--json", "print one point as a JSON object, whose keys are names of columns")
+SOLVER_OPTIONS, FILM_OPTIONS = (
+    (CONFIG_OPTION, TOLERANCE_OPTION, METHOD_OPTION, DEVICE_OPTION, JSON_OPTION),
+    (CONFIG_OPTION, DEVICE_OPTION, JSON_OPTION),
+)
+FIT_ARGUMENT = option("fit", "FIT.json", "the fitted model")
+FORCES_ARGUMENT = option("forces", "FORCES.csv", "simulated forces")
+SCENES_ARGUMENT = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
+OUTPUT_OPTION = option("--output", "TABLE.csv", "table to write; without it the table is shown")
+RESULT_OPTIONS = (OUTPUT_OPTION, JSON_OPTION)
 
 
-def film_at(options: argparse.Namespace, outputs: Sequence[str] | None = ()) -> Film:
+def film_of_options(options: argparse.Namespace, outputs: Sequence[str] | None = ()) -> Film:
     """The film of a study, of which no section is checked that film and solver do not need.
 
     Raises InputError where none is named and there is none, and as ``load_film`` does.
@@ -98,7 +103,7 @@ def film_at(options: argparse.Namespace, outputs: Sequence[str] | None = ()) -> 
     return Film(config, given | {"outputs": outputs})
 
 
-def points_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[float, ...]]:
+def points_of_options(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[float, ...]]:
     """Every combination of the options' values, a column for each factor given.
 
     Args:
@@ -106,7 +111,9 @@ def points_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[fl
 
     Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
-    columns = columns_of(option="--{}", **{name: getattr(options, name, None) for name in POINTS})
+    columns = columns_of(
+        option="--{}", **{name: getattr(options, name, None) for name in HELP_OF_FACTOR}
+    )
     check_json(options, times * len(next(iter(columns.values()), ())))
     return columns
 
@@ -114,9 +121,9 @@ def points_in(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[fl
 def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
     """Return the points that options give, none where they name a table of scenes.
 
-    Raises InputError as ``points_in`` does, for both or neither, and without h0 or hv.
+    Raises InputError as ``points_of_options`` does, for both or neither, and without h0 or hv.
     """
-    points = points_in(options)
+    points = points_of_options(options)
     if points if options.scenes else not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give a table of scenes, or points by --h0 and --hv")
     return points

@@ -5,7 +5,15 @@ import sys
 from pathlib import Path
 
 from squeezefilm.api.models import Fit
-from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, print_table, shown
+from squeezefilm.cli.options import (
+    FIT_ARGUMENT,
+    FORCES_ARGUMENT,
+    STUDY_OPTION,
+    command,
+    option,
+    print_table,
+    shown,
+)
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import prefix_errors
 from squeezefilm.files import digest
@@ -18,7 +26,7 @@ from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_j
 
 
 @command(
-    STUDY,
+    STUDY_OPTION,
     option("--forces", "FORCES.csv", "forces with other noise"),
     option("--table", "PROFILE.csv", "the scan's points and residuals"),
 )
@@ -44,9 +52,9 @@ def profile(options: argparse.Namespace) -> None:
 
 
 @command(
-    FORCES,
+    FORCES_ARGUMENT,
     option("--model", "NAME", "such as two-factor", required=True),
-    STUDY,
+    STUDY_OPTION,
     option("--output", "FIT.json", "the best run", required=True),
     option("--sample", "FORCES.csv", "forces of a validation sample"),
     option("--runs", "RUNS.csv", "all runs"),
@@ -95,9 +103,9 @@ def fit(options: argparse.Namespace) -> None:
 
 
 @command(
-    FIT,
-    FORCES,
-    STUDY,
+    FIT_ARGUMENT,
+    FORCES_ARGUMENT,
+    STUDY_OPTION,
     option("--output", "ERRORS.csv", "error of each point", required=True),
 )
 def validate(options: argparse.Namespace) -> None:
@@ -114,9 +122,9 @@ def validate(options: argparse.Namespace) -> None:
 
 
 @command(
-    FIT,
+    FIT_ARGUMENT,
     option("--forces", "FORCES.csv", "what it was fitted to", required=True),
-    STUDY,
+    STUDY_OPTION,
     option("--existing", "SCENES.csv", "points to add to"),
     option("--output", "DESIGNS.csv", "designs to write", required=True),
 )

@@ -12,14 +12,15 @@ import yaml
 from squeezefilm.config.study import Study
 from squeezefilm.sections import KeyPath
 
-Part = Mapping[str, Any]
+Schema = Mapping[str, Any]
+Names = tuple[str, ...]
 """Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""
 
 TABLE_HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
 
 
 @cache
-def schema() -> Part:
+def schema() -> Schema:
     """The JSON schema of a study, its parts in the places where it refers to them."""
     raw = Study.model_json_schema()
 
@@ -39,7 +40,7 @@ def schema() -> Part:
             return {**part, "properties": keys, "required": ["kind"], "kinds": kinds}
         return {name: inlined(value) for name, value in part.items()}
 
-    whole: Part = inlined({name: part for name, part in raw.items() if name != "$defs"})
+    whole: Schema = inlined({name: part for name, part in raw.items() if name != "$defs"})
     return whole
 
 
@@ -64,7 +65,7 @@ def key_path_of(location: KeyPath, values: Any, *, missing: bool = False) -> Key
     return key_path
 
 
-def part_at(key_path: KeyPath, values: Any) -> Part:
+def part_at(key_path: KeyPath, values: Any) -> Schema:
     """Return the part of the schema that describes a key's value, empty if none does."""
     part = schema()
     for step in key_path:
@@ -81,26 +82,26 @@ def _inside(values: Any, step: str | int) -> Any:
         return None
 
 
-def _part_inside(part: Part, step: str | int, values: Any) -> Part:
+def _part_inside(part: Schema, step: str | int, values: Any) -> Schema:
     """Return the schema of what is under a key of these values, or in a list of them."""
     own = _of_kind(part, values)
-    key: Part = own.get("properties", {}).get(step) or _pattern_schema(own)
+    key: Schema = own.get("properties", {}).get(step) or _pattern_schema(own)
     return own.get("items", {}) if isinstance(step, int) else key
 
 
-def _pattern_schema(part: Part) -> Part:
+def _pattern_schema(part: Schema) -> Schema:
     """Return the schema of the values in a section whose keys the user names."""
     named = part.get("additionalProperties") or {}
     return next(iter(part.get("patternProperties", {}).values()), named)
 
 
-def _of_kind(part: Part, values: Any) -> Part:
+def _of_kind(part: Schema, values: Any) -> Schema:
     kind = values.get("kind") if isinstance(values, Mapping) else None
-    chosen: Part = part.get("kinds", {}).get(str(kind), part)
+    chosen: Schema = part.get("kinds", {}).get(str(kind), part)
     return chosen
 
 
-def allowed(part: Part) -> str:
+def allowed(part: Schema) -> str:
     """Values that the schema allows, as a text; empty for a section."""
     if "enum" in part or "const" in part:
         return ", ".join(f"`{value}`" for value in part.get("enum", [part.get("const")]))
@@ -121,7 +122,7 @@ def shown(value: float, *, digits: int = 5) -> str:
     return text.replace("-", "−") if text.startswith("-") else text
 
 
-def key_table(whole: Part) -> str:
+def key_table(whole: Schema) -> str:
     """Return a row of Markdown for each key: its unit, values, default and meaning."""
     rows = []
     for path, part, needed in _keys(whole):
@@ -133,7 +134,7 @@ def key_table(whole: Part) -> str:
     return TABLE_HEAD + "".join(rows)
 
 
-def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Part, bool]]:
+def _keys(part: Schema, path: Names = ()) -> Iterator[tuple[Names, Schema, bool]]:
     """Each key below a part of the schema: the names that lead to it, and whether it is needed."""
     for name, key in part.get("properties", {}).items():
         yield (*path, name), key, name in part.get("required", ())
@@ -146,12 +147,12 @@ def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
                 yield key_path, {**key, "description": f"of `{kind}`: {key['description']}"}, needed
 
 
-def unit_of(part: Part) -> str:
+def unit_of(part: Schema) -> str:
     """The unit of a key's number, or of each in its list."""
     return str(part.get("unit", part.get("items", {}).get("unit", "")))
 
 
-def _default(part: Part, needed: bool) -> str:
+def _default(part: Schema, needed: bool) -> str:
     """Default of a key, or that it is required."""
     if "derived" in part or needed:
         return str(part.get("derived", "to be written"))

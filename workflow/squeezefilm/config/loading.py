@@ -19,7 +19,7 @@ import yaml
 from pydantic import ValidationError
 
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.keys import Part, allowed, key_path_of, part_at, unit_of
+from squeezefilm.config.keys import Schema, allowed, key_path_of, part_at, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
@@ -184,7 +184,7 @@ def _mistakes(
     return [f"line {line}: {text}" if line else text for line, text in reported]
 
 
-def _about_key(error: Any, key_path: KeyPath, part: Part) -> str:
+def _about_key(error: Any, key_path: KeyPath, part: Schema) -> str:
     """Message about an unknown or missing key; empty where another error contains it."""
     *section, key = map(str, key_path)
     where, known = ".".join(section) or "top level", part.get("properties", {})
@@ -204,7 +204,7 @@ def _about_key(error: Any, key_path: KeyPath, part: Part) -> str:
     return f"{where}: missing {key!r} ({words}{unit}){about}"
 
 
-def _about_value(error: Any, key_path: KeyPath, part: Part) -> str:
+def _about_value(error: Any, key_path: KeyPath, part: Schema) -> str:
     where, wrong, kind = ".".join(map(str, key_path)) or "top level", error["input"], error["type"]
     if kind == "relation":
         return f"{where}: {error['msg']}"
@@ -293,7 +293,7 @@ def origin(config: Study, key_path: KeyPath) -> str:
     return f"derived: {words}" if words else "default"
 
 
-def _schema_part(config: Study, key_path: KeyPath) -> Part:
+def _schema_part(config: Study, key_path: KeyPath) -> Schema:
     return part_at(key_path, config.sections())
 
 

@@ -14,7 +14,7 @@ from squeezefilm.config.film import FilmSections
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
 from squeezefilm.film.profiles import TravellingWave
-from squeezefilm.sections import DERIVED, Number, Section, Text, UniqueItems, key_of, mistake
+from squeezefilm.sections import DERIVED, Number, Section, Text, UniqueItems, error_at, key_of
 
 LEVELS_RATIO, MOST_LEVELS = 2, 1000
 """The error map's levels over the screen's: they share no points but the corners."""
@@ -481,14 +481,14 @@ class Study(FilmSections, Header):
             )
             for section, levels in (("screen", fitted), ("error_map", control)):
                 if levels.start >= levels.stop:
-                    raise mistake("start must be below stop", section, key)
+                    raise error_at("start must be below stop", section, key)
             for key_path, value, most in (
                 (("error_map", key, "start"), control.start, fitted.stop),
                 (("error_map", key, "stop"), control.stop, fitted.stop),
                 (("extrapolation", key), wanted_m, farthest * fitted.stop),
             ):
                 if not fitted.start * (1 - ROUNDING_SLACK) <= value <= most * (1 + ROUNDING_SLACK):
-                    raise mistake(
+                    raise error_at(
                         f"{value:g} does not suit screen.{key}, {fitted.start:g} … "
                         f"{fitted.stop:g}, where the models are fitted; it must lie from "
                         f"{fitted.start:g} to {most:g}",
@@ -501,7 +501,7 @@ class Study(FilmSections, Header):
                 not np.isclose(finer[:, None], screen, rtol=EQUAL_LEVELS, atol=0).any(axis=1).all()
             )
         if not new:
-            raise mistake(
+            raise error_at(
                 "all its points are the screen's, and no model can be judged by points that it was "
                 "fitted to; give other levels, or leave error_map out to have twice the screen's",
                 "error_map",
@@ -513,19 +513,19 @@ class Study(FilmSections, Header):
         factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
         written = [name for name in (*POLAR, *CARTESIAN) if getattr(positions, name) is not None]
         if written != [*factors]:
-            raise mistake(
+            raise error_at(
                 f"on a {shape} they are {' and '.join(map(key_of, factors))}; "
                 f"the keys are {', '.join(map(key_of, written))}",
                 "positions",
             )
         for factor in () if disc else factors:
             if max(getattr(positions, factor)) <= 0:
-                raise mistake(
+                raise error_at(
                     "a value must be above 0: the pad moves in x and y",
                     *("positions", key_of(factor)),
                 )
         if not disc and self.paper:
-            raise mistake("the paper's actuator is a disc; it must be false", "paper")
+            raise error_at("the paper's actuator is a disc; it must be false", "paper")
 
 
 def _fill_defaults(section: Section, **values: Any) -> None:
@@ -554,7 +554,7 @@ def _reaches_m(pad: Pad) -> tuple[float, float]:
 def _travel_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
     """Largest distance that the pad may move one way."""
     if half_m - reach_m <= 1e-6 * reach_m:
-        raise mistake(
+        raise error_at(
             f"the pad reaches {reach_m * 1e3:.4g} mm from its centre and the surface ({surface}) "
             f"{half_m * 1e3:.4g} mm: there is no room to move the pad, as the four-factor plan "
             f"does; make one of them fit, or write positions.{key}",

@@ -82,7 +82,7 @@ class AveragedFilm:
         a = epsilon * np.abs(grid.edge_s)
         values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
         if self.layer:
-            _, in_phase, ahead = edge_layer.ratios(a)
+            _, in_phase, ahead = edge_layer.layer_ratios(a)
             turned = grid.edge_s.conj() * grid.edge_slope
             u = epsilon**2 * (in_phase * turned.real + ahead * turned.imag)
             values = values + u / np.sqrt(self.layer_number) / 2
@@ -250,11 +250,11 @@ class AveragedFilm:
     def _layer(self, epsilon: float) -> float:
         if not self.layer:
             return 0.0
-        d, _ = edge_layer.integrals(epsilon * np.abs(self.grid.edge_s))
+        d, _ = edge_layer.layer_integrals(epsilon * np.abs(self.grid.edge_s))
         return float(self.grid.edge_weights @ d / np.sqrt(self.layer_number))
 
 
-def refused(scene: Scene) -> str:
+def unsupported(scene: Scene) -> str:
     """Return the reason why a scene's response is not supported, or an empty text."""
     if not scene.pad.gap.flat:
         return "the response was derived for a gap that is uniform at rest, not tilted or crowned"
@@ -274,9 +274,9 @@ def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
 
     A finer grid is taken as long as it makes the error smaller by a tenth.
     """
-    best = film_on(scene)
+    best = averaged_film_on(scene)
     for points in GRID_POINTS[1:]:
-        finer = film_on(scene, points)
+        finer = averaged_film_on(scene, points)
         if not finer[1] < ERROR_RATIO * best[1]:
             break
         best = finer
@@ -284,7 +284,7 @@ def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
 
 
 @lru_cache(maxsize=len(GRID_POINTS))
-def film_on(scene: Scene, points: int = GRID_POINTS[0]) -> tuple[AveragedFilm, float]:
+def averaged_film_on(scene: Scene, points: int = GRID_POINTS[0]) -> tuple[AveragedFilm, float]:
     """The averaged film on one grid, and its relative error at rest.
 
     The error is that of the settled force: of a rectangle by the edge layer's expansion, of other

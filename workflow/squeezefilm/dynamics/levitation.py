@@ -20,12 +20,12 @@ from squeezefilm.dynamics.averaged_film import (
     GRID_POINTS,
     AveragedFilm,
     averaged_film_of,
-    film_on,
-    refused,
+    averaged_film_on,
+    unsupported,
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import GAPS_M, exceeded
+from squeezefilm.film.validity import GAPS_M, exceeded_limits
 from squeezefilm.formatting import scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
@@ -54,7 +54,7 @@ MOST_STEPS = 40
 # A gap is not given where its modelling error is more than this fraction of it.
 MOST_MODELLING_ERROR = 0.1
 # Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
-EFFECTS_GROW = 2.0
+EFFECTS_GROWTH = 2.0
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_AVERAGING_ERROR = 0.2
@@ -128,12 +128,12 @@ class Levitation:
         that grow with h² twice that square more.
         """
         steepness = abs(self.stiffness_n_per_m) * self.scene.h0_m / abs(self.force_n)
-        return (EFFECTS_GROW + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
+        return (EFFECTS_GROWTH + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
 
     @property
     def invalidity_reasons(self) -> list[str]:
         """Return the reasons why the gap is not valid for a real film; empty where it is."""
-        reasons = list(exceeded(self.scene))
+        reasons = list(exceeded_limits(self.scene))
         error_m = abs(self._moved_m(self.budget.known_error_percent))
         error_m += self.second_order_m(error_m)
         if self.budget.status == "ok" and not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
@@ -192,7 +192,7 @@ def levitate(
     levitation = None
     while levitation is None:
         try:
-            levitation = _at_the_load(chosen, *brackets[-1], load_n=load_n, how=how)
+            levitation = _gap_at_load(chosen, *brackets[-1], load_n=load_n, how=how)
         except RunError as error:
             name = next((n for n in open_ if getattr(chosen.gas, n) == "included"), None)
             if name is None:
@@ -202,7 +202,7 @@ def levitate(
             chosen = chosen.with_gas(**{name: "none"})
     # Outside the limits of validity no gap is given, whatever its modelling error.
     budget = ErrorBudget(status="outside the limits of validity")
-    if not exceeded(levitation.scene):
+    if not exceeded_limits(levitation.scene):
         (budget,) = error_budgets([levitation.scene], device=device)
     notes = excluded_terms(near, method=method)
     for name, reason in not_included.items():
@@ -230,7 +230,7 @@ def valid_range_text(scene: Scene, *, device: Device) -> str:
     # The equation that has the widest limits.
     widest = _scenes_at_gaps(scene.with_gas(inertia="included", thermal="none"), *gaps_m)
     valid = [
-        k for k, there in enumerate(widest) if slopes[k] < 0 < forces_n[k] and not exceeded(there)
+        k for k, at in enumerate(widest) if slopes[k] < 0 < forces_n[k] and not exceeded_limits(at)
     ]
     if not valid:
         return "at this amplitude no gap is within the limits of validity"
@@ -244,7 +244,7 @@ def valid_range_text(scene: Scene, *, device: Device) -> str:
     )
 
 
-def _at_the_load(
+def _gap_at_load(
     scene: Scene, low: float, high: float, *, load_n: float, how: dict[str, Any]
 ) -> Levitation:
     """Solve force(h0) = load for one set of terms: rough forces first, then refined ones.
@@ -263,7 +263,7 @@ def _at_the_load(
     slope = float(_known_or_raise(values[2, 0], h0_m, status))
     # The gap may lie anywhere here; where all of it is outside, none is given and these show why.
     ends = (replace(scene, h0_m=(1 + off) * h0_m) for off in (-ROUGH_TOLERANCE, ROUGH_TOLERANCE))
-    if not all(map(exceeded, ends)):
+    if not all(map(exceeded_limits, ends)):
         for _ in range(MOST_STEPS):
             step_m = excess(h0_m, how) / slope
             h0_m += step_m
@@ -375,7 +375,7 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     if not levitation.stable:
         return Resonance(reason="no resonance: not stable")
     settled = scene.viscous()
-    if reason := refused(settled):
+    if reason := unsupported(settled):
         return _unknown(reason)
     film, error = averaged_film_of(settled)
     if error > MOST_AVERAGING_ERROR:
@@ -393,7 +393,7 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     # The layer of gas that the motion moves at the edge is thinner than a settled film needs.
     finer = GRID_POINTS[GRID_POINTS.index(film.grid.points) + 1 :]
     for points in finer or GRID_POINTS[-2:-1]:
-        film, _ = film_on(settled, points)
+        film, _ = averaged_film_on(settled, points)
         previous, (root, slope) = root, _root_of_motion(film, root, **motion)
         moved = abs(root - previous)
         if not moved > ROOT_TOLERANCE * abs(root):
@@ -502,7 +502,7 @@ RESONANCE_COLUMNS = (
 )
 
 
-def loads_like(path: str) -> tuple[list[float], list[float]]:
+def loads_of_forces(path: str) -> tuple[list[float], list[float]]:
     """Loads and amplitudes over the range of a table of forces.
 
     Raises InputError where no force is positive.

@@ -95,7 +95,8 @@ def pad_grid(scene: Scene, points: int) -> PadGrid:
 
 def rectangle_grid(films: Films) -> PadGrid:
     """The nodes of one film (B = 1) under a rectangle; a corner has the mean of its two sides."""
-    second_x, second_y = (line.derivative @ line.derivative for line in (films.x, films.y))
+    axes = (films.x_axis, films.y_axis)
+    second_x, second_y = (axis.derivative @ axis.derivative for axis in axes)
     along_x = np.kron(second_x, np.eye(len(second_y)))
     along_y = np.kron(np.eye(len(second_x)), second_y) / films.aspect[0] ** 2
     inside = np.zeros(films.s.shape[1:], dtype=bool)
@@ -105,11 +106,11 @@ def rectangle_grid(films: Films) -> PadGrid:
     node_of_edge = films.on_edge(indices[None])[0]
     on_node = np.equal.outer(np.flatnonzero(~inner), node_of_edge)
     return PadGrid(
-        points=films.x.points,
+        points=films.x_axis.points,
         s=films.s[0].ravel(),
         inner=inner,
         laplacian=(along_x + along_y)[inner],
-        weights=np.outer(all_weights(films.x), all_weights(films.y)).ravel(),
+        weights=np.outer(all_weights(films.x_axis), all_weights(films.y_axis)).ravel(),
         edge_s=films.edge_profile[0],
         edge_slope=films.slope[0],
         edge_weights=films.edge_integral(np.eye(len(node_of_edge))),

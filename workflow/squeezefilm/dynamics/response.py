@@ -17,12 +17,12 @@ from squeezefilm.dynamics.averaged_film import (
     GRID_POINTS,
     AveragedFilm,
     averaged_film_of,
-    film_on,
-    refused,
+    averaged_film_on,
+    unsupported,
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import exceeded, validity
+from squeezefilm.film.validity import exceeded_limits, validity
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
 from squeezefilm.quantities.outputs import negative_slopes
@@ -95,7 +95,7 @@ def gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
 
     Raises RunError saying why the scene is not supported.
     """
-    film, error = _slow(scene)
+    film, error = _averaged_film(scene)
     modulations = np.asarray(frequency_hz, dtype=float) / scene.actuator.frequency_hz
     averaging = AVERAGING_ERROR * modulations**2
     averaging += LAYER_LAG_ERROR * modulations * film.layer_thickness * film.grid.edge_motion
@@ -123,7 +123,7 @@ def steps_of(scene: Scene) -> pd.DataFrame:
     By the slow film: what lies within two periods of the vibration is no more than a direction.
     Raises RunError saying why the scene is not supported.
     """
-    time, rising, falling = _steps(_slow(scene)[0])
+    time, rising, falling = _steps(_averaged_film(scene)[0])
     return pd.DataFrame(
         {
             "time_s": time / scene.actuator.angular_frequency_rad_per_s,
@@ -138,12 +138,12 @@ def response(scene: Scene) -> Response:
 
     Raises RunError saying why the scene is not supported.
     """
-    film, _ = _slow(scene)
+    film, _ = _averaged_film(scene)
     return _response(scene, film.grid.points)
 
 
-def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
-    if reason := refused(scene):
+def _averaged_film(scene: Scene) -> tuple[AveragedFilm, float]:
+    if reason := unsupported(scene):
         raise RunError(f"not supported: {reason}")
     film, error = averaged_film_of(scene)
     if error > MOST_SLOW_ERROR:
@@ -157,7 +157,7 @@ def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
 @lru_cache(maxsize=10_000)
 def _response(scene: Scene, points: int) -> Response:
     """Response by the film on one grid; cached, for the effect of slip mostly needs it too."""
-    film, error = film_on(scene, points)
+    film, error = averaged_film_on(scene, points)
     static, prompt = film.response(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s
     time, rising, falling = _steps(film)
@@ -255,7 +255,7 @@ def neglected(
 
 def _slip_changes(scene: Scene) -> dict[str, float]:
     slipping = scene.with_gas(rarefaction="slip")
-    if exceeded(slipping, symbols=("Kn",)):
+    if exceeded_limits(slipping, symbols=("Kn",)):
         return {f"slip_{what}_percent": nan for what in SLIP_CHANGE_COLUMNS}
     before, after = (_response(film_scene, GRID_POINTS[0]) for film_scene in (scene, slipping))
     return {

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 
-from squeezefilm.sections import KEYS, Number, Term, key_of, mistake
+from squeezefilm.sections import SECTION_KEYS, Number, TermSetting, error_at, key_of
 
 AIR_LIKE_DEVIATION = 0.05
 """By how much a written viscosity may differ, relative, from that of the gas that is named."""
@@ -56,7 +56,7 @@ class Gas:
         ambient_temperature_k: temperature of `name`, such as `20 °C`; a number is in kelvin
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     viscosity_pa_s: Annotated[float, Number("Pa s", 1e-7, 100)] = 1.81e-5
     ambient_pressure_pa: Annotated[float, Number("Pa", 1, 1e9)] = 101325.0
@@ -65,8 +65,8 @@ class Gas:
     rarefaction: Literal["none", "slip", "fukui-kaneko"] = "none"
     slip_coefficient: Annotated[float, Number("1", 0.1, 100)] = 1.0
     polytropic_exponent: Annotated[float, Number("1", 1, 1.67)] = 1.0
-    inertia: Term = "auto"
-    thermal: Term = "auto"
+    inertia: TermSetting = "auto"
+    thermal: TermSetting = "auto"
     prandtl: Annotated[float, Number("1", 1e-3, 1000)] = 0.71
     heat_capacity_ratio: Annotated[float, Number("1", 1, 1.68)] = 1.4
     viscosity_exponent: Annotated[float, Number("1", 0, 2)] = 0.7
@@ -111,14 +111,14 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
         and abs(gas.viscosity_pa_s / viscosity - 1) > AIR_LIKE_DEVIATION
         and lacking
     ):
-        raise mistake(
+        raise error_at(
             f"{gas.viscosity_pa_s:g} is not that of {gas.name} at {gas.ambient_temperature_k:g} K, "
             f"{viscosity:.4g}; of another gas give {', '.join(map(key_of, lacking))} too, which "
             f"are {gas.name}'s where they are not written",
             "viscosity",
         )
     if gas.slip_coefficient != 1 and gas.rarefaction != "slip":
-        raise mistake(
+        raise error_at(
             f"{gas.slip_coefficient:g} is read with rarefaction: slip, and not with "
             f"{gas.rarefaction}",
             "slip_coefficient",

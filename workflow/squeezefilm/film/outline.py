@@ -30,10 +30,10 @@ from squeezefilm.film.measured.table import read_points
 LEAST_ASPECT = 1.01
 # Points around by which a map is found, and how well it meets the outline, relative to its size.
 MAP_POINTS = 256
-MAP_EXACT = 1e-12
+MAP_TOLERANCE = 1e-12
 # The same for outlines that are known less well.
 CURVE_POINTS = 512
-CURVE_EXACT = 1e-8
+CURVE_TOLERANCE = 1e-8
 MOST_STEPS = 30
 TOO_SHARP = (
     "a notch, a neck or a corner is too sharp for its coordinates; smooth the outline, or take the "
@@ -63,13 +63,13 @@ class Outline:
     turned: bool = False
     even_x: bool = False
     even_y: bool = False
-    exact: float = MAP_EXACT
+    exact: float = MAP_TOLERANCE
     scatter: float = 0.0
 
     @cached_property
     def points(self) -> np.ndarray:
         """Points x + iy all along it, shape (OUTLINE_SAMPLES,)."""
-        return self.place(
+        return self.point_at(
             np.array(self.edge_mu), 2 * pi * np.arange(OUTLINE_SAMPLES) / OUTLINE_SAMPLES
         )
 
@@ -93,19 +93,19 @@ class Outline:
 
     def positions(self, across: np.ndarray, nu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places in [0, 1] across the pad's sides, for μ from −edge to edge in [0, 1] and ν."""
-        z = self.place(self.edge_mu * (2 * across - 1), nu)
+        z = self.point_at(self.edge_mu * (2 * across - 1), nu)
         return 0.5 + z.real, 0.5 + z.imag / self.aspect
 
-    def place(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    def point_at(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """x + iy of coordinates of a common shape."""
         return np.asarray(chebval(np.cosh(mu + 1j * np.asarray(nu)), self.coefficients))
 
-    def slope(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    def map_slope(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """d(x + iy)/d(μ + iν)."""
         zeta = mu + 1j * np.asarray(nu)
         return np.asarray(np.sinh(zeta) * chebval(np.cosh(zeta), chebder(self.coefficients)))
 
-    def bend(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    def map_log_slope(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """z″/z′, with z = x + iy as a function of μ + iν."""
         zeta = mu + 1j * np.asarray(nu)
         c, first = np.cosh(zeta), chebder(self.coefficients)
@@ -114,7 +114,7 @@ class Outline:
 
     def stretch(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """Jacobian J = |d(x + iy)/d(μ + iν)|², the pad's area per area of (μ, ν)."""
-        return np.asarray(np.abs(self.slope(mu, nu)) ** 2)
+        return np.asarray(np.abs(self.map_slope(mu, nu)) ** 2)
 
     @cached_property
     def mean_stretch(self) -> float:
@@ -151,18 +151,18 @@ class Outline:
         mu, nu = np.meshgrid(np.linspace(0, self.edge_mu, 33), np.linspace(0, 2 * pi, 128))
         zeta = (mu + 1j * nu).ravel()
         z = x + 1j * y
-        nearest = np.abs(self.place(zeta.real, zeta.imag)[None] - z[:, None]).argmin(axis=1)
+        nearest = np.abs(self.point_at(zeta.real, zeta.imag)[None] - z[:, None]).argmin(axis=1)
         zeta_found = zeta[nearest]
         for _ in range(8):
-            slope = self.slope(zeta_found.real, zeta_found.imag)
-            step = (self.place(zeta_found.real, zeta_found.imag) - z) / np.where(
+            slope = self.map_slope(zeta_found.real, zeta_found.imag)
+            step = (self.point_at(zeta_found.real, zeta_found.imag) - z) / np.where(
                 slope == 0, 1, slope
             )
             zeta_found = zeta_found - step * np.minimum(1, 0.1 / np.maximum(np.abs(step), 1e-300))
         return (1 + np.clip(zeta_found.real / self.edge_mu, -1, 1)) / 2, zeta_found.imag
 
 
-class Polar:
+class DiscCoordinates:
     """Coordinates of a disc: places in [0, 1] across a diameter and its angle.
 
     Each point lies at two of them, as of an outline's.
@@ -177,7 +177,7 @@ class Polar:
         return 0.5 + np.hypot(x - 0.5, y - 0.5), np.arctan2(y - 0.5, x - 0.5)
 
 
-POLAR_COORDINATES = Polar()
+POLAR_COORDINATES = DiscCoordinates()
 
 
 @lru_cache(maxsize=256)
@@ -201,7 +201,7 @@ def conformal_map(
     edge_mu: float,
     *,
     points: int = MAP_POINTS,
-    exact: float = MAP_EXACT,
+    exact: float = MAP_TOLERANCE,
     first_guess: Callable[[np.ndarray], np.ndarray] = np.copy,
 ) -> np.ndarray:
     """The coefficients a_n by which the strip up to ``edge_mu`` is mapped inside a closed curve.
@@ -279,7 +279,7 @@ def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float =
 @lru_cache(maxsize=16)
 def _read(path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: float) -> Outline:
     with prefix_errors(path):
-        waves, off_m = _fitted(_points(path), scatter_m=scatter_m)
+        waves, off_m = _fitted_curve(_points(path), scatter_m=scatter_m)
         return _mapped_curve(_scaled(waves, off_m, sides_m), sides_m, off_m)
 
 
@@ -313,7 +313,7 @@ def _triangle_areas(contour: np.ndarray) -> np.ndarray:
     return np.asarray((contour.conj() * np.roll(contour, -1)).imag)
 
 
-def _fitted(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]:
+def _fitted_curve(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]:
     """Fit a closed Fourier curve with as few waves as the points' scatter allows.
 
     Returns the coefficients and the largest distance of a point from the curve.
@@ -398,7 +398,7 @@ def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float)
 
     mu = float(np.arctanh(1 / shape))
     coefficients = conformal_map(
-        curve, mu, points=CURVE_POINTS, exact=CURVE_EXACT, first_guess=first_guess
+        curve, mu, points=CURVE_POINTS, exact=CURVE_TOLERANCE, first_guess=first_guess
     )
     aspect, scatter = sides_m[1] / sides_m[0], off_m / sides_m[0]
-    return Outline(coefficients, mu, aspect, exact=CURVE_EXACT, scatter=scatter)
+    return Outline(coefficients, mu, aspect, exact=CURVE_TOLERANCE, scatter=scatter)

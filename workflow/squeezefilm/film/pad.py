@@ -10,17 +10,17 @@ from pydantic import ConfigDict
 
 from squeezefilm.film.outline import OUTLINE_SAMPLES, Outline, ellipse
 from squeezefilm.sections import (
-    KEYS,
     NOT_GIVEN,
+    SECTION_KEYS,
     Direction,
     Internal,
     Length,
     Number,
     Rise,
     Text,
-    described,
+    add_meanings,
+    error_at,
     key_of,
-    mistake,
 )
 
 OUTLINE_POINTS = 256
@@ -38,7 +38,7 @@ class OutlineFile:
             of the longer side
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     file: Text
     scatter_m: Annotated[float, Number("m", 0, 1)] = 0.0
@@ -57,7 +57,7 @@ class GapShape:
             surface
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     tilt_x_m: Rise = 0.0
     tilt_y_m: Rise = 0.0
@@ -81,7 +81,7 @@ def _described_with_circle(schema: dict[str, Any], section: type) -> None:
     circle = {"properties": {"shape": {"const": "circle"}}, "required": ["shape"]}
     sides = {"required": list(map(key_of, SIDES))}
     schema |= {"if": circle, "then": {"required": ["diameter"]}, "else": sides}
-    described(schema, section)
+    add_meanings(schema, section)
 
 
 Shape = Literal["rectangle", "ellipse", "circle", "curve"]
@@ -104,7 +104,7 @@ class Pad:
         speed_x_m_per_s: speed at which the surface passes it, along the pad's +x axis; 0 at rest
     """
 
-    __pydantic_config__ = KEYS | ConfigDict(json_schema_extra=_described_with_circle)
+    __pydantic_config__ = SECTION_KEYS | ConfigDict(json_schema_extra=_described_with_circle)
 
     shape: Shape = field(default="rectangle", kw_only=True)
     diameter_m: Length = field(default=NOT_GIVEN, kw_only=True)
@@ -174,7 +174,7 @@ def outlined(pad: Pad) -> Pad:
         if (getattr(pad, name) is None) == (name in own):
             key, keys = key_of(name), ", ".join(map(key_of, own))
             text = f"with shape: {pad.shape} give {keys}, not {key}"
-            raise mistake(text, key, kind="missing" if name in own else "relation")
+            raise error_at(text, key, kind="missing" if name in own else "relation")
     if pad.shape != "circle":
         return pad
     return replace(

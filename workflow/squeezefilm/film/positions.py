@@ -16,21 +16,21 @@ POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 """The two forms in which a pad's position stands in tables."""
 
 
-def form_of(columns: Iterable[object]) -> tuple[str, str]:
+def position_form(columns: Iterable[object]) -> tuple[str, str]:
     """The form of a table's position: polar, unless the Cartesian one alone is there."""
     names = set(columns)
     return CARTESIAN if names & set(CARTESIAN) and not names & set(POLAR) else POLAR
 
 
-def as_in(columns: Iterable[str], table: Iterable[object]) -> list[str]:
+def columns_as_in(columns: Iterable[str], table: Iterable[object]) -> list[str]:
     """Columns that are named for polar positions, in the form that a table has them in."""
-    form = dict(zip(POLAR, form_of(table), strict=True))
+    form = dict(zip(POLAR, position_form(table), strict=True))
     return [form.get(name, name) for name in columns]
 
 
 def with_position(table: pd.DataFrame) -> pd.DataFrame:
     """The table with both coordinates of its position: 0 for one that it has not."""
-    form = form_of(table) if {*POLAR, *CARTESIAN} & {*table} else CARTESIAN
+    form = position_form(table) if {*POLAR, *CARTESIAN} & {*table} else CARTESIAN
     return table.assign(**{name: 0.0 for name in form if name not in table})
 
 

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, Field, GetPydanticSchema, PlainSerializer, 
 from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Disc, Orders, Surface
 from squeezefilm.formulas import Expression, constants_of, parse
-from squeezefilm.sections import KEYS, Direction, Internal, Length, Number, Text
+from squeezefilm.sections import SECTION_KEYS, Direction, Internal, Length, Number, Text
 
 UNBOUNDED_SURFACE = Disc(inf)
 # Values of modes, points times modes, that are kept to be used again: 8 MB.
@@ -59,7 +59,7 @@ class Sinc(Profile):
         wave_number_per_m: k, with r from the centre
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     kind: Literal["sinc"] = field(default="sinc", kw_only=True)
     wave_number_per_m: Annotated[float, Number("1/m", 0, 1e6, open=True)]
@@ -72,7 +72,7 @@ class Sinc(Profile):
 class Piston(Profile):
     """s = 1: a flat surface that moves as a whole, the case of the paper's eq. (6)."""
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     kind: Literal["piston"] = field(default="piston", kw_only=True)
 
@@ -94,7 +94,7 @@ class StandingWave(Profile):
             amplitude on which is 1
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     kind: Literal["standing-wave"] = field(default="standing-wave", kw_only=True)
     wavelength_m: Length
@@ -106,7 +106,7 @@ class StandingWave(Profile):
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
         wave: np.ndarray = np.cos(2 * pi * (along - self.crest_m) / self.wavelength_m)
         # How far the surface ends before the crest or trough that is nearest, as a phase.
-        reach = 2 * pi * self.surface.reach_along(self.direction_deg) / self.wavelength_m
+        reach = 2 * pi * self.surface.extent_along_m(self.direction_deg) / self.wavelength_m
         before = abs(remainder(2 * pi * self.crest_m / self.wavelength_m, pi)) - reach
         return wave / cos(max(before, 0.0))
 
@@ -120,7 +120,7 @@ class TravellingWave(Profile):
         direction_deg: direction in which it travels, from the x axis
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     kind: Literal["travelling-wave"] = field(default="travelling-wave", kw_only=True)
     wavelength_m: Length
@@ -147,7 +147,7 @@ class BesselMode(Profile):
         direction_deg: φ0, direction of an antinode, from the x axis
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     kind: Literal["bessel"] = field(default="bessel", kw_only=True)
     nodal_diameters: Annotated[int, Field(strict=True, ge=0, le=20)]
@@ -193,7 +193,7 @@ class Formula(Profile):
         constants: names of numbers with their units, such as `{wavelength: 12 mm}`, for both
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     kind: Literal["formula"] = field(default="formula", kw_only=True)
     expression: Text
@@ -232,12 +232,12 @@ class Modes(Profile):
         if x.size * len(self.orders) > MOST_CACHED_VALUES:
             modes = self.surface.modes_at(self.orders, x, y)
         else:
-            modes = _modes_again(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
+            modes = _cached_modes(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
         return modes @ np.array(self.coefficients)
 
 
 @lru_cache(maxsize=16)
-def _modes_again(
+def _cached_modes(
     surface: Surface, orders: Orders, shape: tuple[int, ...], x_m: bytes, y_m: bytes
 ) -> np.ndarray:
     """The modes at points given as bytes: profiles with other noise are asked at the same ones."""
@@ -283,7 +283,7 @@ class ScanFile:
             that of the measured points, beyond which it may be larger
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     kind: Literal["measured"] = field(default="measured", kw_only=True)
     file: Text
@@ -378,7 +378,7 @@ def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     x_lines_m, y_lines_m = (half * lines for half in profile.surface.half_m)
     with np.errstate(all="ignore"):
         s = profile.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
-        bends = np.maximum(_bends(s, x_lines_m), _bends(s.T, y_lines_m).T)
+        bends = np.maximum(_deviations(s, x_lines_m), _deviations(s.T, y_lines_m).T)
     bends[profile.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
     side = NET_LINES // NET_TILES
     tiles = (
@@ -400,7 +400,7 @@ def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     return x_m[best], y_m[best]
 
 
-def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
+def _deviations(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
     """Return each value's distance from the line through its neighbours along axis 0."""
     fraction = ((lines_m[1:-1] - lines_m[:-2]) / (lines_m[2:] - lines_m[:-2]))[:, None]
     bends = np.zeros(s.shape)

@@ -16,7 +16,7 @@ from squeezefilm.film.gas import Gas as Gas
 from squeezefilm.film.pad import Pad, net
 from squeezefilm.film.profiles import PROFILE_KINDS, Profile, ScanFile
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
-from squeezefilm.sections import KEYS, NOT_GIVEN, Length, Number, mistake
+from squeezefilm.sections import NOT_GIVEN, SECTION_KEYS, Length, Number, error_at
 
 KEYED = GetPydanticSchema(
     lambda _, schema: schema(Annotated[PROFILE_KINDS, Field(discriminator="kind")])
@@ -39,7 +39,7 @@ class Actuator:
             mode [J_n(kr) + c I_n(kr)] cos n(φ − φ0); `formula`; `measured`
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     frequency_hz: Annotated[float, Number("Hz", 1e-3, 1e9)]
     surface_radius_m: Length = NOT_GIVEN
@@ -59,10 +59,10 @@ class Actuator:
 def with_one_surface(actuator: Actuator) -> Actuator:
     """An actuator that has one surface, and a profile that this can have."""
     if (actuator.rectangle is None) == (actuator.surface_radius_m is None):
-        raise mistake("give surface_radius, of a disc, or surface, of a rectangle, and not both")
+        raise error_at("give surface_radius, of a disc, or surface, of a rectangle, and not both")
     profile = actuator.profile
     if actuator.rectangle and isinstance(profile, ScanFile) and profile.axisymmetric:
-        raise mistake("a rectangle has no axis; it must be false", "profile", "axisymmetric")
+        raise error_at("a rectangle has no axis; it must be false", "profile", "axisymmetric")
     return actuator
 
 
@@ -262,11 +262,11 @@ NUMBERS_OF_GAS = tuple(each.name for each in fields(Gas))
 # Which of some scenes.
 Rows = slice | np.ndarray
 # Positions up to which what is known of them is kept.
-MOST_KEPT = 256
+MOST_CACHED = 256
 Found = TypeVar("Found")
 
 
-def distinct(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def distinct_rows(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first of the rows that differ, and which of these each row is, (n,)."""
     count = len(columns[0])
     which = np.zeros(count, dtype=np.int64)
@@ -283,7 +283,7 @@ def distinct(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def rows_by_value(*columns: np.ndarray) -> list[np.ndarray]:
     """The numbers of equal rows, each group of them in an array."""
-    first, which = distinct(*columns)
+    first, which = distinct_rows(*columns)
     if len(first) < 2:
         return [np.arange(len(which))][: len(which)]
     ends = np.cumsum(np.bincount(which))[:-1]
@@ -297,13 +297,13 @@ class PadPositions:
     Those of the same positions are equal, so that what is known of them can be kept.
     """
 
-    under: PadProfile
+    pad_profile: PadProfile
     x_m: np.ndarray
     y_m: np.ndarray
 
     @cached_property
     def _key(self) -> tuple[PadProfile, bytes, bytes]:
-        return self.under, self.x_m.tobytes(), self.y_m.tobytes()
+        return self.pad_profile, self.x_m.tobytes(), self.y_m.tobytes()
 
     def __hash__(self) -> int:
         return hash(self._key)
@@ -321,21 +321,22 @@ class PadPositions:
 
     def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's s at points across the pad, shape (positions, points)."""
-        return self.under.amplitude(x, y, x_m=self.x_m[:, None], y_m=self.y_m[:, None])
+        return self.pad_profile.amplitude(x, y, x_m=self.x_m[:, None], y_m=self.y_m[:, None])
 
     def subset(self, rows: Rows) -> PadPositions:
-        return PadPositions(self.under, self.x_m[rows], self.y_m[rows])
+        return PadPositions(self.pad_profile, self.x_m[rows], self.y_m[rows])
 
-    def once(self, find: Callable[..., Found], *arguments: Any) -> Found:
+    def cached(self, find: Callable[..., Found], *arguments: Any) -> Found:
         """Return what a function finds of the positions, kept for when it is asked for again.
 
         Many gaps and amplitudes share their positions; of more than a few it is found each time.
         """
-        return (kept if len(self.x_m) <= MOST_KEPT else kept.__wrapped__)(find, self, *arguments)
+        call = cached if len(self.x_m) <= MOST_CACHED else cached.__wrapped__
+        return call(find, self, *arguments)
 
 
 @lru_cache(maxsize=512)
-def kept(find: Callable[..., Any], *arguments: Any) -> Any:
+def cached(find: Callable[..., Any], *arguments: Any) -> Any:
     """Return what a function finds of films and positions, known already where it was asked for."""
     return find(*arguments)
 
@@ -450,7 +451,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def pad_positions(self) -> tuple[PadPositions, np.ndarray]:
         """The pad's positions of scenes of one film, and which of them each scene has, (n,)."""
         (film,) = self.films
-        first, which = distinct(self.x_m, self.y_m)
+        first, which = distinct_rows(self.x_m, self.y_m)
         return PadPositions(film.pad_profile, self.x_m[first], self.y_m[first]), which
 
     @cached_property
@@ -500,9 +501,10 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         pad_positions, which = self.pad_positions
-        moves, rises_m = pad_positions.once(_moves), _rises_m(pad_positions.under.pad)
+        moves = pad_positions.cached(_amplitude_on_net)
+        rises_m = _rise_on_net_m(pad_positions.pad_profile.pad)
         parts = []
-        for batch in np.array_split(np.arange(len(self)), 1 + len(self) // ON_NET_TOGETHER):
+        for batch in np.array_split(np.arange(len(self)), 1 + len(self) // SCENES_PER_NET_BATCH):
             rest = 1 + rises_m / self.h0_m[batch, None]
             excursion = self.epsilon[batch, None] * moves[which[batch]]
             with np.errstate(all="ignore"):
@@ -513,10 +515,10 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
 
 # Scenes that are looked at together on a net of points.
-ON_NET_TOGETHER = 128
+SCENES_PER_NET_BATCH = 128
 
 
-def _rises_m(pad: Pad) -> np.ndarray:
+def _rise_on_net_m(pad: Pad) -> np.ndarray:
     """Gap at rest less h0 on a net of points over the pad."""
     x, y = net(pad)
     return pad.gap.rise_m(x.ravel(), y.ravel())
@@ -525,11 +527,11 @@ def _rises_m(pad: Pad) -> np.ndarray:
 @lru_cache(maxsize=256)
 def _rises(pad: Pad) -> tuple[float, float, float, float]:
     """Minimum, maximum, mean and variance of static gap minus h0 on a net over the pad."""
-    rises_m = _rises_m(pad)
+    rises_m = _rise_on_net_m(pad)
     return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]
 
 
-def _moves(pad_positions: PadPositions) -> np.ndarray:
+def _amplitude_on_net(pad_positions: PadPositions) -> np.ndarray:
     """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
-    x, y = (coordinate.ravel() for coordinate in net(pad_positions.under.pad))
+    x, y = (coordinate.ravel() for coordinate in net(pad_positions.pad_profile.pad))
     return np.abs(pad_positions.amplitude(x, y))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 
 from squeezefilm.film.positions import CARTESIAN, POLAR
-from squeezefilm.sections import KEYS, Length
+from squeezefilm.sections import SECTION_KEYS, Length
 
 # Points of the nets on which a profile is looked at all over: along a radius, around; a side.
 NET_RADII, NET_ANGLES, NET_LINES = 41, 72, 53
@@ -43,11 +43,11 @@ class Disc:
         """Relative distance of points from the centre: 0 at the centre, 1 on the edge."""
         return np.asarray(np.hypot(x_m, y_m) / self.radius_m)
 
-    def reach_along(self, direction_deg: float) -> float:
+    def extent_along_m(self, direction_deg: float) -> float:
         """Farthest distance from the centre along a direction, in metres."""
         return self.radius_m
 
-    def where(self, x_m: float, y_m: float) -> str:
+    def text_at(self, x_m: float, y_m: float) -> str:
         """A place in words."""
         return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
 
@@ -104,7 +104,7 @@ class Rectangle:
         length_y_m: its side along y
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = SECTION_KEYS
 
     shape: Literal["rectangle"] = field(default="rectangle", kw_only=True)
     length_x_m: Length
@@ -124,11 +124,11 @@ class Rectangle:
         half_x, half_y = self.half_m
         return np.maximum(np.abs(x_m) / half_x, np.abs(y_m) / half_y)
 
-    def reach_along(self, direction_deg: float) -> float:
+    def extent_along_m(self, direction_deg: float) -> float:
         c, s = cos(radians(direction_deg)), sin(radians(direction_deg))
         return (abs(c) * self.length_x_m + abs(s) * self.length_y_m) / 2
 
-    def where(self, x_m: float, y_m: float) -> str:
+    def text_at(self, x_m: float, y_m: float) -> str:
         return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
 
     def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -173,7 +173,7 @@ def symmetry(pad: Pad, profile: Profile, *, surface: Surface) -> Symmetry:
     """Return the symmetry of the force over the pad's position."""
     if not isinstance(surface, Rectangle):
         return _directions(pad, profile, surface)
-    x, y = (_keeps(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0))
+    x, y = (_is_unchanged(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0))
     return Mirrors(x, y)
 
 
@@ -190,12 +190,12 @@ def _directions(pad: Pad, profile: Profile, surface: Surface) -> Directions:
     sectors, film = [], (pad, profile, surface)
     for base_deg in _axes(pad, profile):
         axes = [base_deg + step for step in (0, 45, 90, 135)]
-        mirrors = [axis for axis in axes if _keeps(2 * axis, *film, mirror=True)]
+        mirrors = [axis for axis in axes if _is_unchanged(2 * axis, *film, mirror=True)]
         if mirrors:
             width = 180.0 / len(mirrors)
             sectors.append(Directions(min(mirrors) % width, width, mirror=True))
             continue
-        turns = [turn for turn in (90.0, 180.0) if _keeps(turn, *film)]
+        turns = [turn for turn in (90.0, 180.0) if _is_unchanged(turn, *film)]
         sectors.append(Directions(0.0, min(turns, default=360.0), mirror=False))
     return min(sectors, key=lambda sector: sector.width_deg)
 
@@ -210,7 +210,7 @@ def _axes(pad: Pad, profile: Profile) -> Iterator[float]:
         yield float(getattr(profile, "direction_deg", 0.0))
 
 
-def _keeps(
+def _is_unchanged(
     turn_deg: float, pad: Pad, profile: Profile, surface: Surface, *, mirror: bool = False
 ) -> bool:
     """Return whether a turn keeps outline, gap at rest, velocity and vibration as they are.
@@ -253,11 +253,11 @@ def axisymmetric(pad_positions: PadPositions) -> np.ndarray:
     It is that of a disc at rest, the gap flat or crowned, where the profile is the same all around
     each circle about the disc's centre.
     """
-    return pad_positions.once(_axisymmetric)
+    return pad_positions.cached(_axisymmetric)
 
 
 def _axisymmetric(places: PadPositions) -> np.ndarray:
-    pad, same = places.under.pad, np.zeros(len(places.x_m), dtype=bool)
+    pad, same = places.pad_profile.pad, np.zeros(len(places.x_m), dtype=bool)
     disc = pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m
     if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:
         return same
@@ -268,7 +268,7 @@ def _axisymmetric(places: PadPositions) -> np.ndarray:
     rows = np.flatnonzero(_same_around(places, *few))
     for some in np.array_split(rows, 1 + len(rows) // POSITIONS_PER_BATCH):
         same[some] = _same_around(places.subset(some), radius, angle, other)
-    x_m, y_m = landmarks_of(places.under.profile)
+    x_m, y_m = landmarks_of(places.pad_profile.profile)
     for row in np.flatnonzero(same).tolist() if len(x_m) else ():
         from_centre = x_m - places.x_m[row] + 1j * (y_m - places.y_m[row])
         radius, angle = abs(from_centre) / pad.length_x_m, np.angle(from_centre)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import refuse
+from squeezefilm.errors import check_problems
 from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
@@ -33,7 +33,7 @@ def _sound_speed(scenes: Scenes) -> Any:
     return (gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3) ** 0.5
 
 
-def _over(value: Any, gap: np.ndarray) -> np.ndarray:
+def _over_gap(value: Any, gap: np.ndarray) -> np.ndarray:
     return np.divide(value, gap, out=np.full(gap.shape, inf), where=gap > 0)
 
 
@@ -47,14 +47,14 @@ def _couette_reynolds(scenes: Scenes) -> Any:
 # where widest.
 SYMBOL_VALUES: dict[str, Callable[[Scenes], Any]] = {
     "h0/l": lambda s: s.h0_m / np.minimum(s.pad.length_x_m, s.pad.length_y_m),
-    "Kn": lambda s: _over(s.knudsen, s.static_gap_range[0]),
+    "Kn": lambda s: _over_gap(s.knudsen, s.static_gap_range[0]),
     "Re": lambda s: s.modified_reynolds * s.static_gap_range[1] ** 2,
     "h0/λ": lambda s: s.h0_m * s.actuator.frequency_hz / _sound_speed(s),
     "Ma": lambda s: np.full(len(s), np.abs(s.pad.speed_x_m_per_s) / _sound_speed(s)),
     "Re_s": lambda s: s.shear_reynolds * s.static_gap_range[1] ** 2,
     "ρUh/μ": _couette_reynolds,
     "hv/h0": lambda s: s.closure,
-    "Ra/h": lambda s: _over(ROUGHNESS_M, s.narrowest * s.h0_m),
+    "Ra/h": lambda s: _over_gap(ROUGHNESS_M, s.narrowest * s.h0_m),
 }
 # The list's kinds of films; ``auto`` terms are decided before (quantities/model_error.py).
 FILM_CONDITIONS: dict[str, Callable[[Scenes], Any]] = {
@@ -117,27 +117,27 @@ def _read(path: Path) -> tuple[Limit, ...]:
 LIMITS = _read(Path(__file__).with_name("validity.csv"))
 
 
-def exceeded(scene: Scene, symbols: Iterable[str] = SYMBOL_VALUES) -> tuple[str, ...]:
+def exceeded_limits(scene: Scene, symbols: Iterable[str] = SYMBOL_VALUES) -> tuple[str, ...]:
     """Return each limit of some quantities that a scene exceeds, in words.
 
     Quantity, value, bound, consequence.
     """
-    return tuple(_exceeded(Scenes.of([scene]), symbols)[0])
+    return tuple(_exceeded_by_scene(Scenes.of([scene]), symbols)[0])
 
 
 def validity(scene: Scene) -> str:
     """Return ``ok``, or the limits of validity that a scene exceeds, joined by ``; ``."""
-    return "; ".join(exceeded(scene)) or OK
+    return "; ".join(exceeded_limits(scene)) or OK
 
 
 def validities(scenes: Scenes) -> np.ndarray:
     """Return the same for each of some scenes."""
     return np.array(
-        ["; ".join(exceeded_limits) or OK for exceeded_limits in _exceeded(scenes)], dtype=object
+        ["; ".join(exceeded) or OK for exceeded in _exceeded_by_scene(scenes)], dtype=object
     )
 
 
-def _exceeded(scenes: Scenes, symbols: Iterable[str] = SYMBOL_VALUES) -> list[list[str]]:
+def _exceeded_by_scene(scenes: Scenes, symbols: Iterable[str] = SYMBOL_VALUES) -> list[list[str]]:
     """Return what each scene exceeds, in the list's order."""
     texts: list[list[str]] = [[] for _ in range(len(scenes))]
     limits = [limit for limit in LIMITS if limit.symbol in symbols]
@@ -159,11 +159,11 @@ EDGE_TOLERANCE = 1e-9
 def check_scenes(scenes: Scenes) -> None:
     """Reject scenes as ``check_scene`` does, the first of them that has no solution."""
     unnamed = scenes.point_id.tolist() == ["1"]
-    for row in np.flatnonzero(~exist(scenes)).tolist():
+    for row in np.flatnonzero(~solvable_scenes(scenes)).tolist():
         check_scene(scenes[row], place="operating point" if unnamed else None)
 
 
-def exist(scenes: Scenes) -> np.ndarray:
+def solvable_scenes(scenes: Scenes) -> np.ndarray:
     """Return which scenes have a solution and lie on the actuator, shape (n,)."""
     h0_m, hv_m = scenes.h0_m, scenes.hv_m
     sound = (GAPS_M[0] <= h0_m) & (h0_m <= GAPS_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
@@ -188,7 +188,7 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
     """
     source, h0_m, hv_m = place or f"point {scene.point_id}", scene.h0_m, scene.hv_m
     least_um, largest_um = (1e6 * gap_m for gap_m in GAPS_M)
-    refuse(
+    check_problems(
         source,
         {
             f"h0 = {1e6 * h0_m:g} µm must lie between {least_um:g} and {largest_um:g} µm: the model"
@@ -202,11 +202,11 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
     reach = surface.reach(*outline_m.T)
     part = "a corner" if scene.pad.shape == "rectangle" else "the edge"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
-    off = f"{surface.where(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
-    refuse(
+    off = f"{surface.text_at(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
+    check_problems(
         source, {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + EDGE_TOLERANCE}
     )
     contact = "they touch within the noise of the measured profile"
     if not scene.pad.gap.flat:
         contact = "the tilted or crowned pad touches the surface; pad.gap leaves too little"
-    refuse(source, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})
+    check_problems(source, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})

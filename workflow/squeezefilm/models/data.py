@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import CARTESIAN, POLAR, as_in, cartesian, polar
+from squeezefilm.film.positions import CARTESIAN, POLAR, cartesian, columns_as_in, polar
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
@@ -125,14 +125,14 @@ def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Fac
     """
     if limits is not None:
         known = read_columns(limits, columns=LIMIT_COLUMNS)
-        for name in as_in(FACTOR_COLUMNS, points):
+        for name in columns_as_in(FACTOR_COLUMNS, points):
             if len(known) != len(points) or not np.array_equal(known[name], points[name]):
                 raise InputError(
                     f"{limits}: {name}: not the scenes of the table of forces; make it from the "
                     "same table of scenes"
                 )
         points = known
-    names = [*as_in(FACTOR_COLUMNS, points), *PHYSICS_COLUMNS.values()]
+    names = [*columns_as_in(FACTOR_COLUMNS, points), *PHYSICS_COLUMNS.values()]
     given = {name: pd.to_numeric(points[name], "coerce") for name in names if name in points}
     for name, numbers in given.items():
         if (numbers.isna() & points[name].notna()).any():

@@ -13,7 +13,7 @@ from string import Template
 
 from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import CARTESIAN, POLAR, form_of
+from squeezefilm.film.positions import CARTESIAN, POLAR, position_form
 from squeezefilm.formulas import Expression, Operation, fold
 from squeezefilm.models.data import FACTOR_OF_NAME, PHYSICS_COLUMNS, POSITION_COLUMNS, RANGE_SLACK
 from squeezefilm.models.fit_file import FittedModel
@@ -84,7 +84,7 @@ def source(fit: FittedModel, language: str) -> str:
         "slack": _number(RANGE_SLACK),
         "error_constant": constant,
         "error_share": relative,
-        "formula": _printed(model.parsed, names, own, REAL_FUNCTIONS.get(language, ())),
+        "formula": _bracketed(model.parsed, names, own, REAL_FUNCTIONS.get(language, ())),
     }
     text = (TEMPLATES_FOLDER / f"{language}.in").read_text(encoding="utf-8")
     code, tabulated, column = map(Template, re.split("------ .*\n", text))
@@ -133,14 +133,14 @@ def _names(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[s
     names = {name: factors[column] for name, column in FACTOR_OF_NAME.items()}
     names |= {name: f"theta[{index}]" for index, name in enumerate(model.parameter_names)}
     if table is not None:
-        position = ", ".join(factors[axis] for axis in form_of(table.ranges))
+        position = ", ".join(factors[axis] for axis in position_form(table.ranges))
         for name, column in PHYSICS_COLUMNS.items():
             names[name] = f"{own}tabulated({own}{column}, h0_m, hv_m, {position})"
         names["sigma"] = f"({_number(table.sigma_h0_square_m2)} / (h0_m * h0_m))"
     return names
 
 
-def _printed(
+def _bracketed(
     expression: Expression, names: Mapping[str, str], own: str, real: Iterable[str]
 ) -> str:
     """A formula with everything in brackets, so that the order is explicit."""

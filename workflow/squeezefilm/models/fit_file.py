@@ -42,7 +42,7 @@ FILM_UNKNOWN = "not known: the fit's file does not describe its film"
 NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
 FORMAT = 1
 """Of the file: counted up where a reader of the one before could not use it."""
-PARTS = ("parameter_units", "ranges", "error_scale", "profile_uncertainty", "directions", "film")
+NEEDED = ("parameter_units", "ranges", "error_scale", "profile_uncertainty", "directions", "film")
 """What a file has besides: without them an error or a limit would be missing unseen."""
 AMPLITUDES_TRIED = 400
 """Places at which a model is looked at before the one for a target force is refined."""
@@ -149,7 +149,7 @@ class FittedModel(BaseModel):
         """The form of positions in the model's study; polar, if the file has none."""
         return POLAR if self.symmetry is None else self.symmetry.position
 
-    def represented(self, factors: Factors) -> Factors:
+    def folded(self, factors: Factors) -> Factors:
         """The factors of the same forces with the pad in positions that the model knows.
 
         By the symmetry of the study's scenes; a file without one leaves them as they are.
@@ -175,18 +175,18 @@ class FittedModel(BaseModel):
             )
         return self.limit_table if names else None
 
-    def complete(self, factors: Factors) -> Factors:
+    def with_limits(self, factors: Factors) -> Factors:
         """The factors with the asymptotic forces that the model needs, from the file's own table.
 
         Raises InputError as ``needed_table``.
         """
         known = all(name in factors.columns for name in self.force_model.column_names)
         table = None if known else self.needed_table
-        return factors if table is None else table.complete(factors)
+        return factors if table is None else table.with_limits(factors)
 
     def evaluate(self, factors: Factors) -> Array:
         """The model's forces in newtons, shape (n,); NaN where it is undefined."""
-        return self.force_model.evaluate(self.theta, self.complete(factors))
+        return self.force_model.evaluate(self.theta, self.with_limits(factors))
 
     def validity(self, factors: Factors) -> list[str]:
         """``ok``, or the limits of validity that each point's film exceeds; FILM_UNKNOWN.
@@ -247,7 +247,7 @@ def read_fit(path: Path | str) -> FittedModel:
     another version.
     """
     values = read_json(path)
-    lacking = [part for part in ("format", *PARTS) if part not in values]
+    lacking = [part for part in ("format", *NEEDED) if part not in values]
     if "not_supported" not in values and (lacking or values["format"] != FORMAT):
         what = f"it lacks {', '.join(lacking)}" if lacking else f"its is {values['format']}"
         raise InputError(
@@ -275,7 +275,7 @@ def fit_of(values: Mapping[str, Any], *, source: Path | str) -> FittedModel:
 
 def amplitude_for(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
     """Amplitude, its errors and a note for one gap and position; NaN where there is none."""
-    point = fit.represented(point)
+    point = fit.folded(point)
     where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position)}
     row: dict[str, object] = {
         "force_n": force_n,
@@ -283,7 +283,7 @@ def amplitude_for(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
         **fit.profile_uncertainty_percent,
         "validity": "",
     }
-    fit.complete(point)  # an error names what is missing, if anything
+    fit.with_limits(point)  # an error names what is missing, if anything
     try:
         hv_m = amplitude_for_force(fit.evaluate, force_n=force_n, **where)
     except InputError as error:

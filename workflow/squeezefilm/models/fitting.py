@@ -49,7 +49,7 @@ UNDEFINED = 1e30
 MOST_SEARCHES = 32
 DEPENDENT_FRACTION = 1e-10
 """Share of a column's length that others do not replace, below which it counts as none."""
-LARGEST_PART = 12_000
+FORCES_PER_CHUNK = 12_000
 """Forces evaluated at once: in 100 kB, which memory is kept for; five times as fast as 260 kB."""
 DRAWS, DRAW_SEED = 400, 1
 ASINH_SPREADS = (2.0, 16.0)
@@ -291,7 +291,7 @@ class _Projection:
 
         Takes shape (m, q), q parameters being searched for, gives shape (m,).
         """
-        rows = max(LARGEST_PART // (len(self.force_n) * (len(self.model.linear_names) + 1)), 1)
+        rows = max(FORCES_PER_CHUNK // (len(self.force_n) * (len(self.model.linear_names) + 1)), 1)
         starts = range(0, len(u), rows)
         with np.errstate(all="ignore"):
             return np.concatenate([self._squares(u[start : start + rows]) for start in starts])
@@ -389,7 +389,7 @@ def local_fit(
 
     begun = residuals(theta[free])
     if np.isnan(begun).any():
-        where = model.described(theta, factors, int(np.argmax(np.isnan(begun))))
+        where = model.point_text(theta, factors, int(np.argmax(np.isnan(begun))))
         raise InputError(f"fit: the {model.name} model is undefined {where}")
     if not free.any():
         return theta
@@ -478,7 +478,7 @@ class ParameterRange:
         return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
-def _along(theta: Array, index: int, value: float) -> list[Array]:
+def _starts_along(theta: Array, index: int, value: float) -> list[Array]:
     """Starts (p,) with a new value of a parameter: the others kept, or one in proportion to it.
 
     Points may determine the quotient or the product of two parameters and neither of them.
@@ -493,7 +493,7 @@ def _along(theta: Array, index: int, value: float) -> list[Array]:
     return starts
 
 
-def undetermined(ranges: Sequence[ParameterRange]) -> list[str]:
+def open_range_notes(ranges: Sequence[ParameterRange]) -> list[str]:
     """Statements about the parameters whose ranges are open, for a fit's reader.
 
     A quotient, product, sum or difference of two of them that hardly changes along their ranges
@@ -559,7 +559,7 @@ def parameter_ranges(
             if way not in tried:
                 defined = [each for each in tried if tried[each][1] < np.inf]
                 near = tried[min(defined, key=lambda each: abs(each - way))][0]
-                starts = _along(near, index, float(theta[index] + way * step))
+                starts = _starts_along(near, index, float(theta[index] + way * step))
                 at = min(starts, key=lambda at: sum_of_squares(model, factors, force_n, at))
                 if np.isfinite(sum_of_squares(model, factors, force_n, at)):
                     at = local_fit(model, factors, force_n, at, fixed=index)

@@ -129,11 +129,11 @@ class ExpressionModel:
             row, column = wrong[0]
             raise InputError(
                 f"{self.place}: {self.expression!r} has no finite derivative with respect to "
-                f"{self.parameter_names[column]} {self.described(theta, factors, row)}"
+                f"{self.parameter_names[column]} {self.point_text(theta, factors, row)}"
             )
         return np.where(defined[:, None], slopes, np.nan)
 
-    def described(self, theta: ArrayLike, factors: Factors, row: int) -> str:
+    def point_text(self, theta: ArrayLike, factors: Factors, row: int) -> str:
         """A point and the parameters there in words, for messages."""
         names = (*self.factor_names, *self.column_names)
         point = ", ".join(f"{name} {factors.column(name)[row]:g}" for name in names)

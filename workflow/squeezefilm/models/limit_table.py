@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
-from squeezefilm.film.positions import form_of
+from squeezefilm.film.positions import position_form
 from squeezefilm.models.data import RANGE_SLACK, Array, Factors
 
 AXIS_NAMES = ("h0_m", "epsilon_square")
@@ -40,7 +40,7 @@ class LimitTable(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> LimitTable:
-        axes = (*AXIS_NAMES, *form_of(self.ranges))
+        axes = (*AXIS_NAMES, *position_form(self.ranges))
         if set(self.ranges) != set(axes):
             raise ValueError(f"ranges must be of {', '.join(axes)}")
         if any(len(flat) != prod(self.shape) for flat in self.coefficients.values()):
@@ -50,7 +50,7 @@ class LimitTable(BaseModel):
     @cached_property
     def axes(self) -> dict[str, tuple[float, float]]:
         """The ranges in the order of the shape; a file has them in any."""
-        return {axis: self.ranges[axis] for axis in (*AXIS_NAMES, *form_of(self.ranges))}
+        return {axis: self.ranges[axis] for axis in (*AXIS_NAMES, *position_form(self.ranges))}
 
     @cached_property
     def tables(self) -> dict[str, Array]:
@@ -60,7 +60,7 @@ class LimitTable(BaseModel):
             for name, flat in self.coefficients.items()
         }
 
-    def complete(self, factors: Factors) -> Factors:
+    def with_limits(self, factors: Factors) -> Factors:
         """The factors with the limits' columns; NaN outside the table."""
         values = {**factors.columns, "epsilon_square": factors.epsilon**2}
         inside = ~np.any(list(Factors(values).outside(self.axes).values()), axis=0)
@@ -73,14 +73,16 @@ class LimitTable(BaseModel):
             (at - (high + low) / 2) / np.where(half > 0, half, np.inf), -1.0, 1.0
         )
         columns = {
-            name: np.where(inside, factors.epsilon**2 * _sums(table, table_coordinates), np.nan)
+            name: np.where(
+                inside, factors.epsilon**2 * _chebyshev_sums(table, table_coordinates), np.nan
+            )
             for name, table in self.tables.items()
         }
         columns["sigma"] = self.sigma_h0_square_m2 / factors.h0_m**2
         return Factors({**factors.columns, **columns}, factors.position)
 
 
-def _sums(table: Array, table_coordinates: Array) -> Array:
+def _chebyshev_sums(table: Array, table_coordinates: Array) -> Array:
     """Sums of Chebyshev polynomials with a table of coefficients, at places (4, n) in [-1, 1]."""
     parts = []
     for batch in np.array_split(

@@ -98,13 +98,13 @@ def crossover(parents: Array, lower: Array, upper: Array, random: np.random.Gene
     part, width = random.random(len(near)), far - near
     power = np.full(len(near), CROSSOVER_INDEX + 1.0)
 
-    def spread(room: Array) -> Array:
-        whole = 2.0 - (1.0 + 2.0 * room / width) ** -power
+    def spread_factor(distance: Array) -> Array:
+        whole = 2.0 - (1.0 + 2.0 * distance / width) ** -power
         contracts = part <= 1.0 / whole
         return np.where(contracts, part * whole, 1.0 / (2.0 - part * whole)) ** (1.0 / power)
 
-    low = 0.5 * ((near + far) - spread(near - least) * width)
-    high = 0.5 * ((near + far) + spread(most - far) * width)
+    low = 0.5 * ((near + far) - spread_factor(near - least) * width)
+    high = 0.5 * ((near + far) + spread_factor(most - far) * width)
     exchanged = random.random(len(near)) < 0.5
     children = parents.copy()
     children[:, chosen] = np.where(exchanged, (high, low), (low, high))

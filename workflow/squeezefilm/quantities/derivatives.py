@@ -12,17 +12,17 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.states import (
-    MOST_TOGETHER,
+    NUMBERS_PER_BATCH,
+    error_of_change,
     groups_on_equal_grids,
-    remainder,
     with_states,
 )
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.packing import numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.resolution import profile_fall
+from squeezefilm.reynolds.periodic.resolution import profile_ratio
 from squeezefilm.reynolds.plan import plan_of
-from squeezefilm.reynolds.terms import refused_on_grid, terms_of
+from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid
 from squeezefilm.solution import DERIVATIVES, Derivatives, Solution, Solutions
 
 # Below this, iterations would end in rounding.
@@ -57,7 +57,7 @@ def with_derivatives(
     for row, status in zip(known.tolist(), solved.status, strict=True):
         results[row] = Derivatives(status=status)
     device = device or choose_device()
-    for rows in groups_on_equal_grids(films, solved, numbers=MOST_TOGETHER):
+    for rows in groups_on_equal_grids(films, solved, numbers=NUMBERS_PER_BATCH):
         of_group = _derivatives(films[rows], solved[rows], tolerance=tolerance, device=device)
         for row, derivatives_of_scene in zip(known[rows].tolist(), of_group, strict=True):
             results[row] = derivatives_of_scene
@@ -76,10 +76,10 @@ def _derivatives(
     with np.errstate(invalid="ignore"):
         largest = np.fmax.reduce(change, axis=0)
         change = np.where(growth != 0, np.fmax(change, FRACTION_OF_OTHERS * largest), 0.0)
-    factor, _ = remainder(scenes, solutions, tolerance=tolerance)
+    factor, _ = error_of_change(scenes, solutions, tolerance=tolerance)
     error = factor * change + missed
     coarse, fine = (state.grid for state in solutions.states[0])
-    falls = profile_fall(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)
+    falls = profile_ratio(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)
     # What grids miss of a force by a profile that they do not resolve changes with the place as
     # fast as their shortest wave, π times the nodes; and two grids may agree on it by chance.
     for k, nodes in zip(map([*DERIVATIVES].index, ("x_m", "y_m")), fine.across, strict=True):
@@ -125,7 +125,7 @@ def _growths(
             )
             missed[k] = 0.0
             continue
-        if refused_on_grid(beside[0], terms_of(beside[0])):
+        if unsupported_on_grid(beside[0], terms_of(beside[0])):
             continue
         states = solve_batch(
             beside,

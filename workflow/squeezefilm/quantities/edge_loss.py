@@ -23,7 +23,7 @@ from squeezefilm.quantities.sheared_gas import wall_speed, wall_velocity
 from squeezefilm.quantities.states import changes_with_errors, solved_beside
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.spectral import FluxPoints
-from squeezefilm.reynolds.terms.rarefaction import slip_flow, slip_growth, slip_of
+from squeezefilm.reynolds.terms.rarefaction import flow_factor_derivatives, slip_flow, slip_of
 from squeezefilm.solution import Solution
 
 # Coefficients C of a plug and of a parabola.
@@ -34,10 +34,10 @@ STATE_TOLERANCE = 1e-5
 CONVERGED_CHANGE, MOST_STEPS = 3e-3, 30
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
 # first no state may be found of a film of large amplitude, at the second rounding counts more.
-SMALL_FRACTIONS = (1e-3, 1e-4)
+TRIAL_FRACTIONS = (1e-3, 1e-4)
 
 
-def mean_changes(
+def force_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
     """Return the relative changes of the forces by the edge loss, and their errors.
@@ -57,7 +57,7 @@ def mean_changes(
     return changes
 
 
-def ram_changes(
+def ram_pressure_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
     """Return what the pressure ρ U²/2 where a sliding wall drags gas in changes of the forces.
@@ -65,7 +65,7 @@ def ram_changes(
     Gas that comes in with the wall's speed and stops has it: the largest that there may be. The
     change goes with the pressure, and is solved for a small one.
 
-    Args and returns: as of ``mean_changes``, of one change, (2, 1, scenes).
+    Args and returns: as of ``force_changes``, of one change, (2, 1, scenes).
     """
 
     def on_grid(films: Fields, *, fraction: float) -> np.ndarray:
@@ -75,7 +75,7 @@ def ram_changes(
         return np.array([with_pressure / without - 1])
 
     changes = np.full((2, 1, len(scenes)), np.nan)
-    for fraction in SMALL_FRACTIONS:
+    for fraction in TRIAL_FRACTIONS:
         if np.isnan(changes).any():
             of_grid = partial(on_grid, fraction=fraction)
             tried = changes_with_errors(
@@ -171,7 +171,7 @@ def _flows_by_edge(films: Fields) -> list[np.ndarray]:
         if inverse is None:
             flows.append(slip * gap * rise)
         else:  # to first order in the pressure, as flow_from splits the flow
-            growth = slip_growth(inverse)[0]
+            growth = flow_factor_derivatives(inverse)[0]
             flows[0] = flows[0] + gap**1.5 * slip / gap * growth * rise
             flows.append(slip * gap * (slip_flow(inverse) - growth) * rise)
     return flows

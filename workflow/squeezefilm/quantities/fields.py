@@ -17,17 +17,17 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
-from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, even_and_odd
+from squeezefilm.reynolds.spectral import AngleAxis, Axis, FluxPoints, even_and_odd
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
 
 
 @lru_cache(maxsize=64)
-def weights_with_edge(axis: Axis | Around) -> np.ndarray:
+def weights_with_edge(axis: Axis | AngleAxis) -> np.ndarray:
     """Return the weights of the integral along an axis, those of its edge nodes included, (m,).
 
     A folded axis holds one edge node and the first half of the others.
     """
-    if isinstance(axis, Around):
+    if isinstance(axis, AngleAxis):
         return axis.weights
     edge = 1 - axis.weights.sum()  # a constant's integral is that constant
     if axis.folded:
@@ -36,13 +36,13 @@ def weights_with_edge(axis: Axis | Around) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def derivatives_with_edge(axis: Axis | Around) -> tuple[np.ndarray, np.ndarray]:
+def derivatives_with_edge(axis: Axis | AngleAxis) -> tuple[np.ndarray, np.ndarray]:
     """Derivative of an even and of an odd function on all nodes, (m, m); alike if not folded.
 
     A folded axis holds one edge node and the first half of the others, on which a function even
     about the middle has an odd derivative and an odd one an even.
     """
-    if isinstance(axis, Around):
+    if isinstance(axis, AngleAxis):
         return axis.slope(odd=False), axis.slope(odd=True)
     even, odd = even_and_odd(axis.derivative) if axis.folded else (axis.derivative,) * 2
     return even, odd
@@ -70,8 +70,8 @@ class Fields:
     rest_gap: np.ndarray
     gap: np.ndarray
     area: np.ndarray
-    turn: np.ndarray
-    bend: np.ndarray
+    map_slope: np.ndarray
+    map_log_slope: np.ndarray
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], grid: Grid, unknowns: np.ndarray) -> Self:
@@ -85,7 +85,8 @@ class Fields:
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         gap = rest_gap + sum(map(np.multiply, moving, (sine, cosine)))
         across = grid.x.all_nodes[: gap.shape[1]]
-        outline = (np.asarray(at(across))[..., None] for at in (grid.area, grid.turn, grid.bend))
+        along = (grid.area, grid.map_slope, grid.map_log_slope)
+        outline = (np.asarray(at(across))[..., None] for at in along)
         ambient = np.zeros_like(gap)
         return cls(scenes, grid, unknowns, ambient, equation, rest_gap, gap, *outline)
 
@@ -136,7 +137,7 @@ class Fields:
         """Return a vector field (2, ..., scenes, x, y, t) along the pad's x and y, for its mean."""
         if self.grid.outline is None:
             return vector
-        turned = (vector[0] + 1j * vector[1]) * (self.turn / self.area)
+        turned = (vector[0] + 1j * vector[1]) * (self.map_slope / self.area)
         return np.stack([turned.real, turned.imag])
 
     @cached_property
@@ -207,12 +208,12 @@ class Fields:
         matrix = derivatives_with_edge(self.grid.y)[int(odd)] / self.lengths[1]
         return np.asarray(matrix @ values)
 
-    def slide(self, values: np.ndarray) -> np.ndarray:
+    def pad_x_slope(self, values: np.ndarray) -> np.ndarray:
         """∂/∂X along the pad's own x axis."""
         if self.grid.outline is None:
             return self.x_derivative(values)
         along, around = self.x_derivative(values), self.y_derivative(values)
-        return np.asarray(self.turn.real * along - self.turn.imag * around)
+        return np.asarray(self.map_slope.real * along - self.map_slope.imag * around)
 
     def t_derivative(self, values: np.ndarray) -> np.ndarray:
         return np.asarray(values @ self.grid.t.derivative.T)
@@ -220,11 +221,11 @@ class Fields:
     def divergence(self, flux: np.ndarray) -> np.ndarray:
         return self.x_derivative(flux[0], odd=True) + self.y_derivative(flux[1], odd=True)
 
-    def carried(self, v: np.ndarray) -> np.ndarray:
+    def convected(self, v: np.ndarray) -> np.ndarray:
         """(v·∇)v of a velocity (reynolds/terms/inertia.py)."""
         along = self.x_derivative(v[0], odd=True), self.x_derivative(v[1])
         across = self.y_derivative(v[0]), self.y_derivative(v[1], odd=True)
-        bends = -self.bend.real, self.bend.imag
+        bends = -self.map_log_slope.real, self.map_log_slope.imag
         square = dot(v, v) if self.grid.outline else 0.0
         parts = zip(along, across, bends, strict=True)
         return np.stack([v[0] * x + v[1] * y + bend * square for x, y, bend in parts]) / self.area

@@ -25,7 +25,7 @@ from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.quantities import edge_loss, moving_profile, sheared_gas
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import refused_on_grid, terms_of
+from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.rarefaction import slip_flow
 from squeezefilm.reynolds.terms.term import Term
@@ -41,9 +41,9 @@ MOST_SCENES = 128
 # Terms that a study may leave to be decided, in the order in which they are.
 AUTO_TERMS: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
-OF_SLIDING = ("sheared_gas", "moving_profile", "ram_pressure")
+SLIDING_EFFECTS = ("sheared_gas", "moving_profile", "ram_pressure")
 EFFECT_NAMES = (
-    *(*AUTO_TERMS, "depth_averaged", *OF_SLIDING),
+    *(*AUTO_TERMS, "depth_averaged", *SLIDING_EFFECTS),
     *("slip", "flow_factor", "edge_loss", "bearing"),
 )
 # Name of all neglected effects at once, where each alone was solved for.
@@ -178,7 +178,7 @@ class FilmWithEffects:
             with_effect = self.reference.with_gas(**{name: "included"})
             if getattr(gas, name) == "included":
                 self.pairs[name] = scene, scene.with_gas(**{name: "none"})
-            elif refused_on_grid(with_effect, terms_of(with_effect)):
+            elif unsupported_on_grid(with_effect, terms_of(with_effect)):
                 self.unsolvable.append(name)
             else:
                 self.pairs[name] = with_effect, self.reference
@@ -251,13 +251,13 @@ def _budgets(
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
     changes: Changes = {}
-    for name, mean_changes, of_scenes in (
-        ("edge_loss", edge_loss.mean_changes, vibrating),
-        ("ram_pressure", edge_loss.ram_changes, sliding),
-        ("sheared_gas", sheared_gas.mean_changes, with_still),
-        ("moving_profile", moving_profile.mean_changes, sliding),
+    for name, force_changes, of_scenes in (
+        ("edge_loss", edge_loss.force_changes, vibrating),
+        ("ram_pressure", edge_loss.ram_pressure_changes, sliding),
+        ("sheared_gas", sheared_gas.force_changes, with_still),
+        ("moving_profile", moving_profile.force_changes, sliding),
     ):
-        found = mean_changes(
+        found = force_changes(
             list(of_scenes), [solutions[scene] for scene in of_scenes], device=device
         )
         changes[name] = dict(zip(of_scenes, np.moveaxis(found, -1, 0), strict=True))
@@ -323,7 +323,7 @@ def _budget(
         effects |= _effects_of_sliding(film, solutions, changes)
     ends, errors = 100 * with_all * changes["edge_loss"][film.together]
     error += max(map(abs, errors))
-    for name in ("flow_factor", "depth_averaged", *OF_SLIDING):
+    for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECTS):
         together += effects[name].percent
         error += effects[name].error_percent
     if film.unsolvable:
@@ -463,14 +463,14 @@ def solve_auto_terms(
     Returns:
         the scenes, and the solutions of those that were solved to the tolerance for it, by row.
     """
-    if not any(map(_auto, scenes.films if isinstance(scenes, Scenes) else scenes)):
+    if not any(map(_auto_names, scenes.films if isinstance(scenes, Scenes) else scenes)):
         return scenes, {}
     scenes = Scenes.of(scenes)
-    closed = replace(scenes, films=tuple(map(_closed, scenes.films)))
+    closed = replace(scenes, films=tuple(map(_without_auto, scenes.films)))
     index = scenes.film_index
     # Whether a term is supported does not depend on the operating point.
     asked = {
-        int(film): [name for name in _auto(scene) if not _refused(scene, name, method)]
+        int(film): [name for name in _auto_names(scene) if not _unsupported(scene, name, method)]
         for film, row in zip(*np.unique(index, return_index=True), strict=True)
         for scene in [scenes[int(row)]]
     }
@@ -523,34 +523,34 @@ def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
     """Return the terms that are ``auto`` and not supported for a scene, with the reasons."""
     return [
         f"gas.{name} is auto and not included: {reason}"
-        for name in _auto(scene)
-        if (reason := _refused(scene, name, method))
+        for name in _auto_names(scene)
+        if (reason := _unsupported(scene, name, method))
     ]
 
 
-AnyFilm = TypeVar("AnyFilm", Scene, Film)
+SceneOrFilm = TypeVar("SceneOrFilm", Scene, Film)
 
 
-def _auto(scene: Scene | Film) -> list[str]:
+def _auto_names(scene: Scene | Film) -> list[str]:
     return [name for name in AUTO_TERMS if getattr(scene.gas, name) == "auto"]
 
 
-def _closed(scene: AnyFilm) -> AnyFilm:
+def _without_auto(scene: SceneOrFilm) -> SceneOrFilm:
     """The scene or film without what is to be decided."""
-    return scene.with_gas(**dict.fromkeys(_auto(scene), "none"))
+    return scene.with_gas(**dict.fromkeys(_auto_names(scene), "none"))
 
 
-def _with_terms(scene: AnyFilm, names: Sequence[str]) -> AnyFilm:
+def _with_terms(scene: SceneOrFilm, names: Sequence[str]) -> SceneOrFilm:
     return scene.with_gas(**dict.fromkeys(names, "included")) if names else scene
 
 
-def _refused(scene: Scene, name: str, method: str) -> str:
+def _unsupported(scene: Scene, name: str, method: str) -> str:
     """Return the reason why the method does not support a term; empty if it does."""
-    scene = _closed(scene).with_gas(**{name: "included"})
+    scene = _without_auto(scene).with_gas(**{name: "included"})
     if method == "composite":
         derived = AUTO_TERMS[name].IN_EXPANSIONS
         return "" if derived else "the composite expansion is not derived with it"
-    return refused_on_grid(scene, terms_of(scene))
+    return unsupported_on_grid(scene, terms_of(scene))
 
 
 def budget_row(budget: ErrorBudget) -> dict[str, object]:

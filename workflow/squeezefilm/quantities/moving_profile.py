@@ -32,7 +32,7 @@ DISTANCE_FRACTION = 0.01
 LARGEST_RATIO = 0.5
 
 
-def mean_changes(
+def force_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
     """Return what the profile's motion changes of the forces, over them, to second order in U.

@@ -21,14 +21,14 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.sheared_gas import remainder_of, thrust_change
-from squeezefilm.quantities.states import remainder, with_states
+from squeezefilm.quantities.states import error_of_change, with_states
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUND_OFF_FACTOR
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import known_solutions, solve
-from squeezefilm.reynolds.spectral import Around, flux_points
+from squeezefilm.reynolds.spectral import AngleAxis, flux_points
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_outputs
 
@@ -46,13 +46,13 @@ EXTREMES_FACTOR = 4.0
 # a tenth of it are missed by 4e-9, and as little is rounded where the surface hardly moves.
 SLOPE_STEP = 3e-4
 # Of a field, what rounding leaves of an odd one that is made even.
-ODD_ROUNDED = 1e-9
+ODD_ROUND_OFF = 1e-9
 # Motion with cos ωt over ε that counts as none.
 NEGLIGIBLE_QUADRATURE = 1e-14
 # Cosine moments along each side, and first harmonics of them, that stand by the outputs: the change
 # of an output from grid to grid may be small by chance, that of all these hardly.
 MOMENTS, GUARD, FORCE = 3, "guard", "force"
-FROM_STATE = frozenset(OUTPUTS) - {"static_stiffness"}
+STATE_OUTPUTS = frozenset(OUTPUTS) - {"static_stiffness"}
 QUARTER_PHASES = np.pi / 2 * np.arange(4)
 # Numbers, each with its error, and the reason for each missing output.
 ValuesAndReasons = tuple[dict[str, tuple[float, float]], dict[str, str]]
@@ -78,7 +78,7 @@ def with_outputs(
     known = np.flatnonzero(np.isfinite(solutions.force_n))
     films, forces = Scenes.of(scenes)[known], solutions[known]
     parts: list[ValuesAndReasons] = [({}, {})] * len(known)
-    if FROM_STATE & set(asked):
+    if STATE_OUTPUTS & set(asked):
         within = max(tolerance, LEAST_TOLERANCE)
         parts = _from_states(films, forces, tolerance=within, device=device)
     if "static_stiffness" in asked:
@@ -141,13 +141,13 @@ def _from_states(
         further = []
         for row, k in enumerate(waiting.tolist()):
             if not solved.states[row]:
-                outputs_of_row.setdefault(k, _refused(solved.status[row]))
+                outputs_of_row.setdefault(k, _unsupported(solved.status[row]))
                 continue
             try:
                 alone = scenes[k : k + 1], solved[row : row + 1]
                 outputs_of_row[k], holds = _outputs_of(*alone, tolerance=tolerance, device=device)
             except Exception as error:  # that of one film is no one else's
-                outputs_of_row[k], holds = _refused(unexpected(error)), True
+                outputs_of_row[k], holds = _unsupported(unexpected(error)), True
             if not holds:
                 further.append(k)
         if not further:
@@ -156,8 +156,8 @@ def _from_states(
     return [outputs_of_row[k] for k in range(len(scenes))]
 
 
-def _refused(reason: str) -> ValuesAndReasons:
-    return {}, dict.fromkeys(FROM_STATE, reason)
+def _unsupported(reason: str) -> ValuesAndReasons:
+    return {}, dict.fromkeys(STATE_OUTPUTS, reason)
 
 
 def _outputs_of(
@@ -165,13 +165,13 @@ def _outputs_of(
 ) -> tuple[ValuesAndReasons, bool]:
     """Outputs of one film from its states on two grids, and whether they hold the tolerance."""
     (scene,), (states,) = scenes, solutions.states
-    before, film = (Sample(scene, state) for state in states)
-    factor, left = (each.item() for each in remainder(scenes, solutions, tolerance=tolerance))
+    before, film = (SampledState(scene, state) for state in states)
+    factor, left = (each.item() for each in error_of_change(scenes, solutions, tolerance=tolerance))
     largest = max(film.largest, -film.least)
     left += ROUND_OFF * largest
     # What rounding and the iteration leave is no reason for a finer grid.
     allowed = ROUND_OFF_FACTOR * ROUND_OFF * largest / (1 - scene.closure()) + left
-    coarse, fine = weights_of(before), weights_of(film)
+    coarse, fine = output_weights(before), output_weights(film)
     size = {name: film.size(weight) for name, weight in fine.items()}
     # The value of each number and its error.
     values = {name: (film.mean(weight), 0.0) for name, weight in fine.items()}
@@ -205,9 +205,11 @@ def _outputs_of(
             ("film_damping", "force_quadrature", scene.hv_m * speed),
         ):
             values[name] = -values[part][0] / per, values[part][1] / per
-    drag = _couette(film)
+    drag = _couette_drag(film)
     # Slip goes by the density.
-    change_of_drag = max(abs(drag - _couette(before)), least * 2 * scene.slip_knudsen * abs(drag))
+    change_of_drag = max(
+        abs(drag - _couette_drag(before)), least * 2 * scene.slip_knudsen * abs(drag)
+    )
     values["sliding_friction"] = drag, factor * change_of_drag + ROUND_OFF * abs(drag)
     parts = [values["sliding_friction"], (0.0, 0.0)]
     if scene.gas.inertia == "included":  # half of what leaves is taken from the pad
@@ -241,7 +243,7 @@ def _outputs_of(
     return (values, missing), holds
 
 
-def _couette(film: Sample) -> float:
+def _couette_drag(film: SampledState) -> float:
     """Couette drag μ U ⟨1/(h + 2 σ λ)⟩ times the area in newtons, with slip at both walls."""
     scene, fields = film.scene, film.fields
     gap = fields.gap + 2 * scene.slip_knudsen / fields.density
@@ -249,7 +251,7 @@ def _couette(film: Sample) -> float:
     return float(shear * scene.pad.area_m2 * fields.mean(1 / gap)[0])
 
 
-def weights_of(film: Sample) -> dict[str, np.ndarray]:
+def output_weights(film: SampledState) -> dict[str, np.ndarray]:
     """Return the weights by the names in OUTPUTS (solution.py), of ``force`` and of guards."""
     scene, pad = film.scene, film.scene.pad
     force = scene.force_scale_n
@@ -285,7 +287,7 @@ def weights_of(film: Sample) -> dict[str, np.ndarray]:
     return {name: film.symmetric(weight) for name, weight in found.items()}
 
 
-class Sample:
+class SampledState:
     """One film's state with what outputs ask of it.
 
     Attributes:
@@ -329,28 +331,28 @@ class Sample:
         """Return the part of a field (3, Q) that counts in a mean with the pressure, (3, x, y)."""
         grid, (_, count_x, count_y) = self.fields.grid, self.pressure.shape
         seen = field.reshape(3, len(grid.x.all_nodes), len(grid.y.all_nodes))
-        if isinstance(grid.y, Around):
+        if isinstance(grid.y, AngleAxis):
             for order in grid.y.mirrored:
                 seen = (seen + seen[..., order]) / 2
         else:
             seen = (seen + seen[:, ::-1]) / 2 if grid.x.folded else seen
             seen = (seen + seen[..., ::-1]) / 2 if grid.y.folded else seen
-        odd = np.abs(seen).max() < ODD_ROUNDED * np.abs(field).max()
+        odd = np.abs(seen).max() < ODD_ROUND_OFF * np.abs(field).max()
         return seen[:, :count_x, :count_y] * (not odd)
 
     def mean(self, weight: np.ndarray) -> float:
         """⟨w (P − 1)⟩ over pad and period, for w₀ + w₁ sin T + w₂ cos T, shape (3, x, y)."""
-        return self._mean(_product(weight, self.pressure))
+        return self._mean(_period_mean(weight, self.pressure))
 
     def size(self, weight: np.ndarray) -> float:
         """Root mean square of a weight over pad and period."""
-        return float(np.sqrt(self._mean(_product(weight, weight))))
+        return float(np.sqrt(self._mean(_period_mean(weight, weight))))
 
     def _mean(self, over_period: np.ndarray) -> float:
         return float(self.fields.mean(over_period[None, ..., None])[0])
 
 
-def _product(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _period_mean(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Mean over the period of two fields of three parts, shape (Q,)."""
     return np.asarray(one[0] * other[0] + (one[1] * other[1] + one[2] * other[2]) / 2)
 
@@ -381,7 +383,7 @@ def _extreme(field: np.ndarray, grid: Grid, *, sign: int) -> float:
     nodes = grid.x.nodes, grid.y.nodes, grid.t.nodes
     start = np.array([float(axis_nodes[k]) for axis_nodes, k in zip(nodes, best, strict=True)])
     # On the edge of the pad the pressure is ambient: no extreme but that of a film at rest.
-    around = isinstance(grid.y, Around)
+    around = isinstance(grid.y, AngleAxis)
     free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
     minimum = minimize(fallen, start, bounds=free, options={"ftol": 1e-13})
     return float(max(0.0, sign * field[best], -size * minimum.fun))
@@ -407,7 +409,8 @@ def momentum_out(film: Fields) -> np.ndarray:
         flux = _momentum_flux_at_ends(film, k)
         if outline := grid.outline:  # both ends of μ are all of the edge; ū is that times |z′|
             along, around = flux[:, 0]
-            ways = (along + 1j * around) / film.turn[0, :, 0].conj() / outline.typical_stretch**0.5
+            ways = (along + 1j * around) / film.map_slope[0, :, 0].conj()
+            ways /= outline.typical_stretch**0.5
             around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
             momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
         else:
@@ -432,7 +435,7 @@ def _momentum_flux_at_ends(film: Fields, k: int) -> np.ndarray:
     # comes in has none.
     tangential = np.moveaxis(film.unknowns[0, 2 - k], k, 0)
     near = np.stack([tangential[:4], tangential[:-5:-1]])[: len(ends)]
-    at_edge = -np.einsum("j,ejqt->eqt", axis.to_end, near)
+    at_edge = -np.einsum("j,ejqt->eqt", axis.end_weights, near)
     out = outward * velocity / film.numbers("reversing", absent=nan)[0]
     carried = flux_points(other).to_inner @ at_edge * (0.5 + 0.5 * out / np.sqrt(1 + out**2))
     # Mean square of a velocity across the gap over the square of its mean: with slip it is

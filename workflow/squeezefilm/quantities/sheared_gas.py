@@ -51,7 +51,7 @@ THRUST_TOLERANCE = 1e-8
 SECOND_ORDER_FACTOR, MOST_SECOND_ORDER = 0.3, 2.0
 
 
-def mean_changes(
+def force_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
     """Return the relative changes of the forces by inertia and heat of the dragged gas.
@@ -114,9 +114,9 @@ def thrust_change(scene: Scene, solution: Solution, *, device: Device) -> np.nda
 def stress_on_pad(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     """Return what has the mean of the stress on the pad that U adds by inertia and by heat."""
     v, wall, mass = films.velocity, wall_velocity(films), films.mass
-    by_wall = films.carried(v + wall) - films.carried(v)
-    passed = wall_speed(films) * films.slide(mass) / films.area
-    steepened = wall_speed(films) * films.slide(films.gap) / films.area
+    by_wall = films.convected(v + wall) - films.convected(v)
+    passed = wall_speed(films) * films.pad_x_slope(mass) / films.area
+    steepened = wall_speed(films) * films.pad_x_slope(films.gap) / films.area
     shortfall = by_wall * mass / 5 + v * (0.3 * passed) + wall * (steepened / 30)
     by_inertia = -films.numbers("reynolds", absent=0.0) * films.sigma / 12 * shortfall
     heating, square = films.numbers("heating", absent=0.0), films.gap**2
@@ -179,8 +179,8 @@ def added_by_sliding(films: Fields) -> tuple[np.ndarray, np.ndarray]:
 def flux_by_inertia(films: Fields) -> np.ndarray:
     """Return the flux that U adds by inertia; of slip only the longer lag."""
     v, wall, mass = films.velocity, wall_velocity(films), films.mass
-    by_wall = films.carried(v + wall) - films.carried(v)  # (U·∇)ū, for U is uniform
-    passed = wall_speed(films) * films.slide(mass) / films.area  # U·∇M
+    by_wall = films.convected(v + wall) - films.convected(v)  # (U·∇)ū, for U is uniform
+    passed = wall_speed(films) * films.pad_x_slope(mass) / films.area  # U·∇M
     shortfall = by_wall * mass / 2 + wall * (passed / 12) - v * (passed / 14)
     # Slip lengthens the lag as in terms/inertia.py.
     flow = films.equation["flow"]
@@ -217,6 +217,6 @@ def wall_speed(films: Fields) -> np.ndarray:
 
 
 def wall_velocity(films: Fields) -> np.ndarray:
-    """U as a vector field; under an outline along its coordinates, as ``Fields.slide``."""
+    """U as a vector field; under an outline along its coordinates, as ``Fields.pad_x_slope``."""
     everywhere = wall_speed(films) * np.ones_like(films.gap)
-    return np.stack([films.turn.real * everywhere, -films.turn.imag * everywhere])
+    return np.stack([films.map_slope.real * everywhere, -films.map_slope.imag * everywhere])

@@ -10,9 +10,9 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after
+from squeezefilm.reynolds.error_estimate import UNKNOWN_RATIO, error_per_change
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
+from squeezefilm.reynolds.periodic.resolution import least_ratio, profile_ratio
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import distinct_terms, with_velocities
@@ -59,7 +59,7 @@ def groups_on_equal_grids(
 
 
 # Numbers of the finer states of films that are solved together.
-MOST_TOGETHER = 2**19
+NUMBERS_PER_BATCH = 2**19
 
 
 def changes_with_errors(
@@ -82,13 +82,13 @@ def changes_with_errors(
     """
     scenes, solutions = Scenes.of(scenes), Solutions.of(solutions)
     changes_and_errors = np.full((2, changes, len(scenes)), np.nan)
-    for rows in groups_on_equal_grids(scenes, solutions, numbers=MOST_TOGETHER):
+    for rows in groups_on_equal_grids(scenes, solutions, numbers=NUMBERS_PER_BATCH):
         group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
             on_grid(Fields.of(group, states[0].grid, np.stack([each.unknowns for each in states])))
             for states in zip(*solved.states, strict=True)
         )
-        factor, _ = remainder(group, solved, tolerance=tolerance)
+        factor, _ = error_of_change(group, solved, tolerance=tolerance)
         changes_and_errors[:, :, rows] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
     return changes_and_errors
 
@@ -112,7 +112,7 @@ def solved_beside(
     return replace(films, unknowns=states.unknowns), mean
 
 
-def remainder(
+def error_of_change(
     scenes: Scenes, solutions: Solutions, *, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the error after a quantity's change between the grids, as for the force.
@@ -125,10 +125,10 @@ def remainder(
     """
     plan, (coarse, fine) = plan_of(scenes), (state.grid.across for state in solutions.states[0])
     fall = np.maximum(
-        np.maximum(UNKNOWN_FALL, profile_fall(plan, coarse, fine, tolerance=tolerance)),
-        least_fall(scenes),
+        np.maximum(UNKNOWN_RATIO, profile_ratio(plan, coarse, fine, tolerance=tolerance)),
+        least_ratio(scenes),
     )
     # A mass error w moves the pressure by about n w/H.
     left = scenes.gas.polytropic_exponent * solutions.residual / scenes.narrowest
     margin = VELOCITY_MARGIN if with_velocities(plan.terms) else 1.0
-    return margin * left_after(fall), left
+    return margin * error_per_change(fall), left

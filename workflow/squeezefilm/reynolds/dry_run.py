@@ -66,8 +66,8 @@ def _rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, An
         solutions.work[rows] = _expected_flops(
             scenes.closure[rows], terms, grids, tolerance=tolerance
         )
-    labels = ["; ".join(["squeeze", *(term.label for term in terms)]) for terms in plan.kinds]
-    absent = [absent_terms(terms) for terms in plan.kinds]
+    labels = ["; ".join(["squeeze", *(term.label for term in terms)]) for terms in plan.term_sets]
+    absent = [absent_terms(terms) for terms in plan.term_sets]
     return [
         _row(
             solution,
@@ -76,7 +76,7 @@ def _rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, An
             expected_error=error,
         )
         for solution, kind, error in zip(
-            solutions, plan.kind.tolist(), expected_error.tolist(), strict=True
+            solutions, plan.term_set.tolist(), expected_error.tolist(), strict=True
         )
     ]
 

@@ -15,14 +15,14 @@ from squeezefilm.reynolds.terms import Terms, with_velocities
 # two others by 1.1 times.
 SIZE_FRACTION, LOOSE_FROM = 3e-2, 2e-5
 # Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
-# by unequal steps: FALL_FACTOR times that is taken, enough for first order. MOST_FALL limits it to
-# thirty times the change, UNKNOWN_FALL to no less than twice, as without two changes.
-FALL_FACTOR = 3.0
-MOST_FALL = 10 / 11
-UNKNOWN_FALL = 0.4
+# by unequal steps: RATIO_FACTOR times that is taken, enough for first order. LARGEST_RATIO limits
+# it to thirty times the change, UNKNOWN_RATIO to no less than twice, as without two changes.
+RATIO_FACTOR = 3.0
+LARGEST_RATIO = 10 / 11
+UNKNOWN_RATIO = 0.4
 # While layers at the edge are thinner than nodes lie apart errors go up and down, and a change is
 # small where one turns: the least fall of films with thin layers.
-THIN_LAYER_FALL = 0.5
+THIN_LAYER_RATIO = 0.5
 # Of a gas with inertia, or that warms, changes creep or fall suddenly, so that none tells the next;
 # and where waves steepen grids agree by chance in all moments: this share of the size counts, at
 # all tolerances. Errors beyond what iterations left were up to three quarters of the size.
@@ -56,7 +56,7 @@ def estimate(
         before: each film's change to the grid before, (2, n); NaN where there is none.
         terms: those of the films.
         of_profile: by which what is missed of the profile falls; 0 for a smooth one.
-        least: factor by which changes fall at least (``resolution.least_fall``).
+        least: factor by which changes fall at least (``resolution.least_ratio``).
 
     Returns:
         The errors; how large they may be; the changes, (2, n).
@@ -69,12 +69,12 @@ def estimate(
     moment = np.maximum(
         results["moment"], (VELOCITY_SIZE_FRACTION if velocities else size_fraction) * size
     )
-    ratio, known = np.full(len(results), UNKNOWN_FALL), ~np.isnan(size_before)
+    ratio, known = np.full(len(results), UNKNOWN_RATIO), ~np.isnan(size_before)
     if known.any() and not velocities:
         # That of the moments, but no less than their sizes': chance may make moments small, or a
         # layer at the edge that the grids do not resolve yet.
         ratios = np.maximum(_ratio(moment, before[0]), _ratio(size, size_before))
-        ratio = np.where(known, np.maximum(ratios, UNKNOWN_FALL), UNKNOWN_FALL)
+        ratio = np.where(known, np.maximum(ratios, UNKNOWN_RATIO), UNKNOWN_RATIO)
         # Moments fall no more than the size does: what goes beyond is chance. Without, films (ε
         # 0.02–0.3, σ 5e4–3e5) were off by 1.5 to 6 times their estimate.
         none = np.zeros(len(results))
@@ -89,7 +89,7 @@ def estimate(
     last_change = np.where(of_profile > 0, change[1], change[0])
     ratio = np.maximum(np.maximum(ratio, of_profile), least)
     round_off = ROUND_OFF * results["largest"]
-    error = left_after(ratio) * last_change + residual_error + round_off
+    error = error_per_change(ratio) * last_change + residual_error + round_off
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
     allowed = tolerance * np.abs(results["mean"]) + ROUND_OFF_FACTOR * round_off / scenes.narrowest
     return error, allowed, change
@@ -101,10 +101,10 @@ def _ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:
     return np.asarray(np.divide(change, before, out=none, where=before > 0))
 
 
-def left_after(fall: np.ndarray | float) -> np.ndarray:
+def error_per_change(fall: np.ndarray | float) -> np.ndarray:
     """Return the remaining error in units of the last change, for a convergence ratio."""
-    q = np.minimum(fall, MOST_FALL)
-    return np.asarray(FALL_FACTOR * q / (1 - q))
+    q = np.minimum(fall, LARGEST_RATIO)
+    return np.asarray(RATIO_FACTOR * q / (1 - q))
 
 
 def error_text(error: float, *, allowed: float, force: float) -> str:

@@ -8,10 +8,10 @@ from math import sqrt
 
 import numpy as np
 
-from squeezefilm.film.outline import POLAR_COORDINATES, Outline, Polar
+from squeezefilm.film.outline import POLAR_COORDINATES, DiscCoordinates, Outline
 from squeezefilm.film.scene import HashedOnce
-from squeezefilm.reynolds.spectral import Around, Axis, Period, around, axis, period, radius
-from squeezefilm.reynolds.terms import Terms, parts_of
+from squeezefilm.reynolds.spectral import AngleAxis, Axis, Period, angle_axis, axis, period, radius
+from squeezefilm.reynolds.terms import Terms, preconditioner_count
 
 # Nodes across the pad beyond which none is tried: there rounding begins to show at 1e-6, and a
 # scene takes minutes.
@@ -53,12 +53,12 @@ class Grid(HashedOnce):
         )
 
     @cached_property
-    def y(self) -> Axis | Around:
+    def y(self) -> Axis | AngleAxis:
         if self.radial:
-            return around(self.ny, True, True)
+            return angle_axis(self.ny, True, True)
         if self.outline is None:
             return axis(self.ny, self.fold_y)
-        return around(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
+        return angle_axis(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
 
     @property
     def radial(self) -> bool:
@@ -66,15 +66,9 @@ class Grid(HashedOnce):
         return self.ny == 1
 
     @property
-    def coordinates(self) -> Outline | Polar | None:
+    def coordinates(self) -> Outline | DiscCoordinates | None:
         """Return what x and y are coordinates of, unless they are those of a rectangle."""
         return POLAR_COORDINATES if self.radial else self.outline
-
-    @property
-    def around(self) -> Around:
-        """ν of an outline, or a disc's angle."""
-        assert isinstance(self.y, Around)
-        return self.y
 
     @property
     def t(self) -> Period:
@@ -104,21 +98,21 @@ class Grid(HashedOnce):
         """
         if self.outline is None:
             return 1.0
-        return self.outline.stretch(*self._behind(across)) / self.outline.typical_stretch
+        return self.outline.stretch(*self._mu_nu(across)) / self.outline.typical_stretch
 
-    def turn(self, across: np.ndarray) -> np.ndarray | float:
+    def map_slope(self, across: np.ndarray) -> np.ndarray | float:
         """z′ of an outline there, by the same lengths; 1 under a rectangle."""
         if self.outline is None:
             return 1.0
-        return self.outline.slope(*self._behind(across)) / sqrt(self.outline.typical_stretch)
+        return self.outline.map_slope(*self._mu_nu(across)) / sqrt(self.outline.typical_stretch)
 
-    def bend(self, across: np.ndarray) -> np.ndarray | float:
+    def map_log_slope(self, across: np.ndarray) -> np.ndarray | float:
         """z″/z′ of an outline there, by the same lengths; 0 under a rectangle."""
         if self.outline is None:
             return 0.0
-        return self.outline.bend(*self._behind(across)) / sqrt(self.outline.typical_stretch)
+        return self.outline.map_log_slope(*self._mu_nu(across)) / sqrt(self.outline.typical_stretch)
 
-    def _behind(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _mu_nu(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return μ and ν there."""
         assert self.outline
         return self.outline.edge_mu * (2 * across[:, None] - 1), self.y.nodes
@@ -137,8 +131,8 @@ class Grid(HashedOnce):
     def nodes_per_length(self, aspect: float) -> tuple[float, float]:
         """Nodes of each axis for a unit of its length; those around lie as far apart as so few."""
         length_x, length_y = self.lengths(aspect)
-        around = 4 if self.outline else 1
-        return self.x.full_points / length_x, self.y.full_points / (around * length_y)
+        sides = 4 if self.outline else 1
+        return self.x.full_points / length_x, self.y.full_points / (sides * length_y)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -159,7 +153,7 @@ class Grid(HashedOnce):
         """Number of unknowns."""
         return self.nx * self.ny * self.nt
 
-    def sees(self, nodes_x: float, nodes_y: float) -> bool:
+    def has_nodes(self, nodes_x: float, nodes_y: float) -> bool:
         """Return whether the grid has so many nodes across the pad along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
 
@@ -172,10 +166,10 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
     length_x, length_y = grid.lengths(aspect)
     values_x, values_y = values_x / length_x**2, values_y / length_y**2
     parts = {
-        "laplace_x": grid.x.in_parts / length_x**2,
+        "laplace_x": grid.x.second_parts / length_x**2,
         "modes_x": vectors_x,
         "to_modes_x": inverse_x,
-        "laplace_y": grid.y.in_parts / length_y**2,
+        "laplace_y": grid.y.second_parts / length_y**2,
         "modes_y": vectors_y,
         "to_modes_y": inverse_y,
         "time_derivative": grid.t.derivative.T,
@@ -192,7 +186,7 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
     return parts
 
 
-def _moments(axis: Axis | Around) -> np.ndarray:
+def _moments(axis: Axis | AngleAxis) -> np.ndarray:
     """The moments without their weights, and the first, which is 1, once more: shape (n, 4)."""
     cosines = axis.moments(MOMENTS) / axis.weights
     return np.stack([*cosines, cosines[0]], axis=1)
@@ -215,7 +209,7 @@ def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np
 @lru_cache(maxsize=4096)
 def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
-    in_space = 2 + max(parts_of(terms), 1) + sum(term.SPACE_PRODUCTS for term in terms)
+    in_space = 2 + max(preconditioner_count(terms), 1) + sum(term.SPACE_PRODUCTS for term in terms)
     in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
     # Along x and y half of a row where an axis is whole.
     row = grid.nx // (1 + grid.x.in_halves) + grid.ny // (1 + grid.y.in_halves)

@@ -16,7 +16,7 @@ from squeezefilm.reynolds.terms import Terms, distinct_terms, numbers_of
 
 # Numbers of what is kept of the profile at some positions, where it is asked for again for many
 # gaps and amplitudes; more are found anew.
-MOST_KEPT = 100_000
+MOST_CACHED = 100_000
 
 
 def gap_parts(scenes: Scenes, grid: Grid) -> np.ndarray:
@@ -63,7 +63,7 @@ def _kind_of_numbers(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
 def _gap_parts(places: PadPositions, grid: Grid) -> np.ndarray:
     """The gap's parts at each position, as of ``gap_parts``."""
     x, y = grid.positions
-    values, gap = places.parts(x, y), places.under.pad.gap
+    values, gap = places.parts(x, y), places.pad_profile.pad.gap
     if not gap.flat or len(values) == 2:
         second = values[1] if len(values) == 2 else np.zeros_like(values[0])
         values = np.stack([values[0], second, np.broadcast_to(gap.rise_m(x, y), second.shape)])
@@ -83,9 +83,9 @@ def profiles_at(
     in_space = tuple([grid.in_space for grid in grids])
 
     def find(places: PadPositions) -> tuple[Packed, np.ndarray]:
-        if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MOST_KEPT:
+        if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MOST_CACHED:
             return _profiles(places, in_space, terms)
-        return places.once(_profiles, in_space, terms)
+        return places.cached(_profiles, in_space, terms)
 
     found, which = scenes.at_places(find)
     fields = Packed.of_rows([each for each, _ in found])
@@ -95,7 +95,7 @@ def profiles_at(
 def _profiles(
     places: PadPositions, grids: tuple[Grid, ...], terms: Terms
 ) -> tuple[Packed, np.ndarray]:
-    parts, pad = [_gap_parts(places, grid) for grid in grids], places.under.pad
+    parts, pad = [_gap_parts(places, grid) for grid in grids], places.pad_profile.pad
     aspect = pad.length_y_m / pad.length_x_m
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from squeezefilm.film.outline import POLAR_COORDINATES
-from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scene, Scenes, kept, rows_by_value
+from squeezefilm.film.scene import MOST_CACHED, Film, Rows, Scene, Scenes, cached, rows_by_value
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, Samples, joined_samples
 from squeezefilm.reynolds.terms import Terms, absent_terms, distinct_terms, is_radial
 
@@ -24,7 +24,7 @@ class Plan:
     """Terms, domain and profile of scenes, each a column of shape (n,).
 
     Attributes:
-        kinds: the terms that scenes have beside squeezing; ``kind`` is each scene's.
+        kinds: the terms that scenes have beside squeezing; ``term_set`` is each scene's.
         fold_x, fold_y: the film is even about the pad's middle along x, y: half is enough.
         domain: the part of the pad that is solved, of DOMAINS.
         absent_terms: names of the terms that the equation does not have, joined by ``; ``.
@@ -33,40 +33,40 @@ class Plan:
     """
 
     scenes: Scenes
-    kinds: Sequence[Terms]
-    kind: np.ndarray
+    term_sets: Sequence[Terms]
+    term_set: np.ndarray
     fold_x: np.ndarray
     fold_y: np.ndarray
     domain: np.ndarray
     absent_terms: np.ndarray
     profiles: Sequence[tuple[Rows, SampledProfiles, np.ndarray]]
-    _known: dict[object, Any] = field(default_factory=dict)
+    _cache: dict[object, Any] = field(default_factory=dict)
 
     @property
     def terms(self) -> Terms:
         """The terms of scenes that all have the same."""
-        return self.kinds[self.kind[0]]
+        return self.term_sets[self.term_set[0]]
 
     def reasons(self, why: Callable[[Scene, Terms], str]) -> dict[int, str]:
         """Reasons that follow from a scene's film and terms, by row; none where they are empty."""
         found: dict[int, str] = {}
-        for rows in rows_by_value(self.scenes.film_index, self.kind):
-            if reason := why(self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]):
+        for rows in rows_by_value(self.scenes.film_index, self.term_set):
+            if reason := why(self.scenes[int(rows[0])], self.term_sets[self.term_set[rows[0]]]):
                 found |= dict.fromkeys(rows.tolist(), reason)
         return found
 
-    def once(self, name: str, of: Callable[..., Result], *arguments: Any) -> Result:
+    def cached(self, name: str, of: Callable[..., Result], *arguments: Any) -> Result:
         """Return a value that follows from films and profiles alone, kept by position."""
-        if (name, *arguments) not in self._known:
-            self._known[name, *arguments] = of(*arguments)
-        return self._known[name, *arguments]
+        if (name, *arguments) not in self._cache:
+            self._cache[name, *arguments] = of(*arguments)
+        return self._cache[name, *arguments]
 
-    def samples(self, share: float) -> Samples:
+    def samples(self, fraction: float) -> Samples:
         """Return the samples of grids whose error is at most a fraction of the profiles, (n,)."""
-        return self.once("samples", self._sampled, share)
+        return self.cached("samples", self._sampled, fraction)
 
-    def _sampled(self, share: float) -> Samples:
-        found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
+    def _sampled(self, fraction: float) -> Samples:
+        found = [sampled.at(fraction)[at] for _, sampled, at in self.profiles]
         rows = np.concatenate([rows for rows, _, _ in self.profiles])
         return joined_samples(found)[np.argsort(rows)]
 
@@ -75,10 +75,10 @@ def plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> Plan:
     """Return what scenes need by their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
     # The terms of a gap that is shaped at rest go by its size.
-    if not scenes.flat or len(scenes) > MOST_KEPT:
+    if not scenes.flat or len(scenes) > MOST_CACHED:
         return _plan_of(scenes)
     columns = (scenes.film_index, scenes.x_m, scenes.y_m)
-    plan = kept(_plan_at, scenes.films, *(each.tobytes() for each in columns))
+    plan = cached(_plan_at, scenes.films, *(each.tobytes() for each in columns))
     return replace(plan, scenes=scenes)
 
 
@@ -89,26 +89,26 @@ def _plan_at(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes)
 
 
 def _plan_of(scenes: Scenes) -> Plan:
-    kinds, kind = distinct_terms(scenes)
+    term_sets, term_set = distinct_terms(scenes)
     fold_x, fold_y = np.empty((2, len(scenes)), dtype=bool)
-    breaks = ["".join(term.BREAKS for term in terms) for terms in kinds]
+    breaks = ["".join(term.BREAKS_SYMMETRY_OF for term in terms) for terms in term_sets]
     profiles = []
-    radial = np.array([is_radial(terms) for terms in kinds])[kind]
+    radial = np.array([is_radial(terms) for terms in term_sets])[term_set]
     for film, rows, some in scenes.split_by_film():
         gap, outline = film.pad.gap, film.pad.smooth_outline
         for part in rows_by_value(radial[rows]):
             own, (places, at) = np.arange(len(scenes))[rows][part], some[part].pad_positions
             has_no_angle = bool(radial[own[0]])
             coordinates = POLAR_COORDINATES if has_no_angle else outline
-            sampled = places.once(SampledProfiles, coordinates)
+            sampled = places.cached(SampledProfiles, coordinates)
             even_x = gap.tilt_x_m == 0 and (not outline or outline.even_x)
             even_y = gap.tilt_y_m == 0 and (not outline or outline.even_y)
             fold_x[own] = has_no_angle | sampled.even_x[at] & even_x
             fold_y[own] = has_no_angle | sampled.even_y[at] & even_y
             profiles.append((own, sampled, at))
-    fold_x &= np.array(["x" not in axes for axes in breaks])[kind]
-    fold_y &= np.array(["y" not in axes for axes in breaks])[kind]
+    fold_x &= np.array(["x" not in axes for axes in breaks])[term_set]
+    fold_y &= np.array(["y" not in axes for axes in breaks])[term_set]
     domain = DOMAINS[np.where(radial, 4, 2 * fold_x + fold_y)]
-    names = ["; ".join(each.name for each in absent_terms(terms)) for terms in kinds]
-    absent = np.array(names, dtype=object)[kind]
-    return Plan(scenes, kinds, kind, fold_x, fold_y, domain, absent, profiles)
+    names = ["; ".join(each.name for each in absent_terms(terms)) for terms in term_sets]
+    absent = np.array(names, dtype=object)[term_set]
+    return Plan(scenes, term_sets, term_set, fold_x, fold_y, domain, absent, profiles)

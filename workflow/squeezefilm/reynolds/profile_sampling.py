@@ -14,12 +14,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.film.outline import Outline, Polar
+from squeezefilm.film.outline import DiscCoordinates, Outline
 from squeezefilm.film.profiles import landmarks_of
 from squeezefilm.film.scene import PadPositions
 from squeezefilm.film.symmetry import ROUNDING_TOLERANCE
 from squeezefilm.reynolds.grid import MOST_NODES
-from squeezefilm.reynolds.spectral import Around, Axis, around, axis, period
+from squeezefilm.reynolds.spectral import AngleAxis, Axis, angle_axis, axis, period
 
 SAMPLED_NODE_COUNTS = (24, 48, 96, 192, MOST_NODES)
 # Points at which the first interpolant is checked, and the others, which are tried where it fails.
@@ -27,7 +27,7 @@ FIRST_CHECK_POINTS, LATER_CHECK_POINTS = 100, 1000
 # Numbers of samples that are worked on at a time: more would fall out of the caches.
 POINTS_AT_ONCE = 2**17
 
-Coordinates = Outline | Polar | None
+Coordinates = Outline | DiscCoordinates | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,9 +50,9 @@ class Samples:
     def __getitem__(self, rows: np.ndarray | slice) -> Samples:
         return Samples(*(each[rows] for each in vars(self).values()))
 
-    def nodes(self, share: float) -> np.ndarray:
+    def nodes(self, fraction: float) -> np.ndarray:
         """Nodes along x and y that miss no more than a share, (n, 2)."""
-        return np.argmax(self.tail <= share, axis=2)
+        return np.argmax(self.tail <= fraction, axis=2)
 
     def missed_by(self, nodes: tuple[int, int], rows: np.ndarray | slice) -> np.ndarray:
         """Return the errors of interpolants with so many nodes along x, y, (n, 2)."""
@@ -79,9 +79,9 @@ class SampledProfiles:
         self._landmarks = _landmarks_under(places)
         self._sample(0, np.arange(count))
 
-    def at(self, share: float) -> Samples:
+    def at(self, fraction: float) -> Samples:
         """Return samples of the first level whose error is at most a fraction, else the last."""
-        if share not in self._at:
+        if fraction not in self._at:
             rows = np.arange(len(self._largest))
             parts, which = [], []
             for level in range(len(SAMPLED_NODE_COUNTS)):
@@ -89,19 +89,19 @@ class SampledProfiles:
                 samples = self._samples[level]
                 assert samples is not None
                 found = samples[self._row[level, rows]]
-                enough = (found.missed <= share) | (level == len(SAMPLED_NODE_COUNTS) - 1)
+                enough = (found.missed <= fraction) | (level == len(SAMPLED_NODE_COUNTS) - 1)
                 parts.append(found[enough])
                 which.append(rows[enough])
                 rows = rows[~enough]
                 if not rows.size:
                     break
             order = np.argsort(np.concatenate(which))
-            self._at[share] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
-        return self._at[share]
+            self._at[fraction] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
+        return self._at[fraction]
 
     def feature_m(self) -> float:
         """Width in metres, at half height, of the profile's least resolved feature."""
-        first, place, pad = self._samples[0], self.places, self.places.under.pad
+        first, place, pad = self._samples[0], self.places, self.places.pad_profile.pad
         assert first is not None
         x, y = first.worst[0]
         angle = np.pi / 4 * np.arange(8)
@@ -133,10 +133,12 @@ class SampledProfiles:
             self._row[level, some] = sum(len(each.missed) for each in parts) + np.arange(len(some))
             parts.append(samples)
             if level == 0:
-                self._look(some, samples, s, between)
+                self._find_symmetries(some, samples, s, between)
         self._samples[level] = joined_samples(parts)
 
-    def _look(self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray) -> None:
+    def _find_symmetries(
+        self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray
+    ) -> None:
         """Find symmetries from the values of the first level, at the nodes and between them."""
         self._largest[rows] = _largest(s, between)
         same = ROUNDING_TOLERANCE * self._largest[rows]
@@ -254,7 +256,7 @@ class _Sampler:
     def __init__(self, points: int, coordinates: Coordinates) -> None:
         self.coordinates = coordinates
         self.line = line = axis(points, False)
-        across: Axis | Around = around(points + 2, False, False) if coordinates else line
+        across: Axis | AngleAxis = angle_axis(points + 2, False, False) if coordinates else line
         self.across, order = across, points + 1
         u, v = _between(
             FIRST_CHECK_POINTS if points == SAMPLED_NODE_COUNTS[0] else LATER_CHECK_POINTS
@@ -284,10 +286,10 @@ _sampler = lru_cache(maxsize=8 * len(SAMPLED_NODE_COUNTS))(_Sampler)
 
 def _landmarks_under(places: PadPositions) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """The profile's landmarks under the pad, in [0, 1] across it, where there are any."""
-    x_m, y_m = landmarks_of(places.under.profile)
+    x_m, y_m = landmarks_of(places.pad_profile.profile)
     if not len(x_m):
         return {}
-    pad = places.under.pad
+    pad = places.pad_profile.pad
     turned_back = replace(pad, rotation_deg=-pad.rotation_deg)
     along_x, along_y = turned_back.turned(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
     x, y = 0.5 + along_x / pad.length_x_m, 0.5 + along_y / pad.length_y_m

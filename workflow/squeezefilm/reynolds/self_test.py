@@ -22,7 +22,7 @@ from squeezefilm.lazy import pd
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.kernel_cache import kernel_cache
-from squeezefilm.reynolds.periodic.launch import grid_under, solve_batch
+from squeezefilm.reynolds.periodic.launch import grid_on_pad, solve_batch
 
 STORED_FORCES = Path(__file__).with_name("self_test.csv")
 FORCE_TOLERANCE = 1e-9
@@ -33,7 +33,7 @@ GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
 
 
 def films() -> dict[str, tuple[Scene, Grid]]:
-    """Films that have every term among them, and the points of their grids (``grid_under``)."""
+    """Films that have every term among them, and the points of their grids (``grid_on_pad``)."""
     whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
     half = Grid(12, 8, 12, fold_x=False, fold_y=True)
     quarter = Grid(8, 8, 12, fold_x=True, fold_y=True)
@@ -57,11 +57,11 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             _film(inertia="included", rarefaction="slip", thermal="included"),
             quarter,
         ),
-        "any gap": (_of_any_gap(_film(x_m=2e-3)), half),
-        "any gap, wide and narrow": (_of_any_gap(_film(hv_m=1.2e-6), tilt_x_m=6.4e-6), half),
-        "any gap, inertia": (_of_any_gap(_film(x_m=2e-3, inertia="included")), half),
+        "any gap": (_with_uneven_gap(_film(x_m=2e-3)), half),
+        "any gap, wide and narrow": (_with_uneven_gap(_film(hv_m=1.2e-6), tilt_x_m=6.4e-6), half),
+        "any gap, inertia": (_with_uneven_gap(_film(x_m=2e-3, inertia="included")), half),
         "ellipse, sliding": (_film(pad=slender), half),
-        "disc, any gap": (_of_any_gap(_film(x_m=2e-3, pad=disc)), half),
+        "disc, any gap": (_with_uneven_gap(_film(x_m=2e-3, pad=disc)), half),
         "disc, inertia and thermal effects": (
             _film(pad=disc, inertia="included", thermal="included"),
             quarter,
@@ -73,7 +73,7 @@ def films() -> dict[str, tuple[Scene, Grid]]:
     }
 
 
-def _of_any_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
+def _with_uneven_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     """Tilted and crowned, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
     modes = Quadrature(SINC_PROFILE, crests, component_factors=(0.8, 0.6))
@@ -101,7 +101,7 @@ def forces(device: Device) -> dict[str, float]:
     """The films' mean gauge pressures in units of p0, as the device finds them."""
     force_of_film = {}
     for name, (scene, points) in films().items():
-        grid = grid_under(scene, points)
+        grid = grid_on_pad(scene, points)
         states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
         force_of_film[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
     return force_of_film
@@ -113,7 +113,7 @@ def check_device(device: Device) -> None:
     Raises:
         InputError: naming the films that it gives otherwise, and by how much.
     """
-    if wrong := _wrong(device):
+    if wrong := _failed_films(device):
         raise InputError(
             f"{device.name} fails its self-test: forces of stored films differ by more than "
             f"{FORCE_TOLERANCE:g}, relative ({wrong}). Its driver compiles the solver's kernel "
@@ -160,7 +160,7 @@ def check_survival(option: str | None) -> None:
 
 
 @cache
-def _wrong(device: Device) -> str:
+def _failed_films(device: Device) -> str:
     """The films that a device gives otherwise."""
     stored = pd.read_csv(STORED_FORCES, index_col="film")["mean_overpressure"]
     difference = (pd.Series(forces(device))[stored.index] / stored - 1).abs()

@@ -18,10 +18,10 @@ from squeezefilm.reynolds.asymptotics.composite import (
 )
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
-from squeezefilm.reynolds.periodic.resolution import unseen_profiles
+from squeezefilm.reynolds.periodic.resolution import unresolved_profiles
 from squeezefilm.reynolds.plan import Plan, plan_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.terms import refused_on_grid
+from squeezefilm.reynolds.terms import unsupported_on_grid
 from squeezefilm.solution import Solution, Solutions
 
 METHODS = ("auto", "composite", "periodic")
@@ -101,14 +101,14 @@ def known_solutions(plan: Plan, *, tolerance: float, method: str) -> tuple[Solut
 
     The status is empty where one will be. The results behind those by an expansion go with them.
     """
-    refused = unseen_profiles(plan, tolerance=tolerance)
+    refused = unresolved_profiles(plan, tolerance=tolerance)
     found = NOT_EXPANDED
     if method != "periodic":
-        found = composite(plan, tolerance=tolerance, auto=method == "auto", but=refused)
+        found = composite(plan, tolerance=tolerance, auto=method == "auto", excluded=refused)
     if method == "composite":
         refused = not_derived_for(plan) | refused
     else:
-        refused = plan.once("on grids", plan.reasons, refused_on_grid) | refused
+        refused = plan.cached("on grids", plan.reasons, unsupported_on_grid) | refused
     solutions = Solutions.of_method("periodic" if method == "auto" else method, len(plan.scenes))
     for row, reason in refused.items():
         solutions.status[row] = reason

@@ -119,15 +119,15 @@ class Axis:
         return values, vectors, np.linalg.inv(vectors)
 
     @cached_property
-    def in_parts(self) -> np.ndarray:
+    def second_parts(self) -> np.ndarray:
         """D2; of an axis that is not folded as it acts on even and odd functions' first halves.
 
         Shape (n, n), or (2, n/2, n/2): halved, for sum and difference of a function's values
         at a node and at its mirror image stand for twice its even and odd part.
         """
-        return self.parts_of(self.second_derivative)
+        return self.even_odd_parts(self.second_derivative)
 
-    def parts_of(self, matrix: np.ndarray) -> np.ndarray:
+    def even_odd_parts(self, matrix: np.ndarray) -> np.ndarray:
         """Split a matrix that commutes or anticommutes with mirroring into even and odd parts."""
         return matrix if self.folded else even_and_odd(matrix) / 2
 
@@ -152,7 +152,7 @@ class Axis:
         return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights
 
     @property
-    def to_end(self) -> np.ndarray:
+    def end_weights(self) -> np.ndarray:
         """Extrapolation weights: the value at an end from those on the four nodes beside it.
 
         A polynomial through all nodes would grow beyond bounds.
@@ -297,7 +297,7 @@ radius = lru_cache(maxsize=64)(Radius)
 
 
 @dataclass(frozen=True)
-class Around:
+class AngleAxis:
     """Fourier collocation on [start, start + 2π), between the mirror axes, with what mirrors do.
 
     An axis that is folded by one or both symmetries holds the nodes of a half or a quarter.
@@ -347,7 +347,7 @@ class Around:
         return self._all.derivative
 
     @cached_property
-    def in_parts(self) -> np.ndarray:
+    def second_parts(self) -> np.ndarray:
         """Second derivative of a function of the axis' symmetries, shape (n, n)."""
         fourier, harmonics = self._all.fourier, self._all.harmonics
         return self._fold(-(fourier[:, : self.points].T * harmonics**2) @ fourier)
@@ -360,7 +360,7 @@ class Around:
     @cached_property
     def modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Eigenvalues (n,), eigenvectors as columns of unit mean square and their inverse."""
-        values, vectors = np.linalg.eigh(self.in_parts)
+        values, vectors = np.linalg.eigh(self.second_parts)
         size = np.sqrt(self.points)
         return values[::-1], vectors[:, ::-1] * size, vectors[:, ::-1].T / size
 
@@ -420,7 +420,7 @@ class Around:
         return self._fold(self.derivative[: self.points], odd=odd)
 
 
-around = lru_cache(maxsize=64)(Around)
+angle_axis = lru_cache(maxsize=64)(AngleAxis)
 
 
 @dataclass(frozen=True)
@@ -456,9 +456,9 @@ class FluxPoints:
         Of a velocity along the other axis: ``across``, its derivative along this one on the nodes,
         as if it vanished at the ends as it does where the gas comes in; ``edge``, what that lacks
         per velocity at each end, of a folded axis, whose ends are alike, their sum first;
-        ``to_end`` as of the axis.
+        ``end_weights`` as of the axis.
         """
-        axis, parts = self.axis, self.axis.parts_of
+        axis, parts = self.axis, self.axis.even_odd_parts
         to_points, to_nodes = axis.to_points(self.all_points), self.to_nodes
         first, last = axis.derivative[1 : axis.points + 1, [0, -1]].T
         edge = np.stack([first + last, 0 * last] if axis.folded else [first, last])
@@ -472,7 +472,7 @@ class FluxPoints:
             "divergence": parts(axis.fold(to_nodes @ self._derivative + spread, odd=True)) / length,
             "across": parts(axis.fold(axis.derivative[1:-1, 1:-1])) / length,
             "edge": edge / length,
-            "to_end": axis.to_end,
+            "to_end": axis.end_weights,
         }
 
     @property
@@ -509,12 +509,12 @@ class FluxPoints:
 
 
 @dataclass(frozen=True)
-class AroundPoints:
+class AnglePoints:
     """The same of an outline's ν, which has no ends: its nodes, on which a velocity along it is odd
     at each mirror.
     """
 
-    axis: Around
+    axis: AngleAxis
 
     @property
     def from_all_nodes(self) -> np.ndarray:
@@ -531,11 +531,11 @@ class AroundPoints:
     def to_inner(self) -> np.ndarray:
         return np.eye(self.axis.points)
 
-    def interpolation_to(self, finer: AroundPoints) -> np.ndarray:
+    def interpolation_to(self, finer: AnglePoints) -> np.ndarray:
         return self.axis.at(finer.axis.nodes, odd=True)
 
 
 @lru_cache(maxsize=64)
-def flux_points(of: Axis | Around) -> FluxPoints | AroundPoints:
+def flux_points(of: Axis | AngleAxis) -> FluxPoints | AnglePoints:
     """Flux points of an axis; their matrices are computed once."""
-    return FluxPoints(of) if isinstance(of, Axis) else AroundPoints(of)
+    return FluxPoints(of) if isinstance(of, Axis) else AnglePoints(of)

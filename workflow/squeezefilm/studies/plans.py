@@ -17,7 +17,7 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.positions import as_in, form_of
+from squeezefilm.film.positions import columns_as_in, position_form
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.dry_run import dry_run
@@ -92,7 +92,7 @@ def sweep_pieces(
 
 def _within(ranges: dict[str, tuple[float, float]], unit: np.ndarray) -> pd.DataFrame:
     """The plan of points in [0, 1] over ranges, shape (points, 4)."""
-    names = as_in(FACTOR_COLUMNS, ranges)
+    names = columns_as_in(FACTOR_COLUMNS, ranges)
     lower, upper = np.transpose([ranges[name] for name in names])
     return plan(pd.DataFrame(lower + (upper - lower) * unit, columns=names))
 
@@ -134,7 +134,7 @@ def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -
     if name == "four_factor":
         positions = pd.DataFrame(pad_positions(config), columns=position)
         return plan(positions.merge(design[[*CENTRED_FACTORS]], how="cross"))
-    return design[as_in(SCENE_COLUMNS, design)]
+    return design[columns_as_in(SCENE_COLUMNS, design)]
 
 
 def _extrapolation(config: Study, fits: Mapping[str, FittedModel]) -> pd.DataFrame:
@@ -188,7 +188,7 @@ def expected_seconds(config: Study, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
     sample = random_plan(points=TIMED_SCENES, seed=1, **space_of(config).limits)
     if centred:
-        sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
+        sample = sample.assign(**dict.fromkeys(position_form(sample), 0.0))
     scenes = scenes_in(sample, config, profile=config.planned_profile())
     planned = dry_run(scenes, tolerance=config.solver.tolerance, method=config.solver.method)
     mflop = sum(preview["expected_mflop"] for preview in planned) / TIMED_SCENES

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from squeezefilm.config.study import Positions, Study
 from squeezefilm.designs.space import Array, Space
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import POLAR, cartesian, form_of
+from squeezefilm.film.positions import POLAR, cartesian, position_form
 from squeezefilm.film.symmetry import Symmetry
-from squeezefilm.film.validity import exist
+from squeezefilm.film.validity import solvable_scenes
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS
 
@@ -39,7 +39,7 @@ def plan(factors: pd.DataFrame, *, position: tuple[str, ...] = POLAR) -> pd.Data
 
     At the centre, in the form ``position``, where the factors have no position.
     """
-    form = form_of(factors) if len(factors.columns) > 2 else position
+    form = position_form(factors) if len(factors.columns) > 2 else position
     table = factors.reindex(columns=[*CENTRED_FACTORS, *form], fill_value=0.0).astype(float)
     table.insert(0, "point_id", np.arange(1, len(table) + 1).astype(str))
     return table
@@ -98,7 +98,7 @@ def space_of(config: Study, *, centred: bool = False) -> Space:
         x_m, y_m = place or np.zeros((2, len(points)))
         if position == POLAR:
             x_m, y_m = cartesian(x_m, y_m).values()
-        return exist(config.read_film().scenes(h0_m, hv_m, x_m, y_m))
+        return solvable_scenes(config.read_film().scenes(h0_m, hv_m, x_m, y_m))
 
     return Space(limits, allowed, position)
 
@@ -113,7 +113,7 @@ def points_of(table: pd.DataFrame, space: Space) -> Array:
 
     Raises InputError where the pad is off the centre of a space in which it stays there.
     """
-    moved = form_of(table)[: 1 if form_of(table) == POLAR else 2]
+    moved = position_form(table)[: 1 if position_form(table) == POLAR else 2]
     if len(space.limits) == 2 and np.any(table[list(moved)].to_numpy() != 0):
         raise InputError(f"{moved[0]}: the pad is moved, in a space in which it is centred")
     return table[list(space.names)].to_numpy(dtype=float)

@@ -12,7 +12,7 @@ import numpy as np
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.positions import POLAR, as_in, cartesian
+from squeezefilm.film.positions import POLAR, cartesian, columns_as_in
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.symmetry import Directions
@@ -63,7 +63,7 @@ def scenes_in(
     """
     if missing := [name for name in FACTOR_COLUMNS[:2] if name not in table]:
         raise InputError(f"points need the column {missing[0]!r}")
-    names, centre = as_in(FACTOR_COLUMNS, table), np.zeros(len(table["h0_m"]))
+    names, centre = columns_as_in(FACTOR_COLUMNS, table), np.zeros(len(table["h0_m"]))
     h0_m, hv_m, x_m, y_m = (np.asarray(table.get(name, centre), dtype=float) for name in names)
     numbered = table.get("point_id", np.arange(1, len(centre) + 1))
     point_id = np.array(list(map(str, numbered)), dtype=object)

@@ -47,11 +47,11 @@ def judge(results: Results) -> pd.DataFrame:
         | _extrapolated_values(results)
         | _four_factor_values(results)
     )
-    claims = CLAIMS.reset_index().apply(lambda claim: _judged(claim, values), axis="columns")
+    claims = CLAIMS.reset_index().apply(lambda claim: _with_verdict(claim, values), axis="columns")
     return claims[list(CLAIM_COLUMNS)]
 
 
-def _judged(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
+def _with_verdict(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     """The claim with its texts filled in and the verdict."""
     ours = values[claim["claim_id"]]
     size, needed = claim["size"], int(claim["needed"] or 0)

@@ -23,7 +23,7 @@ from matplotlib.testing.compare import compare_images
 from matplotlib.testing.exceptions import ImageComparisonFailure
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import form_of
+from squeezefilm.film.positions import position_form
 from squeezefilm.models.data import factors_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.reporting.figures.style import PLAIN_SUFFIX
@@ -101,7 +101,7 @@ Reference = dict[Key, dict[str, str]]
 
 
 @dataclass(frozen=True)
-class Close:
+class Closeness:
     """Closeness of two texts: equal words, and numbers within the sum of the limits.
 
     Attributes:
@@ -141,7 +141,7 @@ class Close:
         return largest
 
 
-EQUAL_TEXT = Close()
+EQUAL_TEXT = Closeness()
 
 
 def _numbers(text: str) -> list[Decimal]:
@@ -159,7 +159,7 @@ class Quantity(NamedTuple):
     item: str
     name: str
     cells: Cells
-    tolerance: Close = EQUAL_TEXT
+    tolerance: Closeness = EQUAL_TEXT
 
 
 def check_page(results: Results, *, reference: str) -> Page:
@@ -167,7 +167,7 @@ def check_page(results: Results, *, reference: str) -> Page:
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
     values = {"summary": summary(table), "table": shown}
-    return Page(values, {"csv": table, "text": f"{on_screen(table)}\n"})
+    return Page(values, {"csv": table, "text": f"{screen_text(table)}\n"})
 
 
 def check_table(results: Results, reference: Path) -> pd.DataFrame:
@@ -264,7 +264,7 @@ def compare_pictures(pictures: Path, reference: Path) -> Iterator[Quantity]:
                 apart = f"{difference['rms']:.3g}" if difference else "0"
             except (ImageComparisonFailure, OSError, SyntaxError) as error:
                 apart = " ".join(str(error).split())
-        yield Quantity(*key, {PIXELS: apart}, Close(absolute=PICTURE_RMS))
+        yield Quantity(*key, {PIXELS: apart}, Closeness(absolute=PICTURE_RMS))
 
 
 def summary(table: pd.DataFrame) -> str:
@@ -278,7 +278,7 @@ def summary(table: pd.DataFrame) -> str:
     return f"All {len(table)} quantities passed."
 
 
-def on_screen(table: pd.DataFrame) -> str:
+def screen_text(table: pd.DataFrame) -> str:
     """Return each part's worst quantity, all that failed, and the summary."""
     failed = table["verdict"] != PASSED
     worst = table.loc[table.groupby("part", sort=False)["of_tolerance"].idxmax()]
@@ -297,27 +297,27 @@ def on_screen(table: pd.DataFrame) -> str:
     return "".join([*shown, summary(table)])
 
 
-def tolerances(solver: float) -> dict[str, Close]:
+def tolerances(solver: float) -> dict[str, Closeness]:
     """Return the tolerance of each kind of quantity for a solver tolerance."""
     return {
         # What the configuration gives, through plain arithmetic.
-        "given": Close(relative=1e-9, of_largest=1e-12),
+        "given": Closeness(relative=1e-9, of_largest=1e-12),
         # Derived in several steps, and local pressures, which the solver's tolerance is not of.
-        "derived": Close(of_largest=0.01),
+        "derived": Closeness(of_largest=0.01),
         # An optimum is flat: its place is known to the root of its value's accuracy.
-        "place": Close(of_largest=1e-3),
-        "design": Close(relative=1e-3),
-        "force": Close(relative=2 * solver),
+        "place": Closeness(of_largest=1e-3),
+        "design": Closeness(relative=1e-3),
+        "force": Closeness(relative=2 * solver),
         # Errors of forces pass to fitted ones about one to one, also from five points.
-        "model": Close(of_largest=4 * solver + 1e-7),
+        "model": Closeness(of_largest=4 * solver + 1e-7),
         # Norms of residuals over those of the forces move no more than the forces do.
-        "residual": Close(absolute=4 * solver + 1e-7),
+        "residual": Closeness(absolute=4 * solver + 1e-7),
         # Errors of forces reach parameters sevenfold, and more in combination.
-        "parameters": Close(relative=100 * solver + 1e-4, of_largest=100 * solver + 1e-6),
+        "parameters": Closeness(relative=100 * solver + 1e-4, of_largest=100 * solver + 1e-6),
         # As a text shows it: where the digits shown are more than are known, those.
-        "shown": Close(relative=20 * solver, digits=1),
+        "shown": Closeness(relative=20 * solver, digits=1),
         # A plan's smallest forces are hundreds of times smaller than the largest.
-        "relative error": Close(of_largest=min(0.05, 1e4 * solver)),
+        "relative error": Closeness(of_largest=min(0.05, 1e4 * solver)),
     }
 
 
@@ -336,7 +336,7 @@ def study_quantities(results: Results, reference: Path) -> list[Quantity]:
     def names(pattern: str) -> list[str]:
         return sorted(path.stem for path in folder.glob(pattern))
 
-    close = tolerances(float(config.solver.tolerance))
+    closeness = tolerances(float(config.solver.tolerance))
     plans = sorted(path.parent.name for path in folder.glob("simulations/*/forces.csv"))
     items = [
         *(
@@ -359,7 +359,7 @@ def study_quantities(results: Results, reference: Path) -> list[Quantity]:
     if config.numerics.extent == "sample" and results.exists("numerics/stability.csv"):
         items.append(("numerics", "stability", _stability))
     quantities = [
-        quantity for part, item, make in items for quantity in make(results, close, part, item)
+        quantity for part, item, make in items for quantity in make(results, closeness, part, item)
     ]
     return [*quantities, *compare_pictures(folder / PICTURES_FOLDER, reference)]
 
@@ -372,7 +372,7 @@ def text_of(value: Any) -> str:
 
 
 def column_quantities(
-    table: pd.DataFrame, close: Mapping[str, Close], part: str, item: str
+    table: pd.DataFrame, closeness: Mapping[str, Closeness], part: str, item: str
 ) -> Iterator[Quantity]:
     """A table's number of rows, then its columns thinned out, each as close as in CLOSENESS.
 
@@ -388,7 +388,7 @@ def column_quantities(
         if kind and len(table) > SAMPLED_ROWS:
             extremes = column.agg(["min", "mean", "max"]).set_axis(["least", "mean", "largest"])
             cells |= {str(name): text_of(value) for name, value in extremes.items()}
-        yield Quantity(part, item, name, cells, close[kind] if kind else EQUAL_TEXT)
+        yield Quantity(part, item, name, cells, closeness[kind] if kind else EQUAL_TEXT)
 
 
 def _sample(column: pd.Series) -> dict[str, str]:
@@ -396,21 +396,21 @@ def _sample(column: pd.Series) -> dict[str, str]:
     return {f"row {row + 1}": text_of(column.iloc[row]) for row in kept}
 
 
-Made = Iterator[Quantity]
-Kinds = Mapping[str, Close]
+Quantities = Iterator[Quantity]
+ClosenessOfColumn = Mapping[str, Closeness]
 
 
-def _table(results: Results, close: Kinds, part: str, item: str) -> Made:
+def _table(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
     """A table of the paper, or one that a figure draws."""
     folder = {"figure data": "figures/", "tables": "tables/"}.get(part, "")
     table = results.table(f"{folder}{item}.csv")
     chosen = [
         name for name in table if re.fullmatch(RESULT_COLUMNS_PATTERN.get(item, ".*"), str(name))
     ]
-    return column_quantities(table[chosen], close, part, item)
+    return column_quantities(table[chosen], closeness, part, item)
 
 
-def _claims(results: Results, close: Kinds, part: str, item: str) -> Made:
+def _claims(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
     """Every claim's verdict and our value; of the run time, the verdict alone."""
     table = results.table(f"{item}.csv", "claim_id", "claim", "paper", "ours", "unit", "verdict")
     for claim in table.fillna("").astype(str).to_dict("records"):
@@ -419,39 +419,41 @@ def _claims(results: Results, close: Kinds, part: str, item: str) -> Made:
         yield Quantity(part, name, "verdict", {claim["claim"]: agrees})
         if name != "seconds":
             cells = {f"ours, in {claim['unit']}; paper: {claim['paper']}": claim["ours"]}
-            yield Quantity(part, name, "ours", cells, close["shown"])
+            yield Quantity(part, name, "ours", cells, closeness["shown"])
 
 
-def _simulations(results: Results, close: Kinds, part: str, item: str) -> Made:
+def _simulations(
+    results: Results, closeness: ClosenessOfColumn, part: str, item: str
+) -> Quantities:
     """The points of a plan, their forces, and whether error estimates keep the tolerance."""
     forces = results.forces(item)
-    shown = forces[["point_id", "h0_m", "hv_m", *form_of(forces), "force_n"]]
-    yield from column_quantities(shown, close, part, item)
+    shown = forces[["point_id", "h0_m", "hv_m", *position_form(forces), "force_n"]]
+    yield from column_quantities(shown, closeness, part, item)
     largest = (forces["force_error_n"] / forces["force_n"].abs()).max()
     kept = {"of all points": str(largest <= results.config.solver.tolerance)}
     yield Quantity(part, item, "estimated errors within the tolerance", kept)
 
 
-def _fit(results: Results, close: Kinds, part: str, item: str) -> Made:
+def _fit(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
     """A fit's objective, and what it predicts at the points of its plan."""
     fit = results.fit(item)
     objective = {"|y − η|/|y|": f"{fit.global_error:.9g}"}
-    yield Quantity(part, item, "objective", objective, close["residual"])
+    yield Quantity(part, item, "objective", objective, closeness["residual"])
     forces = fit.force_model.evaluate(fit.theta, factors_of(results.scenes(item)))
-    yield Quantity(part, item, "predicted forces", _sample(pd.Series(forces)), close["model"])
+    yield Quantity(part, item, "predicted forces", _sample(pd.Series(forces)), closeness["model"])
 
 
-def _design(results: Results, close: Kinds, part: str, item: str) -> Made:
+def _design(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
     """D-efficiency of a design for the model that it was made for, times that of the best
     design."""
     fit, design = results.fit(FIT_OF_DESIGN[item]), results.design(item)
     slopes = fit.force_model.gradient(fit.theta, factors_of(design))
     sign, logarithm = np.linalg.slogdet(slopes.T @ slopes / len(slopes))
     worth = {"det(F'F/N)^(1/p)": text_of(sign * np.exp(logarithm / len(fit.theta)))}
-    yield Quantity(part, item, "D-efficiency", worth, close["design"])
+    yield Quantity(part, item, "D-efficiency", worth, closeness["design"])
 
 
-def _stability(results: Results, close: Kinds, part: str, item: str) -> Made:
+def _stability(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
     """The verdict on every stiff or extreme film."""
     table = results.table("numerics/stability.csv", "case", "verdict").astype(str)
     verdicts = dict(zip(table["case"], table["verdict"], strict=True))

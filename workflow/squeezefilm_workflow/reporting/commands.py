@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from squeezefilm.cli.options import OUTPUT, command, option, write_rows
+from squeezefilm.cli.options import OUTPUT_OPTION, command, option, write_rows
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.lazy import pd
@@ -18,9 +18,9 @@ from squeezefilm_workflow.reporting.results import Results
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RESULTS = option("results", "RESULTS", "the study's results", type=Path)
-STUDY = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
-FILES = option("--output", "FILE", required=True, nargs="+", type=Path)
+RESULTS_ARGUMENT = option("results", "RESULTS", "the study's results", type=Path)
+STUDY_OPTION = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
+FILES_OPTION = option("--output", "FILE", required=True, nargs="+", type=Path)
 RECOMMENDED_SHOWN = (
     *("space", "model", "validation_error", "worst_error", *FACTOR_COLUMNS, *CARTESIAN),
     *("force_n", "hv_error_95_m", "note"),
@@ -33,8 +33,8 @@ PICTURES = (".png", ".svg", ".pdf")
 @command(
     option("figure", "FIGURE", "such as fig05 or models/two_factor_errors, or TABLE.csv"),
     option("results", "RESULTS", "the study's results, or PROFILE.csv", type=Path, nargs="?"),
-    STUDY,
-    FILES,
+    STUDY_OPTION,
+    FILES_OPTION,
 )
 def plot(options: argparse.Namespace) -> None:
     """Draw a figure of a finished study, or its table, or a table that a command wrote.
@@ -87,7 +87,7 @@ def _save_figure_of_table(
         style.save(draw(table), output)
 
 
-@command(option("field", "FIELD.nc", "by `squeezefilm pressure`"), FILES)
+@command(option("field", "FIELD.nc", "by `squeezefilm pressure`"), FILES_OPTION)
 def plot_pressure(options: argparse.Namespace) -> None:
     """Pictures of a pressure field over the period, and an animation of it.
 
@@ -111,7 +111,7 @@ def check_formats(files: Sequence[Path], formats: Sequence[str]) -> None:
             raise InputError(f"{path}: a picture's name ends in {', '.join(formats)}")
 
 
-@command(RESULTS, STUDY, OUTPUT)
+@command(RESULTS_ARGUMENT, STUDY_OPTION, OUTPUT_OPTION)
 def recommend(options: argparse.Namespace) -> None:
     """Recommend a model, pad centred and anywhere, with amplitudes for the target force.
 
@@ -137,8 +137,8 @@ def recommend(options: argparse.Namespace) -> None:
 
 
 @command(
-    RESULTS,
-    STUDY,
+    RESULTS_ARGUMENT,
+    STUDY_OPTION,
     option("--reference", "FOLDER", "made by `squeezefilm reference`", required=True, type=Path),
     option("--output", "CHECK.csv", "the table, a row each quantity"),
 )
@@ -152,16 +152,20 @@ def check(options: argparse.Namespace) -> int:
     part's worst quantity and every quantity that failed; all of them are in the table.
     The exit status is 1 when anything failed.
     """
-    from squeezefilm_workflow.reporting.check import FAILED, check_table, on_screen
+    from squeezefilm_workflow.reporting.check import FAILED, check_table, screen_text
 
     table = check_table(Results.of(options.results, options.config), options.reference)
     if options.output:
         write_table(table, options.output)
-    print(on_screen(table))
+    print(screen_text(table))
     return int((table["verdict"] == FAILED).any())
 
 
-@command(RESULTS, STUDY, option("--output", "FOLDER", "to write", required=True, type=Path))
+@command(
+    RESULTS_ARGUMENT,
+    STUDY_OPTION,
+    option("--output", "FOLDER", "to write", required=True, type=Path),
+)
 def reference(options: argparse.Namespace) -> None:
     """Make the small reference that `squeezefilm check` compares a study with, from its results.
 

@@ -15,7 +15,7 @@ import scipy
 from squeezefilm.columns import COLUMNS
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import as_in, form_of
+from squeezefilm.film.positions import columns_as_in, position_form
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read_fit
 from squeezefilm.models.fitting import local_fit, parameter_ranges
@@ -126,13 +126,13 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     half = ranking_half(len(sample))
     known = half & (sample["status"] == "ok").to_numpy()
     factors, forces = factors.take(known), sample[known].reset_index(drop=True)
-    scenes, no_force = forces[as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
+    scenes, no_force = forces[columns_as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
     for name in results.config.comparison.of(space):
         path = results.candidate(space, name)
         values = read_json(path)
         try:
-            row, relative = _judged(fit_of(values, source=path), factors, forces)
+            row, relative = _errors_of_model(fit_of(values, source=path), factors, forces)
         except InputError as error:
             rows.append({"model": name, "note": str(values.get("not_supported", error))})
             continue
@@ -142,7 +142,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     return table, pd.concat(errors[1:] or errors, ignore_index=True)
 
 
-def _judged(
+def _errors_of_model(
     fit: FittedModel, factors: Factors, forces: pd.DataFrame
 ) -> tuple[dict[str, Any], np.ndarray]:
     """A model's row, and its relative error at each point.
@@ -210,7 +210,7 @@ def _recommended(
     fit = read_fit(results.candidate(space, best["model"]))
     every = pd.concat(list(forces.values()), ignore_index=True)
     known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
-    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(known)))
+    model_n = fit.force_model.evaluate(fit.theta, fit.with_limits(factors_of(known)))
     errors = ((model_n - known["force_n"]) / known["force_n"]).to_numpy()
     about = {
         "space": space,
@@ -219,9 +219,9 @@ def _recommended(
         "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
     }
     target = results.config.extrapolation
-    positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
+    positions = forces[RECOMMENDED_BY[0]][list(position_form(every))].drop_duplicates()
     if space == "two_factor":  # the centre alone: models know no other
-        positions = pd.DataFrame([dict.fromkeys(form_of(every), 0.0)])
+        positions = pd.DataFrame([dict.fromkeys(position_form(every), 0.0)])
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
         place = {str(name): float(value) for name, value in row.items()}
         at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **place)

@@ -8,7 +8,7 @@ import pandas as pd
 
 from squeezefilm.columns import COLUMNS
 from squeezefilm.film.pad import net
-from squeezefilm.film.positions import POLAR, form_of
+from squeezefilm.film.positions import POLAR, position_form
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import label_of
 from squeezefilm.provenance import provenance
@@ -61,7 +61,7 @@ def summary_values(
     tables = {plan: results.forces(plan) for plan in plans}
     sections = config.sections("gas", "actuator", "pad", "solver")
     settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting_text)
-    on_disc = form_of(next(iter(tables.values()))) == POLAR
+    on_disc = position_form(next(iter(tables.values()))) == POLAR
     return {
         **headline_values(results),
         "frequency_khz": f"{config.actuator.frequency_hz / 1e3:g}",
@@ -145,7 +145,7 @@ def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
     """The pad's positions by name and unit."""
     return {
         f"{column.text_symbol} ({column.shown_unit})": column.shown(table[column.name])
-        for column in map(COLUMNS.__getitem__, form_of(table))
+        for column in map(COLUMNS.__getitem__, position_form(table))
     }
 
 

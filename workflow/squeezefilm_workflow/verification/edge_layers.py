@@ -77,7 +77,7 @@ def _text(columns: tuple[str, ...], rows: list[tuple[float, ...]]) -> str:
 def excursions() -> list[float]:
     """Excursion ratios of the table's rows, rising from 0 to LARGEST_EXCURSION."""
     return _unstretched(
-        edge_layer.stretched(LARGEST_EXCURSION) * axis(TABLE_ROWS - 2, False).all_nodes
+        edge_layer.log_gap(LARGEST_EXCURSION) * axis(TABLE_ROWS - 2, False).all_nodes
     )
 
 
@@ -89,7 +89,7 @@ def reynolds_numbers() -> list[float]:
 def excursions_with_inertia(reynolds: float) -> list[float]:
     """Excursion ratios of the table with inertia at one of its Reynolds numbers."""
     fractions = (chebyshev.chebpts1(INERTIA_ROWS) + 1) / 2
-    return _unstretched(edge_layer.stretched(largest_excursion(reynolds)) * fractions)
+    return _unstretched(edge_layer.log_gap(largest_excursion(reynolds)) * fractions)
 
 
 def _unstretched(coordinates: np.ndarray) -> list[float]:

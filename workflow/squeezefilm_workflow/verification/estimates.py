@@ -19,7 +19,7 @@ from squeezefilm.parallel import progress_of
 from squeezefilm.reynolds import error_estimate, solve
 from squeezefilm.reynolds.periodic import refinement, resolution
 from squeezefilm.reynolds.periodic.launch import RESULT_ROW
-from squeezefilm.reynolds.periodic.resolution import least_fall
+from squeezefilm.reynolds.periodic.resolution import least_ratio
 from squeezefilm.reynolds.terms import distinct_terms
 from squeezefilm_workflow.verification.origin import origin
 from squeezefilm_workflow.verification.random_films import TOLERANCES, RandomFilm, random_film
@@ -216,7 +216,7 @@ def guard_switched_off(guard: str) -> Iterator[None]:
 
 
 @dataclass(frozen=True)
-class Recorded:
+class RecordedGrids:
     """Recorded grids of films with direct solutions, in the order of each film's way.
 
     Attributes:
@@ -232,7 +232,7 @@ class Recorded:
     scenes: Scenes
 
     @classmethod
-    def of(cls, forces: pd.DataFrame, grids: pd.DataFrame) -> "Recorded":
+    def of(cls, forces: pd.DataFrame, grids: pd.DataFrame) -> "RecordedGrids":
         """Join tables of ``estimates``; films without a direct solution have no row.
 
         Raises InputError where no film has one.
@@ -280,7 +280,7 @@ class Recorded:
                 scenes=scenes,
                 terms=kinds[int(of_kind)],
                 of_profile=self.table["of_profile"].to_numpy()[at],
-                least=least_fall(scenes),
+                least=least_ratio(scenes),
                 tolerance=float(tolerance),
             )
         return error, allowed
@@ -301,7 +301,7 @@ def guards(options: argparse.Namespace) -> None:
     then are those that need it.
     """
     forces, grids = pd.read_csv(options.forces), pd.read_csv(options.grids)
-    recorded = Recorded.of(forces, grids)
+    recorded = RecordedGrids.of(forces, grids)
     rows = []
     for guard in ("none", *GUARDS):
         with guard_switched_off(guard) if guard in GUARDS else nullcontext():

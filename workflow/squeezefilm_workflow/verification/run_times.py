@@ -25,11 +25,12 @@ from squeezefilm_workflow.verification.origin import origin
 from squeezefilm_workflow.verification.work_precision import FILMS, measure, work_precision
 
 PAPER = "config/paper.yaml"
-USED = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
+USED_LINE = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
 """The last line of a job's log, which `scripts/job.py` writes."""
 ONE_FORCE = ("-m", "squeezefilm", "simulate", "--config", PAPER, "--h0", "5um", "--hv", "2.2um")
-NOTHING = ("-m", "snakemake", "-n", "--quiet", "all")
-DEVICE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
+DRY_RUN = ("-m", "snakemake", "-n", "--quiet", "all")
+CONTEXT_CODE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
+PYTHON_CODES = ("pass", "import numpy", CONTEXT_CODE)
 BATCHES = ((1, 300), (10_000, 5))
 """Scenes of a batch, and how often it is solved; the median counts."""
 ROUNDS = 9
@@ -65,7 +66,7 @@ def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
         [
             (path.relative_to(logs).parts[0].removesuffix(".log"), float(used[1]), int(used[2]))
             for path in logs.rglob("*.log")
-            if (used := USED.search(path.read_text(encoding="utf-8")))
+            if (used := USED_LINE.search(path.read_text(encoding="utf-8")))
         ],
         columns=["rule", "seconds", "memory"],
     )
@@ -82,8 +83,8 @@ def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
 
 def force_times() -> pd.DataFrame:
     """Processor time of one force from the shell by what the process does, kernels in the cache."""
-    python_alone, with_numpy, with_device = ("-c", "pass"), ("-c", "import numpy"), ("-c", DEVICE)
-    processes = python_alone, with_numpy, with_device, (*ONE_FORCE, "--help"), ONE_FORCE, NOTHING
+    python_alone, with_numpy, with_device = (("-c", code) for code in PYTHON_CODES)
+    processes = python_alone, with_numpy, with_device, (*ONE_FORCE, "--help"), ONE_FORCE, DRY_RUN
     rounds = [[child_seconds(*words) for words in processes] for _ in range(ROUNDS)]
     python, numpy, device, options, force, nothing = np.median(rounds[1:], axis=0)
     parts = {

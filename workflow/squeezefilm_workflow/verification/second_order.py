@@ -44,7 +44,7 @@ def depth_averaged(options: argparse.Namespace) -> None:
     squeezefilm-verification depth-averaged --output depth_averaged.csv
     """
     lines = ["thermal,reynolds,sigma,averaged,resolved"]
-    for thermal, reynolds, sigma in rows():
+    for thermal, reynolds, sigma in table_points():
         print_step(f"Re {reynolds:g}, σ {sigma:g}{', thermal effects' * thermal}")
         averaged, resolved = (
             force(reynolds=reynolds, sigma=sigma, thermal=thermal)
@@ -54,7 +54,7 @@ def depth_averaged(options: argparse.Namespace) -> None:
     write_text("\n".join(lines) + "\n", options.output)
 
 
-def rows() -> list[tuple[bool, float, float]]:
+def table_points() -> list[tuple[bool, float, float]]:
     """Return thermal effects or not, Re and σ of the table's rows."""
     return [
         (thermal, reynolds, sigma)

@@ -51,14 +51,14 @@ def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.Data
             "sigma": round(scene.sigma, 6),
             "bearing_number": round(scene.bearing_number, 6),
             "modified_reynolds": round(scene.modified_reynolds, 6) if inert else 0.0,
-            **_judged(scene, device=device),
+            **_row_of_film(scene, device=device),
         }
         print_step(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
         rows.append(row)
     return pd.DataFrame(rows)
 
 
-def _judged(scene: Scene, *, device: Device) -> dict[str, Any]:
+def _row_of_film(scene: Scene, *, device: Device) -> dict[str, Any]:
     why = beyond_reason(scene)
     try:
         check_scene(scene)

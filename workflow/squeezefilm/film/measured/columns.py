@@ -20,19 +20,19 @@ from squeezefilm.errors import InputError
 from squeezefilm.files import read_text
 from squeezefilm.film.measured.scan import nearest_line
 from squeezefilm.headers import folded, unit_in, words_and_unit
-from squeezefilm.units import sizes
+from squeezefilm.units import unit_sizes
 
-LENGTHS_M = {folded(name): size for name, size in sizes("m").items()} | {"in": 0.0254}
+LENGTHS_M = {folded(name): size for name, size in unit_sizes("m").items()} | {"in": 0.0254}
 # Units of motions, and by which power of the angular frequency they are larger than a displacement.
 PER_SECOND = {"": 0, "/s": 1, "/s²": 2}
 MOTIONS = {name + end: size for end in PER_SECOND for name, size in LENGTHS_M.items()}
-ANGLES_RAD = {name: math.radians(degrees) for name, degrees in sizes("deg").items()}
-FREQUENCIES_HZ = {name.lower(): size for name, size in sizes("Hz").items()}
+ANGLES_RAD = {name: math.radians(degrees) for name, degrees in unit_sizes("deg").items()}
+FREQUENCIES_HZ = {name.lower(): size for name, size in unit_sizes("Hz").items()}
 PLACES = dict.fromkeys(("x", "y", "r"), LENGTHS_M) | {"phi": ANGLES_RAD}
 SHAPES = dict.fromkeys(("amplitude", "real", "imaginary"), MOTIONS) | {"phase": ANGLES_RAD}
 UNIT_SIZES = PLACES | SHAPES | {"sign": {"": 1.0}}
 """What a scan is read from, each with its units, in small letters, and their sizes."""
-KNOWN = UNIT_SIZES | {"normal": MOTIONS, "frequency": FREQUENCIES_HZ, "time": sizes("s")}
+KNOWN = UNIT_SIZES | {"normal": MOTIONS, "frequency": FREQUENCIES_HZ, "time": unit_sizes("s")}
 """The same, with the amplitude along z and what rows of a place may differ by."""
 UNITS = {*MOTIONS, *ANGLES_RAD, *FREQUENCIES_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.errors import InputError, prefix_errors, refuse
+from squeezefilm.errors import InputError, check_problems, prefix_errors
 from squeezefilm.film.measured.scan import FEWEST_POINTS, Scan
 from squeezefilm.film.measured.table import read_table
 from squeezefilm.film.measured.universal import read_universal
@@ -43,7 +43,7 @@ def read_scan(
     x_m, y_m = scan.x_m - origin_m[0], scan.y_m - origin_m[1]
     scan = replace(scan, x_m=x_m, y_m=y_m, origin_m=origin_m)
     points = len(scan.x_m)
-    refuse(
+    check_problems(
         path,
         {
             f"{points} measured points ({scan.missing} missing); a profile needs at least "

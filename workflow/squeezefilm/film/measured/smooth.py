@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, prefix_errors, refuse
+from squeezefilm.errors import InputError, check_problems, prefix_errors
 from squeezefilm.files import digest, whole_file
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import SAME_POSITION_M, Scan
@@ -378,7 +378,7 @@ def check_points(
     scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str, scale: str = "surface"
 ) -> None:
     """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
-    refuse(
+    check_problems(
         scan.path,
         {
             "the amplitudes have no phase and no sign: across a node line they would be those of "
@@ -392,7 +392,7 @@ def check_points(
     for row in np.flatnonzero(reach > 1 + 1e-6)[:1]:
         raise InputError(
             f"{scan.path}: line {scan.lines[row]}: the point lies "
-            f"{surface.where(scan.x_m[row], scan.y_m[row])}, off the actuator's {surface.text} "
+            f"{surface.text_at(scan.x_m[row], scan.y_m[row])}, off the actuator's {surface.text} "
             f"({surface.key}){_where_points_fit(scan, surface)}"
         )
     if hint := _where_points_fit(scan, surface) if reach.max() < SMALLEST_SCAN else "":
@@ -546,7 +546,7 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
     if axisymmetric:
         named[0] = f"r = {net_points[hole].real * 1e3:.2f} mm"
-    refuse(
+    check_problems(
         scan.path,
         {
             f"no point was measured within {distance[hole] * 1e3:.1f} mm of {named[0]}; the scan "

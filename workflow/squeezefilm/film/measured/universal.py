@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, needing, refuse
+from squeezefilm.errors import InputError, check_problems, needing
 from squeezefilm.film.measured.scan import (
     LARGEST_VALUE,
     Scan,
@@ -97,7 +97,7 @@ def _mode_shape(
     asked = [at for at, number in enumerate(numbers) if name == "mode" and wanted == f"{number}"]
     away = np.abs(lines_hz / frequency_hz - 1)
     nearest, *others = np.argsort(away)
-    refuse(
+    check_problems(
         f"its modes are {named}",
         {
             f"actuator.profile.rows: {rows!r} is none of them; say mode = NUMBER": rows
@@ -136,7 +136,7 @@ def _at_frequency(
     functions, aside = _of_motion(functions, places)
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
-    refuse(
+    check_problems(
         "universal file",
         {
             "no functions (data set 58) and no mode shapes (55) are in it": not every,
@@ -193,7 +193,7 @@ def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | f
     line_hz, far = nearest_line(lines, frequency_hz)
     nearest = int(np.argmax(lines == line_hz))
     kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
-    refuse(
+    check_problems(
         f"node {int(function['rsp_node'])}",
         {
             "a function of time or a power spectrum; export amplitudes or frequency responses": kind

@@ -37,7 +37,7 @@ from squeezefilm.reynolds.asymptotics.films import (
     expansion_axis,
     films_of,
     grid_error,
-    wide,
+    per_film,
 )
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
 from squeezefilm.reynolds.plan import Plan
@@ -110,7 +110,7 @@ def _with_slip_and_inertia(expand: Expand) -> Expand:
         moving, still = expand(equivalent), expand(replace(equivalent, reynolds=none))
         change = moving.mean - still.mean
         error = np.maximum(slipping.error, moving.error) + films.slip_fraction * np.abs(change)
-        return AsymptoticForces(mean=slipping.mean + change, error=_known(error))
+        return AsymptoticForces(mean=slipping.mean + change, error=_infinite_where_missing(error))
 
     return together
 
@@ -141,7 +141,7 @@ def edge_layer_expansion(films: Films) -> AsymptoticForces:
     fine, coarse = _expand(films), _expand(films.coarser)
     error = films.layer_remainder + films.slip_fraction * fine.gross
     rest = fine.layer - coarse.layer
-    error = error + grid_error(films, fine.density, coarse.density, rest=rest)
+    error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
@@ -159,10 +159,10 @@ def small_amplitude_expansion(films: Films) -> AsymptoticForces:
         films,
         fine.flow - fine.loss,
         coarse.flow - coarse.loss,
-        rest=fine.edge_mean - coarse.edge_mean,
+        layer_change=fine.edge_mean - coarse.edge_mean,
     )
     mean = films.mean(fine.flow - fine.loss) + fine.edge_mean
-    return AsymptoticForces(mean=square * mean, error=_known(square * error))
+    return AsymptoticForces(mean=square * mean, error=_infinite_where_missing(square * error))
 
 
 @_with_slip_and_inertia
@@ -172,28 +172,28 @@ def composite_expansion(films: Films) -> AsymptoticForces:
     The additive composite of two expansions (Van Dyke, Perturbation Methods in Fluid Mechanics,
     1975): what is left is of order ε⁴/σ.
     """
-    (fine, change), (coarse, _) = _exchanged(films), _exchanged(films.coarser)
+    (fine, change), (coarse, _) = _exact_second_order(films), _exact_second_order(films.coarser)
     square = films.epsilon**2
     error = (
-        2 * square * np.sqrt(films.depth) * np.abs(change)
+        2 * square * np.sqrt(films.narrowing) * np.abs(change)
         + films.corner_remainder
-        + square * films.depth * films.streaming_remainder
-        + INERTIA_SQUARE * square * films.depth * films.inertia_remainder
-        + square * films.depth * films.slip_fraction * fine.gross
+        + square * films.narrowing * films.streaming_remainder
+        + INERTIA_SQUARE * square * films.narrowing * films.inertia_remainder
+        + square * films.narrowing * films.slip_fraction * fine.gross
     )
     rest = fine.layer - coarse.layer
-    error = error + grid_error(films, fine.density, coarse.density, rest=rest)
+    error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
-def _exchanged(films: Films) -> tuple[Expansion, np.ndarray]:
+def _exact_second_order(films: Films) -> tuple[Expansion, np.ndarray]:
     """An expansion with its part of order ε² exchanged for the exact one, and what that changes."""
     full, exact, square = _expand(films), _second_order(films), films.epsilon**2
     second = _expand(replace(films, epsilon=np.full_like(films.epsilon, TINY_EPSILON)))
     density = exact.flow - exact.loss - second.density / TINY_EPSILON**2
     layer = exact.edge_mean - second.layer / TINY_EPSILON**2
     changed = Expansion(
-        full.density + wide(square) * density, full.layer + square * layer, full.gross
+        full.density + per_film(square) * density, full.layer + square * layer, full.gross
     )
     return changed, square * (films.mean(density) + layer)
 
@@ -207,7 +207,7 @@ def _expand(films: Films) -> Expansion:
 
 
 def _second_order(films: Films) -> SecondOrder:
-    if films.rest is not None:
+    if films.rest_gap is not None:
         raise ValueError("the second order in ε is derived for gaps that are uniform at rest")
     inertia = films.reynolds.any()
     return core.second_order_with_inertia(films) if inertia else core.second_order(films)
@@ -216,10 +216,10 @@ def _second_order(films: Films) -> SecondOrder:
 def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
     """Forces, with an infinite error where layers are too thick or the layer's table ends."""
     thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
-    return AsymptoticForces(mean=mean, error=_known(np.where(thin, error, np.inf)))
+    return AsymptoticForces(mean=mean, error=_infinite_where_missing(np.where(thin, error, np.inf)))
 
 
-def _known(error: np.ndarray) -> np.ndarray:
+def _infinite_where_missing(error: np.ndarray) -> np.ndarray:
     """Infinite where a number is missing."""
     return np.where(np.isfinite(error), error, np.inf)
 
@@ -250,7 +250,7 @@ class Expanded:
     def __getitem__(self, which: np.ndarray) -> Expanded:
         return Expanded(*[column[which] for column in vars(self).values()])
 
-    def put(self, which: np.ndarray, others: Expanded) -> None:
+    def write_rows(self, which: np.ndarray, others: Expanded) -> None:
         """Write others in the place of some."""
         for name, column in vars(self).items():
             column[which] = getattr(others, name)
@@ -266,7 +266,7 @@ class Expanded:
         nothing = np.where(self.error == 0, 0.0, np.inf)
         return np.divide(self.error, np.abs(self.mean), out=nothing, where=self.mean != 0)
 
-    def holds(self, tolerance: float) -> np.ndarray:
+    def is_accurate(self, tolerance: float) -> np.ndarray:
         """Return where the estimate meets a relative tolerance; ``nan`` does not."""
         return np.asarray(self.error <= tolerance * np.abs(self.mean))
 
@@ -279,7 +279,7 @@ class Expanded:
             if holds
             else f"the composite expansion is accurate to {relative:.1e} only"
             for error, holds, relative in zip(
-                self.error, self.holds(tolerance), self.relative_error, strict=True
+                self.error, self.is_accurate(tolerance), self.relative_error, strict=True
             )
         ]
 
@@ -310,7 +310,9 @@ def _not_derived(scene: Scene, terms: Terms) -> str:
     return ""
 
 
-def composite(plan: Plan, *, tolerance: float, auto: bool, but: Collection[int] = ()) -> Expanded:
+def composite(
+    plan: Plan, *, tolerance: float, auto: bool, excluded: Collection[int] = ()
+) -> Expanded:
     """The scenes' forces by the composite expansion: the edge layer's alone where that holds the
     tolerance, else with the exact second order in ε where the gap is even at rest.
 
@@ -327,17 +329,17 @@ def composite(plan: Plan, *, tolerance: float, auto: bool, but: Collection[int] 
         known = (shorter >= thin) | (scenes.epsilon**2 <= TINY_MOTION * tolerance)
         if not known.any():
             return NOT_EXPANDED
-    known[[*but, *not_derived_for(plan)]] = False
+    known[[*excluded, *not_derived_for(plan)]] = False
     rows = np.flatnonzero(known)
     by_layer = expanded(edge_layer_expansion, plan, rows, tolerance=tolerance)
     flat = np.broadcast_to(scenes.column(lambda film: film.pad.gap.flat), len(scenes))
-    more = np.flatnonzero(flat[rows] & ~by_layer.holds(tolerance))
+    more = np.flatnonzero(flat[rows] & ~by_layer.is_accurate(tolerance))
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
     # grid's error was twice the tolerance (σ 1e5, 1e-6).
     joined = expanded(_with_second_order, plan, rows[more], tolerance=tolerance / 10, layers=True)
     better = joined.error < by_layer.error[more]
-    by_layer.put(more[better], joined[better])
-    return by_layer[by_layer.holds(tolerance)] if auto else by_layer
+    by_layer.write_rows(more[better], joined[better])
+    return by_layer[by_layer.is_accurate(tolerance)] if auto else by_layer
 
 
 def _with_second_order(films: Films) -> AsymptoticForces:
@@ -403,5 +405,5 @@ def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
         aspect=scenes.aspect,
         slip=6 * scenes.slip_knudsen,
         reynolds=np.where(scenes.gas.inertia == "included", scenes.modified_reynolds, 0.0),
-        rest=None if like.pad.gap.flat else 1 + rise_m / scenes.h0_m[:, None, None],
+        rest_gap=None if like.pad.gap.flat else 1 + rise_m / scenes.h0_m[:, None, None],
     )

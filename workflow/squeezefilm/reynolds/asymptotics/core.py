@@ -22,7 +22,7 @@ from math import ceil, log
 import numpy as np
 
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.asymptotics.films import Films, fixed_point, wide
+from squeezefilm.reynolds.asymptotics.films import Films, fixed_point, per_film
 
 # Of the sums over harmonics.
 SUM_PRECISION, MOST_HARMONICS = 1e-10, 200
@@ -72,7 +72,7 @@ def layer_correction(
 
 def high_squeeze_expansion(films: Films) -> Expansion:
     """The high-squeeze limit and its edge layer's correction, without inertia."""
-    square, thick = wide(films.epsilon) ** 2, 1 + wide(films.slip)
+    square, thick = per_film(films.epsilon) ** 2, 1 + per_film(films.slip)
     gap_square = square * films.profile_squared
     # ψ²/2 + slip ψ exceeds its value at rest by rise/2, of which `inner` is the part that makes it
     # harmonic.
@@ -86,7 +86,7 @@ def high_squeeze_expansion(films: Films) -> Expansion:
     # ψ/√(1 − ε²s²) − 1, free of cancellation.
     density = (rise / (total + thick) + gap_square / (1 + root)) / root
     epsilon = films.epsilon[:, None]
-    d, g, q = epsilon**2 * edge_layer.ratios(epsilon * np.abs(films.edge_profile))
+    d, g, q = epsilon**2 * edge_layer.layer_ratios(epsilon * np.abs(films.edge_profile))
     # With s as its phase, the slope's part in phase goes by g, else by q.
     turned = films.edge_profile.conj() * films.slope
     layer, gross = layer_correction(
@@ -100,12 +100,12 @@ def high_squeeze_expansion(films: Films) -> Expansion:
 
 def second_order(films: Films) -> SecondOrder:
     """Densities v and |p̂|²/(4 (1 + slip)) of the mean over ε² (``small_amplitude_expansion``)."""
-    thick, number = 1 + wide(films.slip), wide(films.layer_number)
+    thick, number = 1 + per_film(films.slip), per_film(films.layer_number)
     linear = films.solve(1j * number * films.s, shift=1j * number)
     # 2 Re s*∇p̂ = Re ∇(s* p̂) + Re (s*∇p̂ − p̂ ∇s*): the first part is integrated by itself and the
     # divergence of the second needs no derivative of p̂, whose Laplacian is iσ(p̂ + s).
     along = films.s.conj() * linear
-    rest = films.solve(-number * along.imag - (linear * films.curvature.conj()).real)
+    rest = films.solve(-number * along.imag - (linear * films.laplacian_s.conj()).real)
     drive = 0.75 * (1 + 2 * thick) / (3 * thick)
     flow = -drive * (along.real + rest)
     loss = np.abs(linear) ** 2 / (4 * thick)
@@ -133,14 +133,14 @@ def core_coefficient(
 
 def expand_with_inertia(films: Films) -> Expansion:
     """The high-squeeze limit and its edge layer's correction, with inertia and without slip."""
-    gap_square = wide(films.epsilon) ** 2 * films.s**2
+    gap_square = per_film(films.epsilon) ** 2 * films.s**2
     over_gap = films.gradient(gap_square)
     at_edge, d, g, h = edge_layer.edge_functions(
         films.epsilon[:, None] * films.edge_profile, films.reynolds
     )
-    at_edge = films.from_edge(at_edge)
+    at_edge = films.blended_from_edge(at_edge)
     curvature = films.laplacian(at_edge)
-    rate_square = wide(films.reynolds / 10) ** 2
+    rate_square = per_film(films.reynolds / 10) ** 2
 
     def from_rise(rise: np.ndarray) -> np.ndarray:
         beta, _ = core_coefficient(gap_square, rate_square * (1 + rise))
@@ -188,7 +188,7 @@ def second_order_with_inertia(films: Films) -> SecondOrder:
 
     Products are brought under Laplacians, so that no derivative of p̂ is needed inside.
     """
-    ratio, number = wide(films.reynolds / 10), wide(films.sigma)
+    ratio, number = per_film(films.reynolds / 10), per_film(films.sigma)
     mobility = 1 / (1 + 1j * ratio)
     lag = 1j * number / mobility
     square_factor, profile_factor = 8 / 7 - 15 / 7 * mobility, 15 / 7 - 22 / 7 * mobility
@@ -196,7 +196,7 @@ def second_order_with_inertia(films: Films) -> SecondOrder:
     curved = lag * (linear + films.s)
     crossed = linear.conj() * curved
     direct = 0.25 * films.s * ((profile_factor - 2) * linear).real
-    source = 0.25 * ((profile_factor - 2) * (films.s * curved - linear * films.curvature)).real
+    source = 0.25 * ((profile_factor - 2) * (films.s * curved - linear * films.laplacian_s)).real
     source = source + 0.5 * ((square_factor * crossed).real - square_factor.real * crossed.real)
     kinetic = 9 / 28 * ratio * np.abs(mobility) ** 2 / number
     # Over the pad |∇p̂|² has the mean of −Re p̂*∇²p̂.

@@ -60,17 +60,17 @@ LARGEST_EXCURSION = 0.98
 TABLE_ROWS = 41
 
 
-def integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def layer_integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """d and g at excursion ratios |a| ≤ LARGEST_EXCURSION, any shape; beyond, both are NaN."""
-    d, g, _ = ratios(a)
+    d, g, _ = layer_ratios(a)
     return np.square(a) * d, a * g
 
 
-def ratios(a: np.ndarray) -> np.ndarray:
+def layer_ratios(a: np.ndarray) -> np.ndarray:
     """d/a², g/a and q/a at excursion ratios |a| ≤ LARGEST_EXCURSION, shape (3, …); NaN beyond."""
     size = np.abs(np.asarray(a, dtype=float))
     table_coordinate = (
-        2 * stretched(np.minimum(size, LARGEST_EXCURSION)) / stretched(LARGEST_EXCURSION) - 1
+        2 * log_gap(np.minimum(size, LARGEST_EXCURSION)) / log_gap(LARGEST_EXCURSION) - 1
     )
     # All polynomials at once: chebval goes through them one by one.
     polynomials = np.cos(
@@ -88,7 +88,7 @@ def all_weights(line: Axis) -> np.ndarray:
     return np.concatenate([[end / 2], line.weights, [end / 2]])
 
 
-def stretched(a: np.ndarray | float) -> np.ndarray:
+def log_gap(a: np.ndarray | float) -> np.ndarray:
     """Return −ln(1 − a²), in which the tables have Chebyshev points."""
     return -np.log1p(-np.square(a))
 
@@ -97,7 +97,7 @@ def stretched(a: np.ndarray | float) -> np.ndarray:
 def _series() -> np.ndarray:
     """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (TABLE_ROWS, 3)."""
     rows = np.loadtxt(LAYER_TABLE, delimiter=",", skiprows=1)
-    nodes = 2 * stretched(rows[:, 0]) / stretched(LARGEST_EXCURSION) - 1
+    nodes = 2 * log_gap(rows[:, 0]) / log_gap(LARGEST_EXCURSION) - 1
     return np.linalg.solve(chebyshev.chebvander(nodes, TABLE_ROWS - 1), rows[:, 1:])
 
 
@@ -116,7 +116,7 @@ def edge_functions(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
     films = a.reshape(len(reynolds), -1)
     most = largest_excursion(reynolds)[:, None]
     inside = (np.abs(films) <= most) & (reynolds[:, None] <= MOST_REYNOLDS)
-    table_coordinate = 2 * stretched(np.minimum(np.abs(films), most)) / stretched(most) - 1
+    table_coordinate = 2 * log_gap(np.minimum(np.abs(films), most)) / log_gap(most) - 1
     powers = chebyshev.chebvander(table_coordinate, INERTIA_ROWS - 1)
     of_film = chebyshev.chebvander(
         2 * np.minimum(reynolds, MOST_REYNOLDS) / MOST_REYNOLDS - 1, REYNOLDS_ROWS - 1

@@ -41,7 +41,7 @@ class Films:
     Fields have shape (B, nx + 2, ny + 2); values on the edge (B, 2 (nx + ny + 4)), side after side:
     x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. Two quadrature
     components have s₁ + i s₂ for s. For a non-uniform gap at rest s is over that gap, which is
-    ``rest``, in units of h0; None for a uniform one.
+    ``rest_gap``, in units of h0; None for a uniform one.
     """
 
     epsilon: np.ndarray
@@ -50,21 +50,21 @@ class Films:
     aspect: np.ndarray
     slip: np.ndarray
     reynolds: np.ndarray
-    rest: np.ndarray | None = None
+    rest_gap: np.ndarray | None = None
 
     @property
-    def x(self) -> Axis:
+    def x_axis(self) -> Axis:
         return axis(self.s.shape[1] - 2, False)
 
     @property
-    def y(self) -> Axis:
+    def y_axis(self) -> Axis:
         return axis(self.s.shape[2] - 2, False)
 
     @property
     def coarser(self) -> Films:
         """The same films on every other node."""
-        rest = None if self.rest is None else self.rest[:, ::2, ::2]
-        return replace(self, s=self.s[:, ::2, ::2], rest=rest)
+        rest_gap = None if self.rest_gap is None else self.rest_gap[:, ::2, ::2]
+        return replace(self, s=self.s[:, ::2, ::2], rest_gap=rest_gap)
 
     def take(self, which: np.ndarray) -> Films:
         """Some of the films, by a mask (B,); those with inertia have an even gap."""
@@ -73,26 +73,26 @@ class Films:
 
     def mean(self, field: np.ndarray) -> np.ndarray:
         """Mean over the pad, shape (B,)."""
-        return (field @ all_weights(self.y)) @ all_weights(self.x)
+        return (field @ all_weights(self.y_axis)) @ all_weights(self.x_axis)
 
     def gradient(self, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives along x and y."""
-        along_y = field @ self.y.derivative.T / wide(self.aspect)
-        return self.x.derivative @ field, along_y
+        along_y = field @ self.y_axis.derivative.T / per_film(self.aspect)
+        return self.x_axis.derivative @ field, along_y
 
     def divergence(self, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:
-        across = along_y @ self.y.derivative.T / wide(self.aspect)
-        return self.x.derivative @ along_x + across
+        across = along_y @ self.y_axis.derivative.T / per_film(self.aspect)
+        return self.x_axis.derivative @ along_x + across
 
     def laplacian(self, field: np.ndarray) -> np.ndarray:
-        along_y = (field @ _second_derivative(self.y.points).T) / wide(self.aspect) ** 2
-        return _second_derivative(self.x.points) @ field + along_y
+        along_y = (field @ _second_derivative(self.y_axis.points).T) / per_film(self.aspect) ** 2
+        return _second_derivative(self.x_axis.points) @ field + along_y
 
     def solve(self, source: np.ndarray, *, shift: np.ndarray | float = 0.0) -> np.ndarray:
         """The u with ∇²u − shift u = source that is zero on the edge; by fast diagonalisation."""
-        values_x, vectors_x, inverse_x = self.x.modes
-        values_y, vectors_y, inverse_y = self.y.modes
-        divisor = values_x[:, None] + values_y / wide(self.aspect) ** 2 - shift
+        values_x, vectors_x, inverse_x = self.x_axis.modes
+        values_y, vectors_y, inverse_y = self.y_axis.modes
+        divisor = values_x[:, None] + values_y / per_film(self.aspect) ** 2 - shift
         modes = inverse_x @ source[:, 1:-1, 1:-1] @ inverse_y.T / divisor
         u = np.zeros(source.shape, dtype=modes.dtype)
         u[:, 1:-1, 1:-1] = vectors_x @ modes @ vectors_y.T
@@ -100,10 +100,10 @@ class Films:
 
     def diffusion(self, field: np.ndarray) -> np.ndarray:
         """∇·(G³∇field) with the gap at rest G."""
-        if self.rest is None:
+        if self.rest_gap is None:
             return self.laplacian(field)
         along_x, along_y = self.gradient(field)
-        return self.divergence(self.rest**3 * along_x, self.rest**3 * along_y)
+        return self.divergence(self.rest_gap**3 * along_x, self.rest_gap**3 * along_y)
 
     def solve_diffusion(self, source: np.ndarray) -> np.ndarray:
         """The u with ∇·(G³∇u) = source that is zero on the edge; NaN where none is found.
@@ -111,26 +111,26 @@ class Films:
         With v = G^(3/2) u that is Δv − q v = source/G^(3/2), q = Δ(G^(3/2))/G^(3/2) (Liouville),
         where q is nearly the same everywhere: in rounds by Δ less its middle.
         """
-        if self.rest is None:
+        if self.rest_gap is None:
             return self.solve(source)
-        half = self.rest**1.5
+        half = self.rest_gap**1.5
         bend = self.laplacian(half) / half
-        middle = wide((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
+        middle = per_film((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
 
-        def closer(v: np.ndarray) -> np.ndarray:
+        def improved(v: np.ndarray) -> np.ndarray:
             return self.solve(source / half + (bend - middle) * v, shift=middle)
 
-        return fixed_point(closer, np.zeros_like(half)) / half
+        return fixed_point(improved, np.zeros_like(half)) / half
 
     def on_edge(self, field: np.ndarray) -> np.ndarray:
         sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
         return np.concatenate(sides, axis=1)
 
-    def from_edge(self, values: np.ndarray) -> np.ndarray:
+    def blended_from_edge(self, values: np.ndarray) -> np.ndarray:
         """A smooth field with these values on the edge, blended between opposite sides (Coons)."""
-        nx, ny = self.x.points + 2, self.y.points + 2
+        nx, ny = self.x_axis.points + 2, self.y_axis.points + 2
         left, right, low, high = np.split(values, [ny, 2 * ny, 2 * ny + nx], axis=1)
-        x, y = self.x.all_nodes[:, None], self.y.all_nodes
+        x, y = self.x_axis.all_nodes[:, None], self.y_axis.all_nodes
         ends = [(1 - x, left[:, None]), (x, right[:, None])]
         corners = sum(
             blend * (side[..., :1] * (1 - y) + side[..., -1:] * y) for blend, side in ends
@@ -142,16 +142,16 @@ class Films:
 
     def inward(self, field: np.ndarray) -> np.ndarray:
         """Derivative along the inward normal, on the edge."""
-        ends_x, ends_y = self.x.derivative[[0, -1]], self.y.derivative[[0, -1]]
+        ends_x, ends_y = self.x_axis.derivative[[0, -1]], self.y_axis.derivative[[0, -1]]
         across_x = ends_x @ field
-        across_y = field @ ends_y.T / wide(self.aspect)
+        across_y = field @ ends_y.T / per_film(self.aspect)
         sides = [across_x[:, 0], -across_x[:, 1], across_y[:, :, 0], -across_y[:, :, 1]]
         return np.concatenate(sides, axis=1)
 
     def edge_integral(self, values: np.ndarray) -> np.ndarray:
         """Integral along the edge over the pad's area, shape (B,)."""
-        sides = np.split(values, [2 * (self.y.points + 2)], axis=1)
-        weights = (np.tile(all_weights(line), 2) for line in (self.y, self.x))
+        sides = np.split(values, [2 * (self.y_axis.points + 2)], axis=1)
+        weights = (np.tile(all_weights(line), 2) for line in (self.y_axis, self.x_axis))
         along_y, along_x = (
             side @ weights_of_side for side, weights_of_side in zip(sides, weights, strict=True)
         )
@@ -161,7 +161,7 @@ class Films:
     @cached_property
     def static_gap_on_edge(self) -> np.ndarray | float:
         """The static gap over h0 on the film edge."""
-        return 1.0 if self.rest is None else self.on_edge(self.rest)
+        return 1.0 if self.rest_gap is None else self.on_edge(self.rest_gap)
 
     @cached_property
     def profile_squared(self) -> np.ndarray:
@@ -179,12 +179,12 @@ class Films:
         return self.inward(self.s)
 
     @cached_property
-    def curvature(self) -> np.ndarray:
+    def laplacian_s(self) -> np.ndarray:
         """∇²s."""
         return self.laplacian(self.s)
 
     @cached_property
-    def depth(self) -> np.ndarray:
+    def narrowing(self) -> np.ndarray:
         """1/(1 − ε² max s²): grows as the narrowest gap closes."""
         return 1 / (1 - (self.epsilon * np.abs(self.s).max(axis=(1, 2))) ** 2)
 
@@ -194,7 +194,7 @@ class Films:
 
         Where the gap at rest is not even, that of its widest place.
         """
-        widest = 1.0 if self.rest is None else self.rest.max(axis=(1, 2))
+        widest = 1.0 if self.rest_gap is None else self.rest_gap.max(axis=(1, 2))
         return self.sigma / ((1 + self.slip) * widest**2)
 
     @property
@@ -215,7 +215,7 @@ class Films:
         return (
             CORNER_FACTOR
             * self.epsilon**4
-            * self.depth
+            * self.narrowing
             * corners
             / (self.layer_number * self.aspect)
         )
@@ -224,17 +224,17 @@ class Films:
     def layer_remainder(self) -> np.ndarray:
         """Error of the edge layer's expansion: slopes, curvature of s, corners, meeting layers."""
         sigma = self.layer_number
-        curvature = self.mean(np.abs(self.curvature) ** 2)
+        curvature = self.mean(np.abs(self.laplacian_s) ** 2)
         meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
-        remainder = self.corner_remainder + np.sqrt(self.depth) * self.inertia_remainder
+        remainder = self.corner_remainder + np.sqrt(self.narrowing) * self.inertia_remainder
         return (
             remainder
             + self.streaming_remainder
             + self.shape_remainder
             + self.epsilon**2
             * (
-                EDGE_SLOPES * np.sqrt(self.depth) * self.edge_unevenness / sigma**1.5
-                + INNER_CURVATURE * np.sqrt(self.depth) * curvature / sigma**2
+                EDGE_SLOPES * np.sqrt(self.narrowing) * self.edge_unevenness / sigma**1.5
+                + INNER_CURVATURE * np.sqrt(self.narrowing) * curvature / sigma**2
                 + MEETING_LAYERS_FACTOR
                 * self.edge_integral(np.abs(self.edge_profile) ** 2)
                 * meeting
@@ -248,18 +248,20 @@ class Films:
         if not np.iscomplexobj(self.s):
             return 0.0
         uneven = self.mean(self.unevenness)
-        return STREAMING_FACTOR * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+        root = np.sqrt(self.narrowing)
+        return STREAMING_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
 
     @property
     def shape_remainder(self) -> np.ndarray | float:
         """Error of the edge layer's expansion by a gap that is shaped at rest: of order ε²/σ."""
-        if self.rest is None:
+        if self.rest_gap is None:
             return 0.0
-        along_x, along_y = self.gradient(self.rest)
-        steep = self.on_edge((along_x**2 + along_y**2) / self.rest**2)
-        bent = self.on_edge(np.abs(self.laplacian(self.rest)) / self.rest)
+        along_x, along_y = self.gradient(self.rest_gap)
+        steep = self.on_edge((along_x**2 + along_y**2) / self.rest_gap**2)
+        bent = self.on_edge(np.abs(self.laplacian(self.rest_gap)) / self.rest_gap)
         uneven = self.edge_integral((steep + bent) * np.abs(self.edge_profile) ** 2)
-        return SHAPE_FACTOR * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+        root = np.sqrt(self.narrowing)
+        return SHAPE_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
 
     @property
     def inertia_remainder(self) -> np.ndarray | float:
@@ -280,15 +282,15 @@ class Films:
     def unevenness(self) -> np.ndarray:
         """|∇s|² + |s ∇²s|."""
         along_x, along_y = self.gradient(self.s)
-        return np.abs(along_x) ** 2 + np.abs(along_y) ** 2 + np.abs(self.s * self.curvature)
+        return np.abs(along_x) ** 2 + np.abs(along_y) ** 2 + np.abs(self.s * self.laplacian_s)
 
     @property
     def amplitude_remainder(self) -> np.ndarray:
         """Relative error of the second-order mean: of order ε².
 
         From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
-        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``). For
-        two quadrature components twice that.
+        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with ``narrowing`` to the power 9/2).
+        For two quadrature components twice that.
         """
         effective = self.decay_number / (1 + self.aspect**-2.0)
         free = 1 / (1 + (effective / FREE_FLOW_SIGMA) ** 2)
@@ -297,7 +299,7 @@ class Films:
             phases
             * self.epsilon**2
             * (STIFF_FACTOR + FREE_FLOW_FACTOR * free)
-            * self.depth ** (1 + 3.5 * free)
+            * self.narrowing ** (1 + 3.5 * free)
         )
 
 
@@ -309,7 +311,7 @@ def films_of(
     aspect: Numbers = 1.0,
     slip: Numbers = 0.0,
     reynolds: Numbers = 0.0,
-    rest: np.ndarray | None = None,
+    rest_gap: np.ndarray | None = None,
 ) -> Films:
     """Films of profiles over h0, and of gaps at rest likewise if they are not even.
 
@@ -322,7 +324,7 @@ def films_of(
         aspect: pad's length along y over that along x, a number or shape (B,).
         slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
         reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
-        rest: gap at rest over h0 on the same nodes where it is not even, without slip and inertia;
+        rest_gap: over h0, on the same nodes where it is not even, without slip and inertia;
             for the high-squeeze limit and the edge layer alone.
     """
     for points in amplitude.shape[1:]:
@@ -331,21 +333,21 @@ def films_of(
     epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(
         *(np.asarray(number, dtype=float) for number in given)
     )
-    local = amplitude if rest is None else amplitude / rest
-    return Films(epsilon, sigma, local, aspect, slip, reynolds, rest)
+    local = amplitude if rest_gap is None else amplitude / rest_gap
+    return Films(epsilon, sigma, local, aspect, slip, reynolds, rest_gap)
 
 
 def grid_error(
-    films: Films, fine: np.ndarray, coarse: np.ndarray, *, rest: np.ndarray | float = 0.0
+    films: Films, fine: np.ndarray, coarse: np.ndarray, *, layer_change: np.ndarray | float = 0.0
 ) -> np.ndarray:
     """Difference of the mean from that on every second node, or a part of the density's.
 
     Args:
         fine, coarse: densities whose means over the pad are compared, on the two grids.
-        rest: change of what is not in the densities.
+        layer_change: change of what is not in the densities.
     """
     half = films.coarser
-    change = films.mean(fine) - half.mean(coarse) + rest
+    change = films.mean(fine) - half.mean(coarse) + layer_change
     return np.maximum(
         np.abs(change), DENSITY_FRACTION * half.mean(np.abs(fine[:, ::2, ::2] - coarse))
     )
@@ -360,10 +362,10 @@ def fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> 
         if not np.any(change > ROUND_PRECISION * np.abs(field).max(axis=(1, 2))):
             break
     settled = change <= 1e3 * ROUND_PRECISION * np.abs(field).max(axis=(1, 2))
-    return np.where(wide(settled), field, np.nan)
+    return np.where(per_film(settled), field, np.nan)
 
 
-def wide(values: np.ndarray) -> np.ndarray:
+def per_film(values: np.ndarray) -> np.ndarray:
     return values[:, None, None]
 
 

@@ -46,7 +46,7 @@ from squeezefilm.reynolds.terms import (
     flow_terms_of,
     is_radial,
     own_fields,
-    parts_of,
+    preconditioner_count,
     terms_of,
     unknown_fields,
 )
@@ -134,7 +134,7 @@ def _most_krylov(grid: Grid, terms: Terms) -> int:
 
 
 @lru_cache(maxsize=64)
-def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
+def _grid_sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
     """Return the sizes of each grid, by which a kernel finds everything else."""
     sizes = (
         *("nx", "ny", "nt", "most_krylov", "most_iterations"),
@@ -146,7 +146,7 @@ def _sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
     switched = [term.NAME for term in compiled if term.NAME in SWITCHED_TERMS]
     fields, flow_terms = unknown_fields(terms), flow_terms_of(terms)
     largest = fields * max(grid.count for grid in grids)
-    breaks_x = any("x" in term.BREAKS for term in terms)
+    breaks_x = any("x" in term.BREAKS_SYMMETRY_OF for term in terms)
     values = [
         (
             *grid.shape,
@@ -183,14 +183,14 @@ class Batch:
             the arrays' names, shape (scenes, nx, ny, nt) each; ``terms`` have EdgePressure then.
     """
 
-    among: Scenes
+    all_scenes: Scenes
     rows: np.ndarray
     terms: Terms
     grids: tuple[Grid, ...]
     tolerances: Sequence[float]
     guess: np.ndarray | None = None
-    every: bool = True
-    edge: Mapping[str, np.ndarray] | None = None
+    every_grid: bool = True
+    edge_fields: Mapping[str, np.ndarray] | None = None
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -198,13 +198,13 @@ class Batch:
     @cached_property
     def scenes(self) -> Scenes:
         """The scenes that go together; all of them themselves, for those know their numbers."""
-        whole = len(self) == len(self.among) and (self.rows == np.arange(len(self))).all()
-        return self.among if whole else self.among[self.rows]
+        whole = len(self) == len(self.all_scenes) and (self.rows == np.arange(len(self))).all()
+        return self.all_scenes if whole else self.all_scenes[self.rows]
 
     @property
     def aspect(self) -> float:
         """Aspect ratio of their pads."""
-        pad = self.among.films[self.among.film_index[self.rows[0]]].pad
+        pad = self.all_scenes.films[self.all_scenes.film_index[self.rows[0]]].pad
         return pad.length_y_m / pad.length_x_m
 
     def __getitem__(self, part: slice | np.ndarray) -> Batch:
@@ -260,7 +260,7 @@ def solve_batch(
     if edge is not None:
         terms = (EdgePressure(), *terms)
     rows = np.arange(len(scenes))
-    batch = Batch(scenes, rows, terms, (grid,), [tolerance], guess, edge=edge)
+    batch = Batch(scenes, rows, terms, (grid,), [tolerance], guess, edge_fields=edge)
     launched = launch([batch], device=device, most_newton=most_newton)
     (((states,),)) = launched.states(device)
     kept = states.copy()
@@ -283,8 +283,8 @@ class Launch:
     """
 
     batches: Sequence[Batch]
-    begins: np.ndarray
-    kind: np.dtype[Any]
+    first_rows: np.ndarray
+    row_dtype: np.dtype[Any]
     rows: np.ndarray
     values: np.ndarray
     results: np.ndarray
@@ -360,13 +360,13 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
         device,
         "periodic_state",
         sources=sources_of(compiled, single=single),
-        header=_header(compiled, launched.kind, single=single),
+        header=_program_header(compiled, launched.row_dtype, single=single),
         numbers=KERNEL_ARGUMENT_TYPES,
     )
-    (flow_terms,) = launched.kind["flow"].shape
+    (flow_terms,) = launched.row_dtype["flow"].shape
     sizes = [_workspace_size(grid, terms, flow_terms) for batch in batches for grid in batch.grids]
     workspace_size = -(-max(sizes) // 8) * 8
-    scenes = len(launched.begins) - 1
+    scenes = len(launched.first_rows) - 1
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
     launched.buffer = device.shared(launched.results)
     launched.done = periodic_state(
@@ -375,7 +375,7 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
         (device.work_items,),
         scenes,
         most_newton,
-        device.sent(launched.begins),
+        device.sent(launched.first_rows),
         device.sent(launched.rows),
         device.shared(launched.values),
         launched.buffer,
@@ -400,7 +400,7 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
         numbers = numbers_table(batch.scenes, batch.terms)
         columns = [
             (tuple(name for term in compiled for name in term.OPERATORS), np.array(ABSENT_INDEX)),
-            _sizes(batch.grids, batch.terms, batch.guess is not None),
+            _grid_sizes(batch.grids, batch.terms, batch.guess is not None),
         ]
         for name in ("means", "state"):
             behind = np.multiply.outer(np.arange(len(batch)), of_batch[f"{name}_size"])
@@ -435,7 +435,7 @@ def _spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
     for stage, grid in enumerate(batch.grids):
         # A first guess lies where the state comes back.
         guess = stage == 0 and batch.guess is not None
-        returns = batch.every or guess or grid is batch.grids[-1]
+        returns = batch.every_grid or guess or grid is batch.grids[-1]
         means, state = grid.nx * grid.ny, unknown_fields(batch.terms) * grid.count * returns
         # States begin where kernels can read four numbers at once.
         behind = -(-(end + len(batch.scenes) * means) // 4) * 4
@@ -451,8 +451,8 @@ def _arrays(batch: Batch, numbers: np.ndarray) -> Iterator[tuple[Packed, np.ndar
     fields, at, means = profiles_at(batch.scenes, grids, terms)
     yield fields, at
     yield modes_of(grids, aspect=aspect, numbers=numbers, motion=mean_motion(numbers, means))
-    if batch.edge is not None:
-        yield packed([batch.edge]), np.arange(len(batch.scenes))
+    if batch.edge_fields is not None:
+        yield packed([batch.edge_fields]), np.arange(len(batch.scenes))
     for term in terms:
         operators = [term.operators(numbers, grid, aspect=aspect) for grid in grids]
         if operators[0]:
@@ -469,13 +469,13 @@ def _matrices(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
         stages.append({name: matrix[None] for name, matrix in matrices.items()})
     absent = [
         *INTERPOLATION_NAMES,
-        *(name for term in compiled_terms(terms) for name in term.CARRYING),
+        *(name for term in compiled_terms(terms) for name in term.CARRYING_MATRICES),
     ]
     return packed(stages, absent=absent)
 
 
 @lru_cache(maxsize=64)
-def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
+def _program_header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
     """Return the definitions for the sources of a program of some terms."""
     (flow_terms,) = row["flow"].shape
     # Compilers unroll what they know.
@@ -485,7 +485,7 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
             f"#define FLOW_TERMS {flow_terms}",
             f"#define FLOW_TERMS_OF(film) {flow_terms if known else '((film)->row->flow_terms)'}",
             f"#define AXES {axes_of(terms)}",
-            f"#define ROW_PARTS {parts_of(terms)}",
+            f"#define ROW_PARTS {preconditioner_count(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",
             "#define SINGLE" if single else "",
             *(f"#define HAS_{term.NAME}" for term in terms),
@@ -497,7 +497,7 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
     )
 
 
-def grid_under(scene: Scene, points: Grid) -> Grid:
+def grid_on_pad(scene: Scene, points: Grid) -> Grid:
     """A rectangle's grid in the coordinates of a scene's pad; along the radius of a film without
     angle.
     """
@@ -508,5 +508,5 @@ def grid_under(scene: Scene, points: Grid) -> Grid:
 
 def build_kernels_of(device: Device, scene: Scene) -> None:
     """Build and load the kernels that a scene needs, so that the first batch need not wait."""
-    grid = grid_under(scene, Grid(4, 4, 8, False, False))
+    grid = grid_on_pad(scene, Grid(4, 4, 8, False, False))
     solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device)

@@ -26,8 +26,8 @@ from squeezefilm.reynolds.periodic.resolution import (
     MOST_UNKNOWNS,
     finer_grid,
     first_grids,
-    least_fall,
-    profile_fall,
+    least_ratio,
+    profile_ratio,
 )
 from squeezefilm.reynolds.plan import Plan
 from squeezefilm.reynolds.terms import Terms, with_velocities
@@ -45,7 +45,7 @@ ITERATION_FRACTION_OF_VELOCITIES = 0.2
 # error alone.
 KEPT_STATE_ITERATION_FRACTION = 0.04
 # Launches under way at a time: the host looks at one while the device is at the other.
-IN_FLIGHT = 2
+LAUNCHES_IN_FLIGHT = 2
 # Scenes of a launch.
 LEAST_BATCH, MOST_BATCH = 16, 128
 # States of one launch; more go into several.
@@ -76,9 +76,9 @@ class Refinement:
     plan: Plan
     solutions: Solutions
     tolerance: float
-    room: float
+    capacity: float
     keep_states: bool
-    change: np.ndarray
+    last_change: np.ndarray
     failures: np.ndarray
     waiting: dict[object, list[Batch]] = field(default_factory=dict)
 
@@ -98,7 +98,7 @@ class Refinement:
         if guess is not None and not velocities:  # so that the finer grid does not take the state over as it is
             tolerances = [CONTINUATION_FACTOR * left] * len(grids)
         batch = Batch(
-            self.plan.scenes, rows, terms, grids, tolerances, guess, every=self.keep_states
+            self.plan.scenes, rows, terms, grids, tolerances, guess, every_grid=self.keep_states
         )
         key = grids, terms, batch.aspect, guess is None
         self.waiting.setdefault(key, []).append(batch)
@@ -134,15 +134,15 @@ class Refinement:
         """
         rows, terms, grids, solutions = batch.rows, batch.terms, batch.grids, self.solutions
         at: Rows = slice(None) if batch.scenes is self.plan.scenes else rows
-        last, grid, finer = stages[-1], grids[-1], finer_grid(grids[-1], room=self.room)
+        last, grid, finer = stages[-1], grids[-1], finer_grid(grids[-1], capacity=self.capacity)
         nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate(
             last.results,
-            self.change[:, at],
+            self.last_change[:, at],
             scenes=batch.scenes,
             terms=terms,
-            of_profile=profile_fall(self.plan, *nodes, tolerance=self.tolerance, rows=at),
-            least=least_fall(batch.scenes),
+            of_profile=profile_ratio(self.plan, *nodes, tolerance=self.tolerance, rows=at),
+            least=least_ratio(batch.scenes),
             tolerance=self.tolerance,
         )
         if len(grids) == 1:  # a single grid tells no error
@@ -171,7 +171,7 @@ class Refinement:
             outcome[no_state if finer else unknown] = NO_STATE
             outcome[no_state & ~too_dear & self._can_begin_again(batch)] = BEGUN_AGAIN
         outcome[(outcome == REFINED) & (True if finer is None else too_dear)] = EXHAUSTED
-        self.change[:, at] = change
+        self.last_change[:, at] = change
 
         accepted = np.flatnonzero(outcome == ACCEPTED)
         scale_n = batch.scenes.force_scale_n
@@ -184,7 +184,7 @@ class Refinement:
             return len(rows)
 
         begun_again = rows[outcome == BEGUN_AGAIN]
-        if finer and (finest := finer_grid(finer, room=self.room)) and len(begun_again):
+        if finer and (finest := finer_grid(finer, capacity=self.capacity)) and len(begun_again):
             self.failures[begun_again] += 1
             self.wait(begun_again, terms, (finer, finest))
         refined = outcome == REFINED
@@ -195,8 +195,8 @@ class Refinement:
 
     def _can_begin_again(self, batch: Batch) -> np.ndarray | bool:
         """Return which scenes without a state may be tried on finer grids, from rest."""
-        finer = finer_grid(batch.grids[-1], room=self.room)
-        finest = finer_grid(finer, room=self.room) if finer else None
+        finer = finer_grid(batch.grids[-1], capacity=self.capacity)
+        finest = finer_grid(finer, capacity=self.capacity) if finer else None
         if finest is None or with_velocities(batch.terms):
             return False
         return self.failures[batch.rows] < MOST_FAILURES
@@ -225,7 +225,7 @@ class Refinement:
                 f"not converged: the pressure is not positive everywhere ({_grid_text(grid)})"
             )
         limit, advice = f"within {MOST_WORK:.0e} operations", fewer_operations(batch.terms)
-        if finer_grid(grid, room=self.room) is None:
+        if finer_grid(grid, capacity=self.capacity) is None:
             limit, advice = "on the finest grid", ""
         reason = f"not converged: tolerance not reached {limit} ({_grid_text(grid)})"
         for k in np.flatnonzero(outcome == EXHAUSTED).tolist():
@@ -256,14 +256,14 @@ def solve_periodic(
         plan=plan,
         solutions=solutions,
         tolerance=tolerance,
-        room=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_GRID_FIELDS * MEMORY_PARTS)),
+        capacity=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_GRID_FIELDS * MEMORY_PARTS)),
         keep_states=keep_states,
-        change=np.full((2, len(plan.scenes)), np.nan),
+        last_change=np.full((2, len(plan.scenes)), np.nan),
         failures=np.zeros(len(plan.scenes), dtype=np.int64),
     )
-    room, count = refinement.room, int(np.count_nonzero(waiting))
+    room, count = refinement.capacity, int(np.count_nonzero(waiting))
     for alike, terms, grids in first_grids(
-        plan, rows, tolerance=tolerance, room=room, kept=keep_states
+        plan, rows, tolerance=tolerance, capacity=room, kept=keep_states
     ):
         if LEAST_ITERATIONS * iteration_flops(grids[-1], terms) <= MOST_WORK:
             refinement.wait(alike, terms, grids)
@@ -272,11 +272,11 @@ def solve_periodic(
         reason = f"{OVER_LIMIT} ({_grid_text(grids[-1])}){fewer_operations(terms)}"
         solutions.status[alike] = reason
         report(len(alike))
-    size = min(max(-(-count // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
+    size = min(max(-(-count // LAUNCHES_IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
     flying: deque[Launch] = deque()
     with progress_of(count, unit="scene", name="periodic states") as progress:
         while refinement.waiting or flying:
-            while refinement.waiting and len(flying) < IN_FLIGHT:
+            while refinement.waiting and len(flying) < LAUNCHES_IN_FLIGHT:
                 flying.append(launch(refinement.next_launch(most=size), device=device))
             landing = flying.popleft()
             progress.doing = _grid_text(landing.batches[0].grids[-1])

@@ -15,8 +15,8 @@ import numpy as np
 
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.scene import MOST_KEPT, Film, Rows, Scenes, rows_by_value
-from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL
+from squeezefilm.film.scene import MOST_CACHED, Film, Rows, Scenes, rows_by_value
+from squeezefilm.reynolds.error_estimate import THIN_LAYER_RATIO
 from squeezefilm.reynolds.grid import MOST_NODES, Grid
 from squeezefilm.reynolds.plan import Plan, plan_of
 from squeezefilm.reynolds.terms import (
@@ -68,7 +68,7 @@ THIN_SIGMA = 1e4
 # which tells the error, has room within MOST_NODES and MOST_INSTANTS.
 MOST_FIRST_NODES, MOST_FIRST_FOLDED, MOST_FIRST_INSTANTS = 268, 132, 160
 # Stands for zero in a denominator.
-NONZERO = 1e-300
+TINY = 1e-300
 
 
 def first_grids(
@@ -76,7 +76,7 @@ def first_grids(
     rows: Rows = slice(None),
     *,
     tolerance: float,
-    room: float = MOST_UNKNOWNS,
+    capacity: float = MOST_UNKNOWNS,
     kept: bool = False,
 ) -> Iterator[tuple[np.ndarray, Terms, tuple[Grid, ...]]]:
     """Scenes of like terms and pad shape, their terms, and the grids of their first launch.
@@ -90,7 +90,7 @@ def first_grids(
         kept: whether states are, of which quantities ask for more than the force does.
     """
     for kind, film, rows_of_group in _groups_of_equal_terms(plan, rows):
-        terms, pad = plan.kinds[kind], film.pad
+        terms, pad = plan.term_sets[kind], film.pad
         outline = _outline_of(pad, terms)
         part, step = FIRST_GRID_FRACTION, MULTIPLE_FAST
         if pad.smooth_outline is None and not with_velocities(terms) and not kept:
@@ -99,10 +99,11 @@ def first_grids(
             part = 1.0 if tolerance > TIGHT_BELOW else TIGHT_GRID_FRACTION
             step = MULTIPLE_LEAST
         how: dict[str, Any] = {"tolerance": tolerance, "part_of_tolerance": part, "step": step}
-        columns = _points(plan, rows_of_group, film, **how)
+        columns = _needed_points(plan, rows_of_group, film, **how)
         numbers = np.arange(len(plan.scenes))[rows_of_group]
         for rows_on_grids in rows_by_value(*columns):
-            grids = _sequence(tuple(columns[:, rows_on_grids[0]].tolist()), outline, room, step)
+            points = tuple(columns[:, rows_on_grids[0]].tolist())
+            grids = _grid_sequence(points, outline, capacity, step)
             yield numbers[rows_on_grids], terms, grids
 
 
@@ -119,24 +120,24 @@ def missed_profile_fraction(tolerance: float) -> float:
 def nodes_for_profile(plan: Plan, *, tolerance: float) -> np.ndarray:
     """Least nodes along x and y that resolve the profile, (n, 2)."""
     missed = missed_profile_fraction(tolerance)
-    return plan.once("nodes", lambda missed: plan.samples(missed).nodes(missed), missed)
+    return plan.cached("nodes", lambda missed: plan.samples(missed).nodes(missed), missed)
 
 
-def unseen_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
+def unresolved_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
     """Return the reasons for scenes whose profile no grid resolves, by row."""
     share = missed_profile_fraction(tolerance)
     missed = plan.samples(share).missed
     most = np.where(plan.fold_x & plan.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST_NODES)
     nodes = nodes_for_profile(plan, tolerance=tolerance).max(axis=1)
     rows = np.flatnonzero(~((missed <= share) & (nodes <= most))).tolist()
-    return {row: _unseen(plan, row, float(missed[row]), share) for row in rows}
+    return {row: _unresolved_reason(plan, row, float(missed[row]), share) for row in rows}
 
 
-def _unseen(plan: Plan, row: int, missed: float, missed_fraction: float) -> str:
+def _unresolved_reason(plan: Plan, row: int, missed: float, missed_fraction: float) -> str:
     if not missed < inf:
         return "the profile has no finite value at some place under the pad"
     ((_, sampled, _),) = plan_of(plan.scenes[row]).profiles
-    pad = sampled.places.under.pad
+    pad = sampled.places.pad_profile.pad
     side_m = max(pad.length_x_m, pad.length_y_m)
     apart_m = pi / 2 * side_m / (MOST_NODES + 1)
     return (
@@ -151,18 +152,19 @@ def _unseen(plan: Plan, row: int, missed: float, missed_fraction: float) -> str:
 def _groups_of_equal_terms(plan: Plan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
     """Group the scenes by terms, outline and aspect ratio; yield kind, a film and rows."""
     films = plan.scenes.films
-    if len(plan.kinds) == len(films) == 1:
+    if len(plan.term_sets) == len(films) == 1:
         yield 0, films[0], rows
         return
     pads = [(film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m) for film in films]
     first_alike = np.array([pads.index(pad) for pad in pads])[plan.scenes.film_index]
     numbers = np.arange(len(plan.scenes))[rows]
-    for rows_of_group in rows_by_value(plan.kind[rows], first_alike[rows]):
+    for rows_of_group in rows_by_value(plan.term_set[rows], first_alike[rows]):
         first = numbers[rows_of_group[0]]
-        yield int(plan.kind[first]), films[plan.scenes.film_index[first]], numbers[rows_of_group]
+        film = films[plan.scenes.film_index[first]]
+        yield int(plan.term_set[first]), film, numbers[rows_of_group]
 
 
-def _points(
+def _needed_points(
     plan: Plan, rows: Rows, film: Film, *, tolerance: float, part_of_tolerance: float, step: int
 ) -> np.ndarray:
     """Unknowns nx, ny and instants nt of scenes like a film's that leave a share of the tolerance.
@@ -176,13 +178,14 @@ def _points(
         step: of which unknowns along the axes are multiples, MULTIPLE_FAST or MULTIPLE_LEAST.
     """
     scenes = plan.scenes if isinstance(rows, slice) else plan.scenes[rows]
-    terms, digits = plan.kinds[plan.kind[rows][0]], log10(1 / (part_of_tolerance * tolerance))
+    terms = plan.term_sets[plan.term_set[rows][0]]
+    digits = log10(1 / (part_of_tolerance * tolerance))
     outline, aspect = _outline_of(film.pad, terms), film.pad.length_y_m / film.pad.length_x_m
     nodes = nodes_for_profile(plan, tolerance=tolerance)[rows].T
     curvature = plan.samples(missed_profile_fraction(tolerance)).curvature[rows].T
     folds = np.array([plan.fold_x[rows], plan.fold_y[rows]])
     epsilon, sigma, bend = gap_numbers(scenes)
-    moving = np.maximum(epsilon, NONZERO)  # of films at rest, too, there are logarithms
+    moving = np.maximum(epsilon, TINY)  # of films at rest, too, there are logarithms
     ratio = moving / (1 + np.sqrt(1 - epsilon**2))
     left = np.minimum(log(TIME_ERROR_FRACTION / 3), log(TIME_FORCE_FACTOR) + 2 * np.log(moving))
     instants = np.where(epsilon > 0, (log(tolerance) + left) / np.log(ratio), LEAST_INSTANTS)
@@ -201,12 +204,12 @@ def _points(
     )
     layer_y, fold_factors = layers * aspect**2, 1.0 + folds
     # Zeros of the gap at its narrowest, 1 − ε + ε c X²/2, off the middle.
-    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), NONZERO))
+    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), TINY))
     if outline:
         layer_x = layer_x * outline.edge_stretch[1] * (2 * outline.edge_mu) ** 2
         along, across = folds if outline.turned else folds[::-1]
         fold_factors = np.array([1.0 + along, (1 + along) * (1 + across)])
-    wanted = _nodes(digits, sigma=np.array([layer_x, layer_y]), width=width)
+    wanted = _nodes_for_layers(digits, sigma=np.array([layer_x, layer_y]), width=width)
     if outline:
         wanted[1] = _nodes_around(digits, width[1], outline)
     most = np.where(fold_factors > 1, MOST_FIRST_FOLDED, MOST_FIRST_NODES)
@@ -216,7 +219,7 @@ def _points(
     return np.concatenate([unknowns, nt[None], folds, nodes])
 
 
-def _nodes(digits: float, *, sigma: np.ndarray, width: np.ndarray) -> np.ndarray:
+def _nodes_for_layers(digits: float, *, sigma: np.ndarray, width: np.ndarray) -> np.ndarray:
     """Nodes across the pad for a edge layer and for a narrow gap, whichever wants more.
 
     A Chebyshev grid resolves a layer of width √(2/σ) with a number of nodes proportional to
@@ -233,31 +236,31 @@ def _nodes_around(digits: float, width: np.ndarray, outline: Outline) -> np.ndar
     """Nodes around an outline.
 
     The layer's width along the edge goes with the area behind a point, which has no zero nearer to
-    real ν than about the edge's μ; the gap has those of ``_nodes``. Coefficients fall by as much
-    for each of half the nodes.
+    real ν than about the edge's μ; the gap has those of ``_nodes_for_layers``. Coefficients
+    fall by as much for each of half the nodes.
     """
     return 8 + digits * log(10) / (0.8 * np.minimum(outline.analyticity_width, width))
 
 
 @lru_cache(maxsize=4096)
-def _sequence(
-    points: tuple[float, ...], outline: Outline | None, room: float, step: int
+def _grid_sequence(
+    points: tuple[float, ...], outline: Outline | None, capacity: float, step: int
 ) -> tuple[Grid, ...]:
-    """A grid of some points, as of ``_points``, one that starts it, if that pays, and a finer one.
+    """A grid of ``_needed_points``, one that starts it, if that pays, and a finer one.
 
     The finer one tells the grid's error. The grid is as much coarser than asked for as it takes for
     a finer one to have room.
     """
     nx, ny, nt, fold_x, fold_y, *nodes = points
     first = Grid(int(nx), int(ny), int(nt), bool(fold_x), bool(fold_y), outline)
-    while (finer := finer_grid(first, room=room, step=step)) is None:
-        if not first.sees(*nodes):
+    while (finer := finer_grid(first, capacity=capacity, step=step)) is None:
+        if not first.has_nodes(*nodes):
             break
         nx, ny = (step * (5 * points // (6 * step)) for points in (first.nx, first.ny))
         first = _resized(first, nx=nx, ny=ny, nt=max(LEAST_INSTANTS, 4 * (5 * first.nt // 24)))
     start = start_grid(first, step)
     # What does not see the profile is no guess.
-    starts = [start] if start and start.sees(*nodes) else []
+    starts = [start] if start and start.has_nodes(*nodes) else []
     return *starts, first, *([finer] if finer else [])
 
 
@@ -268,8 +271,8 @@ def start_grid(grid: Grid, step: int) -> Grid | None:
     """
     start = _resized(
         grid,
-        nx=_fewer(grid.nx, step, fold=grid.fold_x),
-        ny=_fewer(grid.ny, step, fold=grid.fold_y),
+        nx=_points_to_start(grid.nx, step, fold=grid.fold_x),
+        ny=_points_to_start(grid.ny, step, fold=grid.fold_y),
         nt=max(LEAST_INSTANTS, 4 * ceil(START_GRID_FRACTION * grid.nt / 4)),
     )
     return start if start.count < 0.5 * grid.count else None
@@ -280,11 +283,11 @@ def _resized(grid: Grid, *, nx: int, ny: int, nt: int) -> Grid:
     return replace(grid, nx=nx, ny=1 if grid.radial else ny, nt=nt)
 
 
-def _fewer(points: int, step: int, *, fold: bool) -> int:
+def _points_to_start(points: int, step: int, *, fold: bool) -> int:
     return max(4 if fold else 8, step * round(START_GRID_FRACTION * points / step))
 
 
-def profile_fall(
+def profile_ratio(
     plan: Plan,
     coarse: tuple[int, int],
     fine: tuple[int, int],
@@ -308,14 +311,14 @@ def profile_fall(
         falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
         return np.asarray(falls.max(axis=1))
 
-    if len(plan.scenes) > MOST_KEPT:
+    if len(plan.scenes) > MOST_CACHED:
         return fall(rows)
-    return plan.once("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
+    return plan.cached("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
 
 
 @lru_cache(maxsize=4096)
 def finer_grid(
-    grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = MULTIPLE_FAST
+    grid: Grid, *, capacity: float = MOST_UNKNOWNS, step: int = MULTIPLE_FAST
 ) -> Grid | None:
     """The next grid of a scene's sequence, finer in every direction; None past the limits.
 
@@ -323,16 +326,16 @@ def finer_grid(
     """
     finer = _resized(
         grid,
-        nx=grid.nx + _part(grid.nx, step, fold=grid.fold_x),
-        ny=grid.ny + _part(grid.ny, step, fold=grid.fold_y),
-        nt=grid.nt + _part(grid.nt, MULTIPLE_FAST, fold=False),
+        nx=grid.nx + _nodes_to_add(grid.nx, step, fold=grid.fold_x),
+        ny=grid.ny + _nodes_to_add(grid.ny, step, fold=grid.fold_y),
+        nt=grid.nt + _nodes_to_add(grid.nt, MULTIPLE_FAST, fold=False),
     )
     if max(finer.x.full_points, finer.y.full_points) > MOST_NODES or finer.nt > MOST_INSTANTS:
         return None
-    return finer if finer.count <= room else None
+    return finer if finer.count <= capacity else None
 
 
-def _part(points: int, step: int, *, fold: bool) -> int:
+def _nodes_to_add(points: int, step: int, *, fold: bool) -> int:
     """About a fifth of the points, in steps; never less than four nodes across the pad."""
     least = 1 if fold else MULTIPLE_FAST // step
     return step * max(least, round(points / 5 / step))
@@ -347,14 +350,14 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
         return scenes.epsilon, scenes.sigma, 0.0
     flat = scenes.column(lambda film: film.pad.gap.flat)
     crown_m = scenes.column(lambda film: abs(film.pad.gap.crown_m))
-    bend = 8 * crown_m / scenes.h0_m / np.maximum(scenes.epsilon, NONZERO) * (scenes.epsilon > 0)
+    bend = 8 * crown_m / scenes.h0_m / np.maximum(scenes.epsilon, TINY) * (scenes.epsilon > 0)
     least = np.minimum(1.0, scenes.static_gap_range[0])
     sigma = scenes.sigma / least**2
     sigma = np.where(sigma < THIN_SIGMA, sigma, sigma / least**2)
     return np.where(flat, scenes.epsilon, scenes.closure), sigma, bend
 
 
-def least_fall(scenes: Scenes) -> np.ndarray:
+def least_ratio(scenes: Scenes) -> np.ndarray:
     """Lower bounds on the convergence ratios from grid to grid, (n,)."""
     _, sigma, _ = gap_numbers(scenes)
-    return THIN_LAYER_FALL * (sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA)
+    return THIN_LAYER_RATIO * (sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA)

@@ -21,7 +21,7 @@ from math import hypot, inf
 
 import numpy as np
 
-from squeezefilm.film.scene import distinct
+from squeezefilm.film.scene import distinct_rows
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Packed, packed
 from squeezefilm.reynolds.spectral import period
@@ -61,7 +61,7 @@ def modes_of(
         slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_FRACTION_STEP)
         slows = np.maximum(slows, 1.0)
         steps += [lags, warming, warming_lags, *slows]
-    first, which = distinct(*steps)
+    first, which = distinct_rows(*steps)
     instants = tuple([grid.nt for grid in grids])
     kinds = np.array(steps)[:, first].T.tolist()
     return Packed.of_rows([_packed_modes(instants, *kind) for kind in kinds]), which

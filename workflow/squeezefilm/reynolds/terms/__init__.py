@@ -17,7 +17,7 @@ from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 from squeezefilm.reynolds.terms.gap import NonuniformGap
 from squeezefilm.reynolds.terms.inertia import Inertia, VelocityTerm
-from squeezefilm.reynolds.terms.outline import Radius, SmoothOutline
+from squeezefilm.reynolds.terms.outline import RadialFilm, SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import FlowFactor, Rarefaction
 from squeezefilm.reynolds.terms.term import HOOKS, AbsentTerm, Arrays, Numbers, Term
@@ -38,10 +38,12 @@ Terms = tuple[Term, ...]
 
 # Terms that a program has which is compiled for others, and that a film's row turns on: the budget
 # of one force solves films with and without each of them, and a program takes seconds to compile.
-OF_ANY_FILM: Terms = (EdgePressure(),)
-OF_VELOCITIES: Terms = (Rarefaction("slip"), Inertia(), Thermal())
-OF_RAREFIED: Terms = (FlowFactor("fukui-kaneko"),)
-SWITCHED_TERMS = tuple([term.NAME for term in (*OF_ANY_FILM, *OF_VELOCITIES, *OF_RAREFIED)])
+SWITCHED_ALWAYS: Terms = (EdgePressure(),)
+SWITCHED_VELOCITIES: Terms = (Rarefaction("slip"), Inertia(), Thermal())
+SWITCHED_RAREFIED: Terms = (FlowFactor("fukui-kaneko"),)
+SWITCHED_TERMS = tuple(
+    [term.NAME for term in (*SWITCHED_ALWAYS, *SWITCHED_VELOCITIES, *SWITCHED_RAREFIED)]
+)
 
 
 def terms_of(scene: Scene) -> Terms:
@@ -52,18 +54,18 @@ def terms_of(scene: Scene) -> Terms:
 @lru_cache(maxsize=64)
 def compiled_terms(terms: Terms) -> Terms:
     """Return the terms of the program that solves films of some terms, and others."""
-    more = OF_ANY_FILM
+    more = SWITCHED_ALWAYS
     if any(isinstance(term, VelocityTerm) for term in terms):
-        more += OF_VELOCITIES
+        more += SWITCHED_VELOCITIES
     elif any(isinstance(term, Rarefaction) for term in terms):
-        more += OF_RAREFIED
+        more += SWITCHED_RAREFIED
     compiled = {term.NAME: term for term in (*more, *terms)}
     if FlowFactor.NAME in compiled:  # its program has first-order slip too
         compiled.pop(Rarefaction.NAME, None)
-    return tuple(sorted(compiled.values(), key=_place))
+    return tuple(sorted(compiled.values(), key=_order_of))
 
 
-def _place(term: Term) -> int:
+def _order_of(term: Term) -> int:
     return next((place for place, kind in enumerate(TERMS) if isinstance(term, kind)), -1)
 
 
@@ -80,7 +82,7 @@ def distinct_terms(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
     for film, rows, scenes_of_film in scenes.split_by_film():
         pad_positions, at = scenes_of_film.pad_positions
         kind = axisymmetric(pad_positions)[at] + 2 * (
-            not film.pad.gap.flat and NonuniformGap.is_wide(scenes_of_film)
+            not film.pad.gap.flat and NonuniformGap.needs_two_preconditioners(scenes_of_film)
         )
         of_film = np.empty(len(scenes_of_film), dtype=np.int64)
         for kind_of_row in {*kind.tolist()}:
@@ -126,7 +128,7 @@ def axes_of(terms: Terms) -> int:
 
 def is_radial(terms: Terms) -> bool:
     """Return whether the film has no angle, and is solved along its radius."""
-    return any(isinstance(term, Radius) for term in terms)
+    return any(isinstance(term, RadialFilm) for term in terms)
 
 
 @lru_cache(maxsize=64)
@@ -146,7 +148,7 @@ def flow_terms_of(terms: Terms) -> int:
     return 1 + any(isinstance(term, Rarefaction) for term in terms)
 
 
-def parts_of(terms: Terms) -> int:
+def preconditioner_count(terms: Terms) -> int:
     """Preconditioners that share the rows of the linear system; 0 if there is one for all."""
     return max((term.parts for term in terms if isinstance(term, NonuniformGap)), default=0)
 
@@ -161,6 +163,6 @@ def notes_of(scene: Scene) -> list[str]:
     return [note for kind in TERMS if (note := kind.note(scene))]
 
 
-def refused_on_grid(scene: Scene, terms: Terms) -> str:
+def unsupported_on_grid(scene: Scene, terms: Terms) -> str:
     """Return the reason why the periodic state is not supported with some terms, or empty."""
-    return next(filter(None, (term.refused_on_grid(scene) for term in terms)), "")
+    return next(filter(None, (term.unsupported_on_grid(scene) for term in terms)), "")

@@ -22,7 +22,7 @@ class Bearing(Term):
 
     NAME = "bearing"
     ABSENT = AbsentTerm("Couette term", "the pad is at rest")
-    BREAKS = "x"
+    BREAKS_SYMMETRY_OF = "x"
     OVER_PERIOD = "terms/bearing_over_period.cl"
     HOOKS = ("residual", "response")
 
@@ -36,7 +36,7 @@ class Bearing(Term):
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         if grid.outline is None:
             return {"derivative_x": grid.x.derivative[1:-1, 1:-1]}
-        along, turn = flux_matrices(grid, aspect=aspect), np.asarray(grid.turn(grid.x.nodes))
+        along, turn = flux_matrices(grid, aspect=aspect), np.asarray(grid.map_slope(grid.x.nodes))
         return {
             "derivative_x": along["flux_across_x"],
             "derivative_y": along["flux_across_y"],

@@ -59,10 +59,10 @@ class NonuniformGap(Term):
             return cls(both)
         more = scene.bearing_number or scene.gas.inertia == "included"
         alone = not (more or scene.pad.smooth_outline)
-        return cls(both, 2 if alone and cls.is_wide(Scenes.of([scene]))[0] else 1)
+        return cls(both, 2 if alone and cls.needs_two_preconditioners(Scenes.of([scene]))[0] else 1)
 
     @staticmethod
-    def is_wide(scenes: Scenes) -> np.ndarray:
+    def needs_two_preconditioners(scenes: Scenes) -> np.ndarray:
         """Return where the static gap varies enough for two preconditioners to be cheaper, (n,)."""
         least, most = scenes.static_gap_range
         return np.asarray(most > TWO_PRECONDITIONERS_RATIO * least)

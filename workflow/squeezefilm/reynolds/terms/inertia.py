@@ -68,7 +68,7 @@ class VelocityTerm(Term):
             "flux_amplitude_y": parts[:, :, grid.x.inner] @ along_y.from_all_nodes.T,
         }
 
-    def refused_on_grid(self, scene: Scene) -> str:
+    def unsupported_on_grid(self, scene: Scene) -> str:
         if scene.gas.rarefaction == "fukui-kaneko":
             which = "fukui-kaneko, only with viscous flow or first-order slip"
             return f"not supported: {self.label} with {which}"
@@ -89,7 +89,7 @@ class Inertia(VelocityTerm):
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 10
     IN_EXPANSIONS = True
-    CARRYING = ("carry_flux_x", "carry_flux_y")
+    CARRYING_MATRICES = ("carry_flux_x", "carry_flux_y")
 
     @classmethod
     def of(cls, scene: Scene) -> Inertia | None:
@@ -159,6 +159,6 @@ def _bends(grid: Grid) -> list[Arrays]:
     """
     points = (FluxPoints(grid.x).all_points[: grid.nx], -1.0), (grid.x.nodes, -1j)
     return [
-        {"over_area": 1 / np.asarray(grid.area(at)), "bend": np.real(part * grid.bend(at))}
+        {"over_area": 1 / np.asarray(grid.area(at)), "bend": np.real(part * grid.map_log_slope(at))}
         for at, part in points
     ]

@@ -37,7 +37,7 @@ class SmoothOutline(Term):
     def of(cls, scene: Scene) -> SmoothOutline | None:
         if not scene.pad.smooth_outline:
             return None
-        return Radius() if axisymmetric(scene.pad_positions)[0] else cls()
+        return RadialFilm() if axisymmetric(scene.pad_positions)[0] else cls()
 
     @classmethod
     def note(cls, scene: Scene) -> str:
@@ -61,7 +61,7 @@ class SmoothOutline(Term):
         assert outline
         x, y = grid.x, grid.y
         (length_x, length_y), weights = grid.lengths(aspect), x.weights / x.weights.sum()
-        second = x.second_derivative / length_x**2, y.in_parts / length_y**2
+        second = x.second_derivative / length_x**2, y.second_parts / length_y**2
         if outline.varies_around:
             mean, own, weights = weights @ area, second[1], y.weights
             others = x.modes_in_parts[0] / length_x**2
@@ -87,7 +87,7 @@ class SmoothOutline(Term):
 
 
 @dataclass(frozen=True)
-class Radius(SmoothOutline):
+class RadialFilm(SmoothOutline):
     """A disc on an axisymmetric film: its radius is the only axis, and has its own modes."""
 
     NAME = "radius"

@@ -33,26 +33,26 @@ def slip_series() -> tuple[float, ...]:
     The logarithm is that of free molecules, x → 0, and the sum is SLIP_LIMIT for x → ∞.
     """
     inverse, flow = np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1, unpack=True)
-    powers = np.vander(_mapped(inverse), SERIES_TERMS, increasing=True)
+    powers = np.vander(_chebyshev_argument(inverse), SERIES_TERMS, increasing=True)
     falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, LARGE_FLOW_FACTOR)
     rest = flow - inverse / 6 - np.log1p(1 / inverse) / np.sqrt(np.pi) - SLIP_LIMIT
     series, *_ = np.linalg.lstsq(falling * weights[:, None], rest * weights, rcond=None)
     return tuple((np.append(series, 0.0) - np.append(-SLIP_LIMIT, series)).tolist())
 
 
-def _mapped(inverse: Any) -> Any:
+def _chebyshev_argument(inverse: Any) -> Any:
     return (np.sqrt(inverse) - 2) / (np.sqrt(inverse) + 2)
 
 
 def slip_flow(inverse: Any) -> Any:
     """Return F at some inverse Knudsen numbers x > 0."""
     series = np.polynomial.Polynomial(slip_series())
-    return np.log1p(1 / inverse) / np.sqrt(np.pi) + series(_mapped(inverse))
+    return np.log1p(1 / inverse) / np.sqrt(np.pi) + series(_chebyshev_argument(inverse))
 
 
-def slip_growth(inverse: Any) -> tuple[Any, Any]:
+def flow_factor_derivatives(inverse: Any) -> tuple[Any, Any]:
     """Return the first two derivatives of F by ln x at some inverse Knudsen numbers x > 0."""
-    u, series = _mapped(inverse), np.polynomial.Polynomial(slip_series())
+    u, series = _chebyshev_argument(inverse), np.polynomial.Polynomial(slip_series())
     slope, by_log, free = series.deriv()(u), (1 - u**2) / 4, 1 / (1 + inverse) / np.sqrt(np.pi)
     bend = (series.deriv(2)(u) * by_log - slope * u / 2) * by_log
     return slope * by_log - free, bend + free * inverse / (1 + inverse)

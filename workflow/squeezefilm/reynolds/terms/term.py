@@ -43,7 +43,7 @@ class AbsentTerm:
     """
 
     name: str
-    why: str
+    reason: str
     assumption: str = ""
 
 
@@ -72,7 +72,7 @@ class Term:
 
     NAME: ClassVar[str]
     ABSENT: ClassVar[AbsentTerm | None] = None
-    BREAKS: ClassVar[str] = ""
+    BREAKS_SYMMETRY_OF: ClassVar[str] = ""
     OVER_PERIOD: ClassVar[str] = ""
     HOOKS: ClassVar[tuple[str, ...]] = ()
     IN_SINGLE: ClassVar[bool] = False
@@ -80,7 +80,7 @@ class Term:
     OWN_FIELDS: ClassVar[int] = 0
     SPACE_PRODUCTS: ClassVar[int] = 0
     TIME_PRODUCTS: ClassVar[int] = 0
-    CARRYING: ClassVar[tuple[str, ...]] = ()
+    CARRYING_MATRICES: ClassVar[tuple[str, ...]] = ()
     OPERATORS: ClassVar[tuple[str, ...]] = ()
     NUMBERS: ClassVar[Mapping[str, int]] = {}
     IN_EXPANSIONS: ClassVar[bool] = False
@@ -128,6 +128,6 @@ class Term:
         """
         return {}
 
-    def refused_on_grid(self, scene: Scene) -> str:
+    def unsupported_on_grid(self, scene: Scene) -> str:
         """Return the reason why the periodic state is not supported with the term, or empty."""
         return ""

@@ -79,7 +79,7 @@ class Thermal(VelocityTerm):
             "warming": adiabatic / (12 * LAG_PER_REYNOLDS) * (1 + warms) / (1 + lags),
         }
 
-    def refused_on_grid(self, scene: Scene) -> str:
+    def unsupported_on_grid(self, scene: Scene) -> str:
         if scene.gas.polytropic_exponent != 1:
             return "not supported: gas.thermal with another gas.polytropic_exponent than 1"
-        return super().refused_on_grid(scene)
+        return super().unsupported_on_grid(scene)

@@ -14,7 +14,7 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import POLAR, as_in
+from squeezefilm.film.positions import POLAR, columns_as_in
 from squeezefilm.models.data import POSITION_COLUMNS, Factors, factors_of
 from squeezefilm.models.fit_file import FORMAT, FittedModel, fit_of
 from squeezefilm.models.fitting import (
@@ -26,8 +26,8 @@ from squeezefilm.models.fitting import (
     evolution,
     fit_by,
     genetic,
+    open_range_notes,
     parameter_ranges,
-    undetermined,
 )
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.prediction_interval import (
@@ -40,7 +40,7 @@ from squeezefilm.models.prediction_interval import (
 )
 from squeezefilm.studies.space import space_of
 from squeezefilm.studies.study import film_of, scenes_in
-from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits, with_physics
+from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limit_forces, with_limits
 from squeezefilm.studies.tasks.scan_errors import errors_in_study
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
 
@@ -66,7 +66,7 @@ def profile_uncertainty(config: Study, *, summary: Path | str | None = None) -> 
 
 def limits_of(points: pd.DataFrame, config: Study) -> pd.DataFrame:
     """The asymptotic forces of the scenes of a table."""
-    return with_limits(points, scenes_in(points, config))[as_in(LIMIT_COLUMNS, points)]
+    return with_limits(points, scenes_in(points, config))[columns_as_in(LIMIT_COLUMNS, points)]
 
 
 def limit_table_values(config: Study) -> dict[str, Any]:
@@ -110,7 +110,8 @@ def fit_to_forces(
         limit_table = limit_table_values(config)
     if uncertainty is None:
         uncertainty = profile_uncertainty(config)
-    factors, force_n = factors_of(with_physics(model, forces, config)), forces["force_n"].to_numpy()
+    factors = factors_of(with_limit_forces(model, forces, config))
+    force_n = forces["force_n"].to_numpy()
     check_columns(model, factors)
     if len(factors) >= len(model.parameter_names):
         check_identifiable(model, factors)
@@ -186,7 +187,7 @@ def _ranges(
         ranges = parameter_ranges(model, factors, force_n, theta)
     except InputError as error:
         return [], [str(error)]
-    return ranges, undetermined(ranges)
+    return ranges, open_range_notes(ranges)
 
 
 def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> FittedModel:
@@ -196,11 +197,11 @@ def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> Fitte
     model, against the limits at the sample's points.
     """
     model = fit.force_model
-    factors = factors_of(with_physics(model, sample, config))
+    factors = factors_of(with_limit_forces(model, sample, config))
     force = sample["force_n"].where(sample["status"] == "ok").to_numpy()
     exact_n = model_n = model.evaluate(fit.theta, factors)
     if model.column_names and fit.limit_table is not None:
-        model_n = model.evaluate(fit.theta, fit.limit_table.complete(factors))
+        model_n = model.evaluate(fit.theta, fit.limit_table.with_limits(factors))
         errors = exact_n - np.stack([force, model_n])
         errors = errors[:, np.isfinite(errors).all(axis=0)]
         own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
@@ -238,14 +239,14 @@ def errors_on(
     over all points; it has the share of points within the study's band of relative errors.
     """
     band = config.validation.relative_error_band
-    factors = factors_of(with_physics(fit.force_model, forces, config))
+    factors = factors_of(with_limit_forces(fit.force_model, forces, config))
     check_columns(fit.force_model, factors)
     predicted = fit.force_model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
     sizes = error_sizes(model_n=predicted, simulation_n=simulated)
     worst = int(np.argmax(np.abs(errors)))
-    table = forces[as_in(SCENE_COLUMNS, forces)].assign(
+    table = forces[columns_as_in(SCENE_COLUMNS, forces)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors
     )
     point = table.iloc[worst]
@@ -257,5 +258,5 @@ def errors_on(
         "fraction_within_band": float(np.mean(np.abs(errors) <= band)),
         "worst_relative_error": float(errors[worst]),
         "worst_point_id": point["point_id"],
-        **{f"worst_{name}": float(point[name]) for name in as_in(FACTOR_COLUMNS, forces)},
+        **{f"worst_{name}": float(point[name]) for name in columns_as_in(FACTOR_COLUMNS, forces)},
     }

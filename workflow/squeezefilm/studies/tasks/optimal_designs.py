@@ -29,7 +29,7 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import check_columns
 from squeezefilm.studies.space import plan, points_of, space_of, table_of
-from squeezefilm.studies.tasks.physics_limits import with_physics
+from squeezefilm.studies.tasks.physics_limits import with_limit_forces
 
 MAP_LINES = 31
 """Lines of the sensitivity's map along each factor."""
@@ -50,7 +50,7 @@ class FittedSpace:
 
     def __init__(self, fit: FittedModel, config: Study, *, forces: pd.DataFrame) -> None:
         self.model, self.config = fit.force_model, config
-        factors = factors_of(with_physics(self.model, forces, config))
+        factors = factors_of(with_limit_forces(self.model, forces, config))
         check_columns(self.model, factors)
         if not fit.theta:
             raise InputError(f"the model {fit.model} has no parameters; nothing is to be designed")
@@ -71,7 +71,7 @@ class FittedSpace:
         names, position = list(self.space.names), self.space.position
         table = plan(pd.DataFrame(points, columns=names), position=position)
         thetas = self.thetas if every else self.thetas[:1]
-        factors = factors_of(with_physics(self.model, table, self.config))
+        factors = factors_of(with_limit_forces(self.model, table, self.config))
         return np.array([self.model.gradient(theta, factors) for theta in thetas])
 
     def outside(self, points: np.ndarray) -> np.ndarray:
@@ -103,7 +103,7 @@ def designs_by_name(
     for count in settings.points:
         if count >= parameters:
             chosen = exchange(derivatives, count, **apart)
-            designs[f"exact-{count}"] = _equal(study.grid[chosen])
+            designs[f"exact-{count}"] = _equal_weights(study.grid[chosen])
     designs = {name: _sorted(design) for name, design in designs.items()}
     if existing is not None:
         there = points_of(existing, study.space)
@@ -114,7 +114,7 @@ def designs_by_name(
             existing_coordinates=study.coordinates(there),
             **apart,
         )
-        designs["augmented"] = _equal(np.concatenate([there, study.grid[added]]))
+        designs["augmented"] = _equal_weights(np.concatenate([there, study.grid[added]]))
     return designs
 
 
@@ -127,7 +127,7 @@ def _box_design(study: FittedSpace, gradients: Gradients) -> ContinuousDesign:
     return optimal_weights(gradients(study.everywhere)).on(study.everywhere)
 
 
-def _equal(points: np.ndarray) -> ContinuousDesign:
+def _equal_weights(points: np.ndarray) -> ContinuousDesign:
     return ContinuousDesign(points, np.full(len(points), 1 / len(points)))
 
 
@@ -162,7 +162,7 @@ def efficiencies(
     best[0] = max(best[0], *log_determinant(own, local.weights))
     reference = np.concatenate([candidates[0], own])
     rows = []
-    plans = {**designs, **{name: _equal(points) for name, points in others.items()}}
+    plans = {**designs, **{name: _equal_weights(points) for name, points in others.items()}}
     for name, design in plans.items():
         points, weights = design.points, design.weights
         derivatives = study.derivatives(points, every=True)

@@ -35,7 +35,7 @@ LIMIT_TOLERANCE, LIMIT_TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below the error of the limits."""
 EXPANSIONS = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansion}
 EXPANSIONS_WITH_INERTIA = EXPANSIONS | {"limit_n": composite_expansion}
-DOES_NOT_HOLD = "not supported: the asymptotic force for large squeeze numbers does not hold"
+EXPANSION_INVALID = "not supported: the asymptotic force for large squeeze numbers does not hold"
 CHECK_POINTS, CHECK_SEED = 500, 3
 CHECK_LINES, POINTS_PER_LINE = 3, 65
 """Along each axis of a table, at random places of the others, to choose its points, and Chebyshev
@@ -73,13 +73,13 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
         if column == "limit_n":
             columns["limit_error_n"][found.rows] = found.error * scale_n[found.rows]
     status = [
-        "ok" if known else underived.get(row, DOES_NOT_HOLD)
+        "ok" if known else underived.get(row, EXPANSION_INVALID)
         for row, known in enumerate(np.isfinite(columns["limit_n"]))
     ]
     return table.assign(**columns, status=status)
 
 
-def with_physics(model: ExpressionModel, points: pd.DataFrame, config: Study) -> pd.DataFrame:
+def with_limit_forces(model: ExpressionModel, points: pd.DataFrame, config: Study) -> pd.DataFrame:
     """Points with the asymptotic forces that a model uses, computed unless the table has them."""
     if not set(model.column_names) - set(points):
         return points
@@ -100,10 +100,10 @@ def limit_table_of(config: Study) -> LimitTable:
     epsilon_square = {"epsilon_square": (0.0, LARGEST_EPSILON_SQUARE)}
     ranges = {"h0_m": ranges.pop("h0_m"), **epsilon_square, **ranges}
     random = np.random.default_rng(CHECK_SEED)
-    counts = _counts(config, ranges, random)
+    counts = _node_counts(config, ranges, random)
     nodes = np.meshgrid(*[_nodes(ranges[axis], counts[axis]) for axis in ranges], indexing="ij")
     shape = nodes[0].shape
-    limits, smooth = _limits(config, dict(zip(ranges, map(np.ravel, nodes), strict=True)))
+    limits, smooth = _limit_forces(config, dict(zip(ranges, map(np.ravel, nodes), strict=True)))
     coefficients = {}
     for name, values in zip(EXPANSIONS, smooth, strict=True):
         transformed = values.reshape(shape)
@@ -120,13 +120,13 @@ def limit_table_of(config: Study) -> LimitTable:
     table = LimitTable.model_validate(values)
     drawn = {axis: random.uniform(*ranges[axis], CHECK_POINTS) for axis in ranges}
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
-    checked, _ = _limits(config, drawn)
-    interpolated = table.complete(factors_of(checked))
+    checked, _ = _limit_forces(config, drawn)
+    interpolated = table.with_limits(factors_of(checked))
     errors = [np.abs(interpolated.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
     return table.model_copy(update={"largest_relative_error": float(max(errors))})
 
 
-def _counts(
+def _node_counts(
     config: Study, ranges: dict[str, tuple[float, float]], random: np.random.Generator
 ) -> dict[str, int]:
     """Points that each axis of the table needs, measured on lines along it at random places.
@@ -143,7 +143,7 @@ def _counts(
             for axis, limits in ranges.items()
         }
         at[along] = np.tile(_nodes(ranges[along], POINTS_PER_LINE), CHECK_LINES)
-        lines = _limits(config, at)[1].reshape(-1, POINTS_PER_LINE)
+        lines = _limit_forces(config, at)[1].reshape(-1, POINTS_PER_LINE)
         sizes = np.abs(_transformed(lines, axis=1)) / np.abs(lines).mean(axis=1, keepdims=True)
         tail = np.flip(np.cumsum(np.flip(sizes, axis=1), axis=1), axis=1).max(axis=0)
         tails[along] = np.append(tail, 0.0)
@@ -175,7 +175,7 @@ def _transformed(values: np.ndarray, *, axis: int) -> np.ndarray:
     return np.moveaxis(moved, 0, axis)
 
 
-def _limits(config: Study, at: dict[str, np.ndarray]) -> tuple[pd.DataFrame, np.ndarray]:
+def _limit_forces(config: Study, at: dict[str, np.ndarray]) -> tuple[pd.DataFrame, np.ndarray]:
     """The limits at points, and both EXPANSIONS over ε², which is smooth, shape (2, n)."""
     factors = pd.DataFrame(at).assign(hv_m=at["h0_m"] * np.sqrt(at["epsilon_square"]))
     table = plan(factors.drop(columns="epsilon_square"))

@@ -10,7 +10,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
 from squeezefilm.designs.space import coordinates
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.film.positions import as_in
+from squeezefilm.film.positions import columns_as_in
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import fit_of
 from squeezefilm.models.fitting import Fit
@@ -74,7 +74,7 @@ class SimulatedSpace:
 
     def rows(self, table: pd.DataFrame, points: Any, columns: Sequence[str]) -> pd.DataFrame:
         """Columns of points in one of the tables, in the form that positions have there."""
-        return table.loc[points, as_in(columns, table)].reset_index(drop=True)
+        return table.loc[points, columns_as_in(columns, table)].reset_index(drop=True)
 
 
 def refine(
@@ -116,7 +116,7 @@ def refine(
     fit = validated(fit, config, sample=sample)
     print(fit.statement)
     last, points = outcome.rounds[-1], outcome.simulated
-    where, source = _map(model, simulated, outcome)
+    where, source = _error_map(model, simulated, outcome)
     by_region = error_by_region(pool.factors.take(pool.typical), where["error_n"][-SAMPLE_POINTS:])
     labels = _labels(outcome, settings.verification)
     known, forces = (
@@ -136,9 +136,9 @@ def refine(
         "theta_of_all_points": outcome.hindsight.tolist(),
         "simulations": last.simulations,
         "verification_points": settings.verification,
-        "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
+        "lack_of_fit_n": _json_number(last.lack_of_fit * outcome.scale_n),
         "required": settings.model_dump(include={"global_error", "worst_error"}),
-        "estimated": {key: _finite(getattr(last, key)) for key in ROUND_COLUMNS[1:]},
+        "estimated": {key: _json_number(getattr(last, key)) for key in ROUND_COLUMNS[1:]},
         "errors_mapped_by": source,
         "error_by_region_text": by_region,
     }
@@ -162,7 +162,7 @@ def _labels(outcome: Outcome, checks: int) -> list[str]:
     return labels
 
 
-def _map(
+def _error_map(
     model: ExpressionModel, space: SimulatedSpace, outcome: Outcome
 ) -> tuple[pd.DataFrame, str]:
     """The error of the best fit over the space: candidates, then the fair sample.
@@ -221,6 +221,6 @@ def _fit_values(
     }
 
 
-def _finite(value: float) -> float | None:
+def _json_number(value: float) -> float | None:
     """A number for JSON, which knows no infinity."""
     return float(value) if np.isfinite(value) else None

@@ -12,7 +12,7 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.film.positions import as_in, form_of
+from squeezefilm.film.positions import columns_as_in, position_form
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, fit_of, read_fit
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
@@ -63,9 +63,9 @@ def explorer_page(
         "simulations": [
             [index, *row]
             for index, table in enumerate(forces.values())
-            for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].to_numpy(float).tolist()
+            for row in table[[*columns_as_in(FACTOR_COLUMNS, table), "force_n"]].values.tolist()
         ],
-        "position": form_of(next(iter(forces.values()))),
+        "position": position_form(next(iter(forces.values()))),
         "inertia": inertia(config),
         "modulation": _modulation(results),
         "start": config.extrapolation.model_dump(),

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from squeezefilm.film.positions import form_of
+from squeezefilm.film.positions import position_form
 from squeezefilm.formatting import label_of
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import percent, reynolds_limit, signed
@@ -65,7 +65,7 @@ def _panel_title(included_effects: pd.Series, name: str) -> str:
 
 def _budgets(results: Results, plan: str) -> pd.DataFrame:
     table = results.budget(plan)
-    lengths = [name for name in form_of(table) if name.endswith("_m")]
+    lengths = [name for name in position_form(table) if name.endswith("_m")]
     return parts.in_micrometres(table).assign(
         **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
         total_percent=table[MODELLING_ERROR].mean(axis="columns", skipna=False),

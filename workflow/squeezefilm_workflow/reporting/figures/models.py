@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel
-from squeezefilm.tables import ROUND_COLUMNS, WHERE_COLUMNS
+from squeezefilm.tables import ERROR_MAP_COLUMNS, ROUND_COLUMNS
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import VERDICTS, percent, simulations_note
 from squeezefilm_workflow.reporting.results import Results
@@ -168,7 +168,7 @@ def refined(results: Results, space: str) -> Figure:
         rounds = results.table(f"{folder}/rounds.csv", *ROUND_COLUMNS)
         _draw_rounds(row[0], rounds, required=verdict["required"], truth=model)
         row[0].set_title(f"{model['model']}: {VERDICTS[model['verdict']]}")
-        sample = style.rows(results.table(f"{folder}/where.csv", *WHERE_COLUMNS), "sample")
+        sample = style.rows(results.table(f"{folder}/where.csv", *ERROR_MAP_COLUMNS), "sample")
         error_percent = 100 * sample["error_n"].astype(float) / verdict["mean_force_n"]
         places = _places(sample).assign(error_percent=error_percent)
         points = simulated[model["model"]]
