@@ -160,7 +160,7 @@ def momentum_from_inside(scene: Scene, grid: Grid, unknowns: np.ndarray) -> np.n
         around = grid.y.weights
         if grid.outline:  # over the conjugate of z′, in a mean with the area behind each point
             mu = grid.outline.edge_mu * (2 * places[0] - 1)
-            turn = grid.outline.slope(mu, places[1]) * grid.outline.typical_stretch**0.5
+            turn = grid.outline.map_slope(mu, places[1]) * grid.outline.typical_stretch**0.5
             turn = turn / grid.outline.mean_stretch
         else:
             around = interpolatory(nodes[1])

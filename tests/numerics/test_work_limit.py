@@ -16,9 +16,9 @@ def limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """A limit of work that a hard film exceeds within a second."""
     for module in (launch, refinement):
         monkeypatch.setattr(module, "MOST_WORK", LIMIT)
-    launch._sizes.cache_clear()
+    launch._grid_sizes.cache_clear()
     yield
-    launch._sizes.cache_clear()
+    launch._grid_sizes.cache_clear()
 
 
 @pytest.mark.parametrize("terms", ["none", "included"])

@@ -71,7 +71,7 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
     monkeypatch.setattr(self_test, "films", lambda: films)
     monkeypatch.setattr(self_test, "STORED_FORCES", io.StringIO(stored))
     monkeypatch.setattr(Path, "read_text", compiled_wrongly)
-    caches = (device.kernel, device._program, self_test._wrong)
+    caches = (device.kernel, device._program, self_test._failed_films)
     try:
         [each.cache_clear() for each in caches]
         message = refused("doctor")

@@ -51,7 +51,7 @@ def test_substitutes_say_what_the_characters_say(monkeypatch):
 
 
 def test_progress_is_shown_in_ascii(monkeypatch):
-    monkeypatch.setattr("squeezefilm.parallel.SILENCE_S", 0.01)
+    monkeypatch.setattr("squeezefilm.parallel.PROGRESS_INTERVAL_S", 0.01)
     terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii", errors="strict")
     monkeypatch.setattr("sys.stderr", terminal)
     let_substitute(terminal)
