@@ -21,6 +21,7 @@ from squeezefilm.reynolds.periodic.launch import (
     Launch,
     States,
     launch,
+    program_of,
 )
 from squeezefilm.reynolds.periodic.resolution import (
     MOST_UNKNOWNS,
@@ -106,7 +107,7 @@ class Refinement:
         self.waiting.setdefault(key, []).append(batch)
 
     def next_launch(self, *, most: int) -> list[Batch]:
-        """Batches of like terms that fill a launch, those of the dearest grids first.
+        """Batches of one program that fill a launch, those of the dearest grids first.
 
         So that no long solve is left over at the end.
         """
@@ -117,7 +118,7 @@ class Refinement:
             scene_bytes = 8 * sum([grid.count for grid in batch.grids])
             room = max((LAUNCH_BYTES - size) // scene_bytes, 0 if chosen else 1)
             count = min(most - scenes, room, len(batch))
-            if count <= 0 or (chosen and batch.terms != chosen[0].terms):
+            if count <= 0 or (chosen and program_of(batch.terms) != program_of(chosen[0].terms)):
                 continue
             if count < len(batch):
                 self.waiting[key] = [batch[count:]]
