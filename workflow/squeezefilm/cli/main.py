@@ -42,6 +42,8 @@ INTERRUPTED = "squeezefilm: interrupted\n"
 # Threads of NumPy's libraries wait for each other where the solver's keep all cores busy: the
 # modes of one ellipse (terms/outline.py) took 14 s on two threads and 0.2 s on one.
 THREAD_VARIABLES = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
+# Else pydantic reads the metadata of every installed package for plugins of its own.
+NO_PLUGINS = "PYDANTIC_DISABLE_PLUGINS", "__all__"
 NEGATIVE_NUMBER, OPTION = re.compile(r"-\.?\d"), re.compile(r"--[\w-]+")
 NAME_WIDTH, WIDTH = 18, 100
 
@@ -96,6 +98,7 @@ def _run(arguments: Sequence[str], *, groups: Groups) -> int:
         _explain(arguments, commands, overview=overview(groups))
     for name in THREAD_VARIABLES:
         os.environ.setdefault(name, "1")
+    os.environ.setdefault(*NO_PLUGINS)
     # No module is garbage before the process ends, and a search for it takes a quarter of the time
     # of a small command.
     gc.disable()

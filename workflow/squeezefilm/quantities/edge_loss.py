@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from squeezefilm.quantities.fields import Fields, along, dot, even_columns
 from squeezefilm.quantities.sheared_gas import wall_speed, wall_velocity
 from squeezefilm.quantities.states import changes_with_errors, solved_beside
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.spectral import FluxPoints
+from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.reynolds.terms.rarefaction import flow_factor_derivatives, slip_flow, slip_of
 from squeezefilm.solution import Solution
 
@@ -32,6 +32,8 @@ COEFFICIENTS = (1.0, 1.54)
 STATE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
 CONVERGED_CHANGE, MOST_STEPS = 3e-3, 30
+# Part of that which the next change may take, if expected by the fall of the last two.
+NEXT_MARGIN = 20
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
 # first no state may be found of a film of large amplitude, at the second rounding counts more.
 TRIAL_FRACTIONS = (1e-3, 1e-4)
@@ -91,9 +93,10 @@ def _changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
     """Changes of the mean pressure over it on one grid, (coefficients, scenes)."""
     count, copies = len(films.scenes), 1 + len(COEFFICIENTS)
     rows, coefficients = np.tile(np.arange(count), copies), np.repeat([0.0, *COEFFICIENTS], count)
-    films = Fields.of(films.scenes[rows], films.grid, films.unknowns[rows])
+    films = films.at(rows)
     change = np.zeros(len(rows))
     step, moved = np.ones(len(rows)), np.full(len(rows), np.inf)
+    difference = np.zeros(len(rows))
     for _ in range(MOST_STEPS):
         move = pressure_of_inflow(films, coefficients) - films.edge
         before, moved = moved, np.abs(move).max(axis=(1, 2, 3))
@@ -103,7 +106,12 @@ def _changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
         tried, mean = solved_with_edge(films, edge, device=device)
         failed, without_loss = np.isnan(mean), np.tile(mean[:count], copies)
         last, change = change, np.where(failed, change, mean / without_loss - 1)
-        settled = ~failed & (np.abs(change - last) <= step * CONVERGED_CHANGE / 2 * np.abs(change))
+        earlier, difference = difference, np.abs(change - last)
+        allowed = step * CONVERGED_CHANGE * np.abs(change)
+        # Or where the next difference, by the fall of the last two, is far below that.
+        settled = ~failed & (
+            (difference <= allowed / 2) | (difference**2 <= allowed / NEXT_MARGIN * earlier)
+        )
         # Where Newton's method does not follow, a shorter step is tried.
         keep = failed[:, None, None, None]
         films = replace(
@@ -148,10 +156,7 @@ def added_by_edge(films: Fields) -> dict[str, np.ndarray]:
     gap, flows = films.gap[films.inner], _flows_by_edge(films)
     added = {"edge_flow": np.zeros_like(gap)}
     for k, (axis, name) in enumerate(zip(films.axes_with_ends, "xy", strict=False)):
-        values = FluxPoints(axis).from_all_nodes
-        slope = values @ axis.derivative / films.lengths[k]
-        second = (axis.divergence @ axis.derivative)[axis.inner] / films.lengths[k] ** 2
-        values, slope, second = (even_columns(each, axis) for each in (values, slope, second))
+        values, slope, second = _from_edge(axis, films.lengths[k])
         edge = films.edge[films.inside_across(k)]
         added[f"edge_values_{name}"] = along(k, values, edge)
         added[f"edge_slope_{name}"] = along(k, slope, edge)
@@ -159,6 +164,18 @@ def added_by_edge(films: Fields) -> dict[str, np.ndarray]:
             power = gap ** (0.5 * (3 - term))
             added["edge_flow"] += power * along(k, second, flow[films.inside_across(k)])
     return added
+
+
+@lru_cache(maxsize=64)
+def _from_edge(axis: Axis, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return matrices from all nodes to values and slopes at flux points, and divergences inside.
+
+    Of functions that are even about the middle of a folded axis.
+    """
+    values = FluxPoints(axis).from_all_nodes
+    slope = values @ axis.derivative / length
+    second = (axis.divergence @ axis.derivative)[axis.inner] / length**2
+    return even_columns(values, axis), even_columns(slope, axis), even_columns(second, axis)
 
 
 def _flows_by_edge(films: Fields) -> list[np.ndarray]:

@@ -7,7 +7,7 @@ the typical (reynolds/terms/outline.py).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import nan
 from typing import Self
@@ -46,6 +46,13 @@ def derivatives_with_edge(axis: Axis | AngleAxis) -> tuple[np.ndarray, np.ndarra
         return axis.slope(odd=False), axis.slope(odd=True)
     even, odd = even_and_odd(axis.derivative) if axis.folded else (axis.derivative,) * 2
     return even, odd
+
+
+@lru_cache(maxsize=64)
+def to_nodes_with_edge(axis: Axis) -> np.ndarray:
+    """Return the matrix to all nodes from the flux points of a velocity along the axis, (m, n)."""
+    nodes = axis.all_nodes[: len(weights_with_edge(axis))]
+    return axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +96,11 @@ class Fields:
         outline = (np.asarray(at(across))[..., None] for at in along)
         ambient = np.zeros_like(gap)
         return cls(scenes, grid, unknowns, ambient, equation, rest_gap, gap, *outline)
+
+    def at(self, rows: np.ndarray | slice) -> Self:
+        """The states of some of the films, which may come more than once."""
+        by_scene = ("scenes", "unknowns", "edge", "equation", "rest_gap", "gap")
+        return replace(self, **{name: getattr(self, name)[rows] for name in by_scene})
 
     @property
     def inner(self) -> tuple[slice, slice, slice]:
@@ -189,9 +201,9 @@ class Fields:
         """ū at the ends of x and of y along each: ``velocity`` less its deficit by inertia."""
         velocity = self.velocity.copy()
         for k, axis in enumerate(self.axes_with_ends if self.unknowns.shape[1] > 1 else ()):
-            nodes = axis.all_nodes[: self.gap.shape[1 + k]]
-            deficit_at = axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
-            velocity[k][self.inside_across(k)] -= along(k, deficit_at, self.unknowns[:, 1 + k])
+            velocity[k][self.inside_across(k)] -= along(
+                k, to_nodes_with_edge(axis), self.unknowns[:, 1 + k]
+            )
         return velocity
 
     @cached_property
@@ -202,7 +214,8 @@ class Fields:
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
         matrix = derivatives_with_edge(self.grid.x)[int(odd)] / self.lengths[0]
-        return np.einsum("ab,sbyt->sayt", matrix, values, optimize=True)
+        rows = matrix @ values.reshape(*values.shape[:2], -1)
+        return np.asarray(rows.reshape(values.shape))
 
     def y_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         matrix = derivatives_with_edge(self.grid.y)[int(odd)] / self.lengths[1]

@@ -71,7 +71,7 @@ def _on_grid(own: Fields, *, device: Device) -> np.ndarray:
         if order == 2:
             break
         mass = (films.area * films.mass)[films.inner]
-        films = Fields.of(films.scenes[count:-count], own.grid, films.unknowns[count:-count])
+        films = films.at(slice(count, -count))
         per_distance = films.numbers("bearing", absent=0.0) / DISTANCE_FRACTION
         source = {"edge_flow": per_distance * (mass[2 * count :] - mass[: -2 * count])}
     first, second = np.diff(means, axis=0) / means[0]

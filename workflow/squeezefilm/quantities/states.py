@@ -10,14 +10,18 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import UNKNOWN_RATIO, error_per_change, margin_factor
+from squeezefilm.reynolds.error_estimate import UNKNOWN_RATIO, error_per_change
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import least_ratio, profile_ratio
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import distinct_terms
+from squeezefilm.reynolds.terms import distinct_terms, with_velocities
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 from squeezefilm.solution import Solution, Solutions
+
+# Of a gas with inertia, or that warms, changes creep or fall suddenly: so many times the change is
+# taken. That of a quantity has no size beside it, as that of the force has.
+VELOCITY_MARGIN = 2.0
 
 
 def with_states(
@@ -126,4 +130,5 @@ def error_of_change(
     )
     # A mass error w moves the pressure by about n w/H.
     left = scenes.gas.polytropic_exponent * solutions.residual / scenes.narrowest
-    return margin_factor(plan.terms) * error_per_change(fall), left
+    margin = VELOCITY_MARGIN if with_velocities(plan.terms) else 1.0
+    return margin * error_per_change(fall), left

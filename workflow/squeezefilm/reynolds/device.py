@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import os
 import platform
 import shutil
@@ -22,7 +23,12 @@ import numpy as np
 from squeezefilm.errors import InputError
 from squeezefilm.lazy import cl
 from squeezefilm.parallel import print_step
-from squeezefilm.reynolds.kernel_cache import check_kernel_cache, remove_damaged
+from squeezefilm.reynolds.kernel_cache import (
+    check_kernel_cache,
+    known_as_sound,
+    remember,
+    remove_damaged,
+)
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64
@@ -317,7 +323,6 @@ def _program(
 ) -> Any:
     handle = device.context.devices[0]
     if _of_pocl(handle):
-        check_linker(shutil.which("ld"))
         # The guard of the header that builtins.cl stands for.
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
     texts = [header, *((Path(__file__).parent / name).read_text("utf-8") for name in sources)]
@@ -326,13 +331,19 @@ def _program(
     processor = known_processor(handle)
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
-    options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
+    source, options = "\n".join(texts), [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
+    described = [source, *options, device.name, handle.version, handle.driver_version]
+    name = hashlib.sha256("\0".join(described).encode()).hexdigest()
+    if not _of_pocl(handle) or known_as_sound(name):
+        return _build(device, source, options)
+    check_linker(shutil.which("ld"))
     started_s = time.time()
-    program = _build(device, "\n".join(texts), options)
-    if _of_pocl(handle) and remove_damaged(since_s=started_s):
+    program = _build(device, source, options)
+    if remove_damaged(since_s=started_s):
         # Kept for ever: where PoCL could not read a program, it aborts when it lets go of it.
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(program))
-        program = _build(device, "\n".join(texts), options)
+        program = _build(device, source, options)
+    remember(name, since_s=started_s)
     return program
 
 

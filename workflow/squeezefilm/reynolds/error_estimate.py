@@ -23,9 +23,10 @@ UNKNOWN_RATIO = 0.4
 # While layers at the edge are thinner than nodes lie apart errors go up and down, and a change is
 # small where one turns: the least fall of films with thin layers.
 THIN_LAYER_RATIO = 0.5
-# Of a gas with inertia, or that warms, changes creep or fall suddenly, and where waves steepen
-# grids may agree by chance in all moments: so many times the change is taken, whatever its fall.
-VELOCITY_MARGIN = 2.0
+# Of a gas with inertia, or that warms, changes creep or fall suddenly, so that none tells the next;
+# and where waves steepen grids agree by chance in all moments: this share of the size counts, at
+# all tolerances. Errors beyond what iterations left were up to three quarters of the size.
+VELOCITY_SIZE_FRACTION = 0.4
 # Round-off: error of the mean gauge pressure relative to the largest gauge pressure.
 ROUND_OFF = 1e-14
 # How many times that, over the narrowest gap, an error may be whatever the force: what the
@@ -63,10 +64,13 @@ def estimate(
     # A mass error w moves the pressure by about n w/H.
     residual_error = scenes.gas.polytropic_exponent / scenes.narrowest * results["residual"]
     size, size_before = results["size"], before[1]
-    moment = np.maximum(results["moment"], SIZE_FRACTION * size if tolerance >= LOOSE_FROM else 0.0)
-    margin, ratio = margin_factor(terms), np.full(len(results), UNKNOWN_RATIO)
-    known = ~np.isnan(size_before)
-    if margin == 1 and known.any():
+    velocities = with_velocities(terms)
+    size_fraction = SIZE_FRACTION if tolerance >= LOOSE_FROM else 0.0
+    moment = np.maximum(
+        results["moment"], (VELOCITY_SIZE_FRACTION if velocities else size_fraction) * size
+    )
+    ratio, known = np.full(len(results), UNKNOWN_RATIO), ~np.isnan(size_before)
+    if known.any() and not velocities:
         # That of the moments, but no less than their sizes': chance may make moments small, or a
         # layer at the edge that the grids do not resolve yet.
         ratios = np.maximum(_ratio(moment, before[0]), _ratio(size, size_before))
@@ -85,7 +89,7 @@ def estimate(
     last_change = np.where(of_profile > 0, change[1], change[0])
     ratio = np.maximum(np.maximum(ratio, of_profile), least)
     round_off = ROUND_OFF * results["largest"]
-    error = margin * error_per_change(ratio) * last_change + residual_error + round_off
+    error = error_per_change(ratio) * last_change + residual_error + round_off
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
     allowed = tolerance * np.abs(results["mean"]) + ROUND_OFF_FACTOR * round_off / scenes.narrowest
     return error, allowed, change
@@ -95,11 +99,6 @@ def _ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:
     """Convergence ratios; infinite where there was no change before, and is one now."""
     none = np.where(change > 0, np.inf, 0.0)
     return np.asarray(np.divide(change, before, out=none, where=before > 0))
-
-
-def margin_factor(terms: Terms) -> float:
-    """Return the factor on the last change of films with some terms."""
-    return VELOCITY_MARGIN if with_velocities(terms) else 1.0
 
 
 def error_per_change(fall: np.ndarray | float) -> np.ndarray:

@@ -8,10 +8,11 @@ import shutil
 import struct
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from squeezefilm.errors import InputError
+from squeezefilm.files import whole_file
 
 # Compiled kernels of a job on a cluster are kept on its node, compiled once for all jobs there. The
 # drivers' caches lie in the home directory: on a cluster that is shared by nodes that may differ,
@@ -21,6 +22,8 @@ NODE_CACHE_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
 # A shared disk's clock may be another.
 CLOCKS_APART_S = 10.0
 ELF_HEADER_BYTES = 64
+# Of a program's folder: its kernels, linked. And where programs are known by names of ours.
+LINKED, OWN_NAMES = "*/*/*.so", "squeezefilm"
 
 
 def kernel_cache() -> Path:
@@ -44,6 +47,26 @@ def check_kernel_cache() -> None:
         ) from None
 
 
+def known_as_sound(name: str) -> bool:
+    """Return whether a program that ``remember`` has named is whole in PoCL's cache, and linked."""
+    try:
+        program = kernel_cache() / (kernel_cache() / OWN_NAMES / name).read_text("utf-8")
+        return any(program.glob(LINKED)) and _is_sound(program)
+    except OSError:
+        return False
+
+
+def remember(name: str, *, since_s: float) -> None:
+    """Name the program that PoCL has used since then, where it is just one, for ``known_as_sound``.
+
+    Looking for it among all programs of a large cache takes longer than it takes to load.
+    """
+    used = list(_used(since_s=since_s))
+    if len(used) == 1:
+        with suppress(InputError), whole_file(kernel_cache() / OWN_NAMES / name) as path:
+            path.write_text(str(used[0].relative_to(kernel_cache())), "utf-8")
+
+
 def remove_damaged(*, since_s: float) -> bool:
     """Remove programs, of those that PoCL took from its cache, that are cut short.
 
@@ -56,19 +79,24 @@ def remove_damaged(*, since_s: float) -> bool:
     Returns:
         Whether there were any: they are then to be built again.
     """
-    removed = False
-    for accessed in kernel_cache().glob("*/*/last_accessed"):  # PoCL's mark of a use
-        program = accessed.parent
-        try:
-            used = accessed.stat().st_mtime >= since_s - CLOCKS_APART_S
-            files = [program / "program.bc", *program.glob("*/*/*.so")] if used else []
-            if all(map(is_complete, files)):
-                continue
-        except OSError:
-            continue  # another process removes it
+    damaged = [each for each in _used(since_s=since_s - CLOCKS_APART_S) if not _is_sound(each)]
+    for program in damaged:
         shutil.rmtree(program, ignore_errors=True)
-        removed = True
-    return removed
+    return bool(damaged)
+
+
+def _used(*, since_s: float) -> Iterator[Path]:
+    for accessed in kernel_cache().glob("*/*/last_accessed"):  # PoCL's mark of a use
+        with suppress(OSError):  # another process removes it
+            if accessed.stat().st_mtime >= since_s:
+                yield accessed.parent
+
+
+def _is_sound(program: Path) -> bool:
+    try:
+        return all(map(is_complete, [program / "program.bc", *program.glob(LINKED)]))
+    except OSError:
+        return True  # another process removes it
 
 
 def is_complete(path: Path) -> bool:

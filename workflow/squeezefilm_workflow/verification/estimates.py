@@ -36,11 +36,11 @@ FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
 # Guards of the error estimate, and the value with which each changes nothing.
 GUARDS: dict[str, tuple[Any, str, float]] = {
     "SIZE_FRACTION": (error_estimate, "SIZE_FRACTION", 0.0),
-    "FALL_FACTOR": (error_estimate, "FALL_FACTOR", 1.0),
-    "UNKNOWN_FALL": (error_estimate, "UNKNOWN_FALL", 0.0),
-    "THIN_LAYER_FALL": (resolution, "THIN_LAYER_FALL", 0.0),
+    "RATIO_FACTOR": (error_estimate, "RATIO_FACTOR", 1.0),
+    "UNKNOWN_RATIO": (error_estimate, "UNKNOWN_RATIO", 0.0),
+    "THIN_LAYER_RATIO": (resolution, "THIN_LAYER_RATIO", 0.0),
     "UNEVEN_SIGMA": (resolution, "UNEVEN_SIGMA", float("inf")),
-    "VELOCITY_MARGIN": (error_estimate, "VELOCITY_MARGIN", 1.0),
+    "VELOCITY_SIZE_FRACTION": (error_estimate, "VELOCITY_SIZE_FRACTION", 0.0),
 }
 
 

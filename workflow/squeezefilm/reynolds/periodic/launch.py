@@ -325,6 +325,11 @@ def in_single(terms: Terms) -> bool:
     return all(term.IN_SINGLE or "response" not in term.HOOKS for term in terms)
 
 
+def program_of(terms: Terms) -> tuple[Terms, bool]:
+    """Return the terms that a program has which solves films of some terms, and if in single."""
+    return compiled_terms(terms), in_single(terms)
+
+
 @lru_cache(maxsize=64)
 def sources_of(terms: Terms, *, single: bool) -> tuple[str, ...]:
     """Files that a program of some terms is made of, in order."""
@@ -335,7 +340,7 @@ def sources_of(terms: Terms, *, single: bool) -> tuple[str, ...]:
 
 
 def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_NEWTON) -> Launch:
-    """Let the device solve batches of like terms; each scene is solved on its own.
+    """Let the device solve batches of one program; each scene is solved on its own.
 
     All of a scene's grids come in one launch, for the way to the device and back costs as much as
     a small solve.
@@ -355,7 +360,7 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
             "where none are asked for"
         )
     launched = _prepared(batches, device)
-    single, compiled = in_single(terms), compiled_terms(terms)
+    compiled, single = program_of(terms)
     periodic_state = kernel(
         device,
         "periodic_state",

@@ -21,6 +21,7 @@ from squeezefilm.reynolds.periodic.launch import (
     Launch,
     States,
     launch,
+    program_of,
 )
 from squeezefilm.reynolds.periodic.resolution import (
     MOST_UNKNOWNS,
@@ -36,9 +37,11 @@ from squeezefilm.solution import Solutions
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-2
 # Share of the allowed error that the iteration may leave where the estimate counts it once; and of
-# that on grids that go on from a known state.
+# that on grids that go on from a known state. And the share of films with inertia or heat, on all
+# grids: their last change is taken twice at least, with what two iterations left in it.
 ITERATION_FRACTION_OF_ONE = 0.5
 CONTINUATION_FACTOR = 0.04
+ITERATION_FRACTION_OF_VELOCITIES = 0.2
 # And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
 # error alone.
 KEPT_STATE_ITERATION_FRACTION = 0.04
@@ -88,13 +91,14 @@ class Refinement:
         guess: np.ndarray | None = None,
     ) -> None:
         """Let scenes go through some grids, from rest or from a guess, with one of the launches."""
-        left = (
-            (KEPT_STATE_ITERATION_FRACTION if self.keep_states else 1.0)
-            * ITERATION_FRACTION_OF_ONE
-            * self.tolerance
-        )
+        velocities = with_velocities(terms)
+        left = self.tolerance
+        left *= ITERATION_FRACTION_OF_VELOCITIES if velocities else ITERATION_FRACTION_OF_ONE
+        left *= KEPT_STATE_ITERATION_FRACTION if self.keep_states else 1.0
         tolerances = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
-        if guess is not None:  # so that the finer grid does not take the state over as it is
+        if (
+            guess is not None and not velocities
+        ):  # so that the finer grid does not take the state over as it is
             tolerances = [CONTINUATION_FACTOR * left] * len(grids)
         batch = Batch(
             self.plan.scenes, rows, terms, grids, tolerances, guess, every_grid=self.keep_states
@@ -103,7 +107,7 @@ class Refinement:
         self.waiting.setdefault(key, []).append(batch)
 
     def next_launch(self, *, most: int) -> list[Batch]:
-        """Batches of like terms that fill a launch, those of the dearest grids first.
+        """Batches of one program that fill a launch, those of the dearest grids first.
 
         So that no long solve is left over at the end.
         """
@@ -114,7 +118,7 @@ class Refinement:
             scene_bytes = 8 * sum([grid.count for grid in batch.grids])
             room = max((LAUNCH_BYTES - size) // scene_bytes, 0 if chosen else 1)
             count = min(most - scenes, room, len(batch))
-            if count <= 0 or (chosen and batch.terms != chosen[0].terms):
+            if count <= 0 or (chosen and program_of(batch.terms) != program_of(chosen[0].terms)):
                 continue
             if count < len(batch):
                 self.waiting[key] = [batch[count:]]
