@@ -56,10 +56,7 @@ def needing(extra: str, *, what: str) -> Iterator[None]:
 
 
 def retried_singly(
-    work: Callable[[Any], Sequence[Result]],
-    items: Any,
-    *,
-    failed: Callable[[Exception], Result],
+    work: Callable[[Any], Sequence[Result]], items: Any, *, failed: Callable[[Exception], Result]
 ) -> Sequence[Result]:
     """Apply ``work`` to all items; after an unexpected error to each half, and so on.
 

@@ -331,11 +331,7 @@ def _shown(text: str) -> str:
 
 
 def parameter_units(
-    expression: Expression,
-    *,
-    units: Mapping[str, str],
-    parameters: tuple[str, ...],
-    source: str,
+    expression: Expression, *, units: Mapping[str, str], parameters: tuple[str, ...], source: str
 ) -> dict[str, str]:
     """The units of a formula's parameters, such that all of it fits and a force in N comes out.
 

@@ -370,10 +370,8 @@ def simulate_table(
         times as write_times,
     ):
         for first in range(0, len(table), WRITTEN_ROWS):
-            rows, batch = (
-                table.iloc[first : first + WRITTEN_ROWS],
-                planned[first : first + WRITTEN_ROWS],
-            )
+            rows = table.iloc[first : first + WRITTEN_ROWS]
+            batch = planned[first : first + WRITTEN_ROWS]
             start = time.perf_counter()
             how: dict[str, Any] = {"derivatives": derivatives, "report": bar.update}
             decided, known = settings.solved(batch)

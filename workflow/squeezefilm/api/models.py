@@ -119,10 +119,7 @@ class Fit:
         )
 
     def amplitude_for(
-        self,
-        force: str | float,
-        h0: Values | None = None,
-        **position: Unpack[Position],
+        self, force: str | float, h0: Values | None = None, **position: Unpack[Position]
     ) -> pd.DataFrame:
         """The smallest amplitude that gives a force, a row for each gap and position.
 

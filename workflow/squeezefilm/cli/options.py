@@ -80,10 +80,8 @@ TOLERANCE_OPTION = option(
 )
 METHOD_OPTION = option("--method", help="instead of the config's solver.method", choices=METHODS)
 JSON_OPTION = flag("--json", "print one point as a JSON object, whose keys are names of columns")
-SOLVER_OPTIONS, FILM_OPTIONS = (
-    (CONFIG_OPTION, TOLERANCE_OPTION, METHOD_OPTION, DEVICE_OPTION, JSON_OPTION),
-    (CONFIG_OPTION, DEVICE_OPTION, JSON_OPTION),
-)
+SOLVER_OPTIONS = (CONFIG_OPTION, TOLERANCE_OPTION, METHOD_OPTION, DEVICE_OPTION, JSON_OPTION)
+FILM_OPTIONS = (CONFIG_OPTION, DEVICE_OPTION, JSON_OPTION)
 FIT_ARGUMENT = option("fit", "FIT.json", "the fitted model")
 FORCES_ARGUMENT = option("forces", "FORCES.csv", "simulated forces")
 SCENES_ARGUMENT = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
@@ -146,11 +144,7 @@ def shown(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
 
 
 def write_rows(
-    table: pd.DataFrame,
-    options: argparse.Namespace,
-    *,
-    given: Collection[str] = (),
-    **about: str,
+    table: pd.DataFrame, options: argparse.Namespace, *, given: Collection[str] = (), **about: str
 ) -> None:
     """Write a table to ``--output``, or print it: one row in lines, or as a JSON object.
 

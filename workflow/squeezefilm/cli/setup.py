@@ -16,12 +16,7 @@ from squeezefilm.files import read_text, write_text
 from squeezefilm.formatting import in_lines
 from squeezefilm.models.force_model import check_models
 from squeezefilm.provenance import versions
-from squeezefilm.reynolds.device import (
-    choose_device,
-    describe,
-    device_name,
-    list_devices,
-)
+from squeezefilm.reynolds.device import choose_device, describe, device_name, list_devices
 from squeezefilm.reynolds.kernel_cache import kernel_cache
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study

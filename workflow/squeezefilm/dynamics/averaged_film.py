@@ -177,10 +177,7 @@ class AveragedFilm:
     def with_thicker_gap(self, ratio: float) -> AveragedFilm:
         """Return the film with the same amplitude and h0 multiplied by ``ratio``."""
         return replace(
-            self,
-            epsilon=self.epsilon / ratio,
-            sigma=self.sigma / ratio**2,
-            slip=self.slip / ratio,
+            self, epsilon=self.epsilon / ratio, sigma=self.sigma / ratio**2, slip=self.slip / ratio
         )
 
     def _mean_pressure_gain(

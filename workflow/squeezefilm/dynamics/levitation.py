@@ -299,10 +299,8 @@ def _gaps_and_forces(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarr
 
     Rough forces, without the terms that such a look can do without; NaN where there is none.
     """
-    least, most = (
-        max(scene.hv_m / LARGEST_EXCURSION, GAPS_M[0]),
-        min(scene.hv_m / LEAST_EXCURSION, GAPS_M[1]),
-    )
+    least = max(scene.hv_m / LARGEST_EXCURSION, GAPS_M[0])
+    most = min(scene.hv_m / LEAST_EXCURSION, GAPS_M[1])
     gap = scene.pad.gap
     if not gap.flat:
         x, y = scene.inside()
@@ -494,12 +492,7 @@ LEVITATION_COLUMNS: dict[str, Callable[[Levitation], object]] = {
 }
 
 
-RESONANCE_COLUMNS = (
-    "resonance_hz",
-    "resonance_error_hz",
-    "damping_ratio",
-    "damping_ratio_error",
-)
+RESONANCE_COLUMNS = ("resonance_hz", "resonance_error_hz", "damping_ratio", "damping_ratio_error")
 
 
 def loads_of_forces(path: str) -> tuple[list[float], list[float]]:

@@ -328,10 +328,8 @@ def checked_bounds(
     runs: Sequence[Fit], model: ExpressionModel, factors: Factors, force_n: Array
 ) -> tuple[Fit, list[str]]:
     """The best of a model's runs, or of wider bounds if it is much better, and what to note."""
-    best, widest = (
-        min(runs, key=lambda run: run.sum_of_squares),
-        max(run.bound for run in runs),
-    )
+    best = min(runs, key=lambda run: run.sum_of_squares)
+    widest = max(run.bound for run in runs)
     if model.is_linear:
         return best, []
     wider = fit_model(model, factors, force_n, bound=WIDER_BOUND_FACTOR * widest, seed=best.seed)
@@ -525,10 +523,7 @@ def open_range_notes(ranges: Sequence[ParameterRange]) -> list[str]:
 
 
 def parameter_ranges(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: ArrayLike,
-    theta: ArrayLike,
+    model: ExpressionModel, factors: Factors, force_n: ArrayLike, theta: ArrayLike
 ) -> list[ParameterRange]:
     """The range of each parameter of a fit to n points, n above p (see the module).
 

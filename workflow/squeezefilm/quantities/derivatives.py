@@ -90,12 +90,7 @@ def _derivatives(
 
 
 def _growths(
-    scenes: Scenes,
-    solutions: Solutions,
-    grid_index: int,
-    *,
-    tolerance: float,
-    device: Device,
+    scenes: Scenes, solutions: Solutions, grid_index: int, *, tolerance: float, device: Device
 ) -> tuple[np.ndarray, np.ndarray]:
     """The mean forces' growth with each number times its unit (``_unit``), by one grid.
 

@@ -165,10 +165,8 @@ class Fields:
 
     @cached_property
     def density(self) -> np.ndarray:
-        exponent, pressure = (
-            self.numbers("inverse_exponent", absent=1.0),
-            1 + self.gauge_pressure_ratio,
-        )
+        exponent = self.numbers("inverse_exponent", absent=1.0)
+        pressure = 1 + self.gauge_pressure_ratio
         return pressure if np.all(exponent == 1) else np.asarray(pressure**exponent)
 
     @cached_property

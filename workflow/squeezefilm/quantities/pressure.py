@@ -17,13 +17,7 @@ NO_STATE = "no periodic state was found in which the pressure holds the toleranc
 
 
 def pressure(
-    scene: Scene,
-    *,
-    x: np.ndarray,
-    y: np.ndarray,
-    instants: int,
-    tolerance: float,
-    device: Device,
+    scene: Scene, *, x: np.ndarray, y: np.ndarray, instants: int, tolerance: float, device: Device
 ) -> tuple[np.ndarray, float]:
     """The periodic film's gauge pressure at places x (nx,) and y (ny,) in [0, 1] across the pad.
 

@@ -195,11 +195,7 @@ def _moments(axis: Axis | AngleAxis) -> np.ndarray:
 @lru_cache(maxsize=256)
 def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np.ndarray]:
     """Return the matrices that interpolate a state to a finer grid."""
-    matrices = (
-        coarse.t.at(fine.t.nodes).T,
-        coarse.x.at(fine.x.nodes),
-        coarse.y.at(fine.y.nodes),
-    )
+    matrices = (coarse.t.at(fine.t.nodes).T, coarse.x.at(fine.x.nodes), coarse.y.at(fine.y.nodes))
     parts = dict(zip(INTERPOLATION_NAMES, matrices, strict=True))
     for term in terms:
         parts.update(term.carrying_matrices(coarse, fine))

@@ -79,9 +79,7 @@ def _with_uneven_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     modes = Quadrature(SINC_PROFILE, crests, component_factors=(0.8, 0.6))
     gap = GapShape(tilt_x_m=tilt_x_m, crown_m=5e-7)
     return replace(
-        scene,
-        actuator=replace(scene.actuator, profile=modes),
-        pad=replace(scene.pad, gap=gap),
+        scene, actuator=replace(scene.actuator, profile=modes), pad=replace(scene.pad, gap=gap)
     )
 
 

@@ -38,11 +38,7 @@ def film_of(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, A
     return {
         "gas": gas,
         "frequency_hz": config.actuator.frequency_hz,
-        "pad": {
-            "length_x_m": pad.length_x_m,
-            "length_y_m": pad.length_y_m,
-            "gap": asdict(pad.gap),
-        },
+        "pad": {"length_x_m": pad.length_x_m, "length_y_m": pad.length_y_m, "gap": asdict(pad.gap)},
     }
 
 

@@ -20,11 +20,7 @@ from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read_fit
 from squeezefilm.models.fitting import local_fit, parameter_ranges
 from squeezefilm.models.force_model import FACTOR_SPACES, check_columns
-from squeezefilm.models.prediction_interval import (
-    error_sizes,
-    ranking_half,
-    relative_errors,
-)
+from squeezefilm.models.prediction_interval import error_sizes, ranking_half, relative_errors
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
 from squeezefilm_workflow.reporting.notes import VERDICTS, percent
 from squeezefilm_workflow.reporting.pages import Page, readable

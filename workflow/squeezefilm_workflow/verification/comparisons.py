@@ -212,10 +212,8 @@ def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
         return
     ((stated,), (error,)) = forces_and_errors([scene], study)
     reference = reference_force(scene, degree=14)
-    direct_n, off_n = (
-        scene.force_scale_n * reference.force,
-        scene.force_scale_n * reference.uncertainty,
-    )
+    direct_n = scene.force_scale_n * reference.force
+    off_n = scene.force_scale_n * reference.uncertainty
     simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_where(scene))
     yield simulate("force by elements / N", *_around(stated, error), direct_n, off_n)
 

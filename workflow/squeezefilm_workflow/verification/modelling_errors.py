@@ -37,12 +37,8 @@ from squeezefilm_workflow.verification.films import STEEPEST_EPSILON_REYNOLDS
 REYNOLDS_RANGE, SIGMA_RANGE, EPSILON_RANGE = (0.1, 10.0), (5.0, 2500.0), (0.1, 0.6)
 H0_RANGE_M, SPEED_RANGE_M_PER_S = (4e-6, 25e-6), (0.02, 0.5)
 ASPECT_RANGE, OFF_CENTRE = (0.6, 1.6), 0.25
-SLIDING_PROBABILITY, OFF_CENTRE_PROBABILITY, SLIP_PROBABILITY, UNIFORM_GAP_PROBABILITY = (
-    0.1,
-    0.3,
-    0.2,
-    0.15,
-)
+SLIDING_PROBABILITY, OFF_CENTRE_PROBABILITY = 0.1, 0.3
+SLIP_PROBABILITY, UNIFORM_GAP_PROBABILITY = 0.2, 0.15
 """Probabilities: pad slides; is off the centre; gas slips; has neither inertia nor heat."""
 SHAPES = {"disc": 0.4, "ellipse": 0.25, "rectangle": 0.35}
 PROFILES = {"sinc": 0.35, "bessel": 0.3, "standing-wave": 0.25, "piston": 0.1}

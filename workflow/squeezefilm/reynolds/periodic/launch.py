@@ -31,12 +31,7 @@ from squeezefilm.reynolds.layout import (
     rows_of,
     with_absent,
 )
-from squeezefilm.reynolds.packing import (
-    mean_motion,
-    numbers_table,
-    profiles_at,
-    terms_of_all,
-)
+from squeezefilm.reynolds.packing import mean_motion, numbers_table, profiles_at, terms_of_all
 from squeezefilm.reynolds.periodic.time_modes import modes_of
 from squeezefilm.reynolds.terms import (
     SWITCHED_TERMS,

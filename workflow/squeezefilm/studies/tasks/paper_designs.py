@@ -101,9 +101,7 @@ def _patterns(
     space = criterion.space
     seeds = range(settings.first_seed, settings.first_seed + settings.searches)
     designs = parallel_map(
-        lambda seed: search_design(criterion, points, seed=seed),
-        seeds,
-        processes=processes,
+        lambda seed: search_design(criterion, points, seed=seed), seeds, processes=processes
     )
     if ratio:
         designs = [spread_on_lines(criterion, design, ratio=ratio) for design in designs]

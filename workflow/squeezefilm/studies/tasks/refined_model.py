@@ -22,12 +22,7 @@ from squeezefilm.studies.space import points_of, space_of, table_of
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.fits import fit_values, validated
 from squeezefilm.studies.tasks.physics_limits import with_limits
-from squeezefilm.tables import (
-    FACTOR_COLUMNS,
-    FORCE_COLUMNS,
-    LIMIT_COLUMNS,
-    ROUND_COLUMNS,
-)
+from squeezefilm.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, ROUND_COLUMNS
 
 SAMPLE_POINTS = 1000
 """Points of the fair sample of the space at which nothing is simulated."""
@@ -78,12 +73,7 @@ class SimulatedSpace:
 
 
 def refine(
-    model: ExpressionModel,
-    config: Study,
-    *,
-    space: str,
-    sample: pd.DataFrame,
-    uncertainty: float,
+    model: ExpressionModel, config: Study, *, space: str, sample: pd.DataFrame, uncertainty: float
 ) -> tuple[dict[str, pd.DataFrame], dict[str, Any], dict[str, Any]]:
     """Refine a model by the study's section ``refine``, validate its last fit; print the rounds.
 

@@ -73,10 +73,8 @@ def scan_errors(
     values = solutions.to_frame().drop(columns=[*SOLUTION_COLUMNS[1:]])
     count = len(scenes)
     own, numbers = values.iloc[:count], values.select_dtypes("number")
-    noisy, misfitting = (
-        numbers.iloc[count : (draws + 1) * count],
-        numbers.iloc[(draws + 1) * count :],
-    )
+    noisy = numbers.iloc[count : (draws + 1) * count]
+    misfitting = numbers.iloc[(draws + 1) * count :]
     spread = noisy.groupby(noisy.index % count).std()
     off = (misfitting - own[numbers.columns].iloc[misfitting.index % count].to_numpy()).abs()
     misfit = off.groupby(off.index % count).max().reindex(range(count), fill_value=0.0)
