@@ -48,6 +48,37 @@ def with_header(header: str) -> str:
     return PLAIN.replace("x_mm,y_mm,amplitude_um,phase_deg", header)
 
 
+def grouped(decimal: str, between: str) -> bytes:
+    """Amplitudes in nm as spreadsheets write them, with signs between thousands."""
+    numbers = [f"{1e3 * abs(u):,.5f}".translate({44: between, 46: decimal}) for u in U]
+    places = [f"{x:.9g};{y:.9g}".replace(".", decimal) for x, y in zip(X, Y, strict=True)]
+    rows = [
+        f'{place};"{number}";{180 * (u < 0)}'
+        for place, number, u in zip(places, numbers, U, strict=True)
+    ]
+    return "\r\n".join(["sep=;", "X [mm];Y [mm];Amplitude [nm];Phase [°]", *rows]).encode()
+
+
+def abaqus_report() -> bytes:
+    """A header of two lines, and sums below the rows."""
+    widths = "{:>16}{:>20}{:>20}{:>20}\n".format
+    lines = [
+        "Field Output Report, written Sat Nov 28 12:00:00 2026\n\n",
+        widths("Node", "COORD.COOR1 [m]", "COORD.COOR2 [m]", "U.U3 [m]"),
+        widths("Label", "@Loc 1", "@Loc 1", "@Loc 1"),
+        "-" * 72 + "\n",
+        *(
+            widths(node, f"{x:.9E}", f"{y:.9E}", f"{u:.9E}")
+            for node, (x, y, u) in enumerate(zip(X / 1e3, Y / 1e3, U * 1e-6, strict=True))
+        ),
+        "\n",
+        widths("Minimum", *(f"{1e-6 * U.min():.6E}" for _ in range(3))),
+        "         At Node               1               2               3\n",
+        widths("Total", *(f"{1e-6 * U.sum():.6E}" for _ in range(3))),
+    ]
+    return "".join(lines).encode()
+
+
 TURNED = U * np.exp(0.7j)
 SPEED = U * 2 * np.pi * FREQUENCY_HZ * 1e-3  # mm/s
 COMMAS = text("x_mm;y_mm;amplitude_µm;phase_deg", X, Y, abs(U), PHASE, comma=True)
@@ -156,6 +187,38 @@ FORMS: dict[str, bytes] = {
         "x_mm,y_mm,Acceleration (m/s^2),Phase (degrees)",
         *(X, Y, abs(SPEED) * 2 * np.pi * FREQUENCY_HZ / 1e3, PHASE),
     ).encode(),
+    "effective values": text(
+        "x_mm,y_mm,displacement_rms_um,phase_deg", X, Y, abs(U) / np.sqrt(2), PHASE
+    ).encode(),
+    "peak to peak": with_header("x_mm,y_mm,Displ. pk-pk [µm],phase_deg")
+    .replace(PLAIN.partition("\n")[2], text("", X, Y, 2 * abs(U), PHASE)[1:])
+    .encode(),
+    "thousands in German": grouped(",", "."),
+    "thousands in English": grouped(".", ","),
+    "thousands in French": grouped(",", "\u202f"),
+    "Spanish": text(
+        "Punto;Coordenada X (mm);Coordenada Y (mm);Amplitud (µm);Fase (grados)",
+        *(np.arange(len(X)), X, Y, abs(U), PHASE),
+        comma=True,
+    ).encode("latin-1"),
+    "Japanese": with_header("X座標[mm],Y座標[mm],振幅[um],位相[deg]").encode("cp932"),
+    "exponents of Fortran": text("x_m,y_m,uz_m", X / 1e3, Y / 1e3, U * 1e-6)
+    .replace("e-", "D-")
+    .encode(),
+    "lines below the rows": f"{PLAIN}\nMean,,0.5,\nEnd of data\n".encode(),
+    "Abaqus report": abaqus_report(),
+    "Abaqus table": text(
+        "Part Instance Name,Node Label,X [m],Y [m],U-Magnitude [m],U-U3 [m]",
+        *(X, np.arange(len(X)), X / 1e3, Y / 1e3, abs(U), U / 1e6),
+    ).encode(),
+    "LabVIEW": (
+        "X_Columns\tNo\n***End_of_Header***\t\nX_Dimension\tTime\tTime\tTime\tTime\n"
+        "X0\t0\t0\t0\t0\nX_Value\tX [mm]\tY [mm]\tAmplitude [um]\tPhase [deg]\tComment\n"
+        + "".join(
+            f"\t{x:.9g}\t{y:.9g}\t{abs(u):.9g}\t{180.0 * (u < 0)}\n"
+            for x, y, u in zip(X, Y, U, strict=True)
+        )
+    ).encode(),
     "velocity": text(
         "x_mm,y_mm,Velocity [mm/s],Phase [rad]", X, Y, abs(SPEED), np.radians(PHASE)
     ).encode(),
@@ -191,6 +254,10 @@ def test_what_is_ignored_is_noted(tmp_path):
     assert said == "ignored columns: 'Index', 'z_mm', 'Coherence'"
     assert "'real_um', 'imag_um'" in notes(path, FORMS["both"].decode())
     assert "divided by the angular frequency" in notes(path, FORMS["velocity"].decode())
+    last = len(PLAIN.splitlines())
+    below = notes(path, FORMS["lines below the rows"].decode())
+    assert below == f"lines beside the rows ignored: {last + 2}, {last + 3}"
+    assert "times 1.414" in notes(path, FORMS["effective values"].decode())
 
 
 WRONG = {
@@ -200,9 +267,14 @@ WRONG = {
     ),
     "no places": (with_header("NODE,UX,UY,UZ"), "in the same table as its amplitude"),
     "an unknown column before an empty cell": (
-        with_header("x_mm,y_mm,amplitud_um,phase_deg").replace("-", "", 1).replace("1.4", ","),
-        "'amplitude_um' is missing; a scan has columns such as x_mm, y_mm, amplitude_um, phase_deg "
-        "or r_mm, amplitude_um; the columns are x, y, phase; not understood: 'amplitud_um'",
+        with_header("x_mm,y_mm,ampltude_um,phase_deg").replace("-", "", 1).replace("1.4", ","),
+        "'amplitude_um' is missing; a scan has a row for each point and columns such as x_mm, y_mm,"
+        " amplitude_um, phase_deg or r_mm, amplitude_um; the columns are x, y, phase; not "
+        "understood: 'ampltude_um'",
+    ),
+    "a point and a comma": (
+        text("x_mm;y_mm;amplitude_um", X, Y, U, comma=True).replace(",", ".", 1),
+        "one of them must be the decimal sign",
     ),
     "decibels": (with_header("x_mm,y_mm,Amplitude [dB],phase_deg"), "decibels are not supported"),
     "no header": (PLAIN.split("\n", 1)[1], "line 1: no header names the columns"),
@@ -388,6 +460,41 @@ def test_the_mode_shape_at_the_frequency_is_read(tmp_path):
     harmonic = {"analysis_type": 5, "freq_step_n": 1}
     path = with_modes(tmp_path / "shape.unv", {FREQUENCY_HZ: TURNED * 1e-6}, **harmonic)
     same(read_scan(path, frequency_hz=FREQUENCY_HZ), digits=1e-4)
+
+
+def results_at_nodes(path: Path, motion: np.ndarray, analysis: int) -> Path:
+    """A universal file of the points and results (data set 2414), as FE programs write them."""
+    points_alone = universal(path).read_text().split("    -1\n")[:4]
+    parts = np.stack([motion.real, motion.imag] if np.iscomplexobj(motion) else [motion], axis=1)
+    along_x_and_y = [0.0] * 2 * parts.shape[1]
+
+    def integers(*values: int) -> str:
+        return "".join(f"{value:10d}" for value in values)
+
+    def reals(*values: float) -> str:
+        return "".join(f"{value:13.5E}" for value in values)
+
+    lines = [
+        *("    -1", "  2414", integers(1), "DISPLACEMENT", integers(1), *["NONE"] * 5),
+        integers(1, analysis, 3, 8, 5 if np.iscomplexobj(motion) else 2, 3),
+        integers(0, 0, 1, 0, 1, 2, 0, 0),
+        integers(0, 0),
+        reals(0, FREQUENCY_HZ, 0, 0, 0, 0),
+        reals(0, 0, 0, 0, 0, 0),
+    ]
+    for node, row in enumerate(parts, start=1):
+        lines += [integers(node), reals(*along_x_and_y, *row)]
+    path.write_text("    -1\n".join(points_alone) + "    -1\n" + "\n".join([*lines, "    -1", ""]))
+    return path
+
+
+@pytest.mark.parametrize(("motion", "analysis"), [(U, 2), (TURNED, 3), (TURNED, 5)])
+def test_results_at_nodes_are_a_shape(motion, analysis, tmp_path):
+    """A normal mode, a complex mode, a frequency response."""
+    path = results_at_nodes(tmp_path / "results.unv", motion * 1e-6, analysis)
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert "at 43270 Hz along z" in scan.notes[0]
 
 
 def test_of_modes_that_may_be_meant_one_is_asked_for(tmp_path):

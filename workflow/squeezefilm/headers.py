@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator
 UNIT_NAMES = {
     name: unit
     for unit, names in {
-        "deg": "degree degrees grad degre degres",
+        "deg": "degree degrees grad degre degres grados gradi",
         "rad": "radian radians",
         "m": "meter meters metre metres",
         "mm": "millimeter millimeters millimetre millimetres",

@@ -4,7 +4,6 @@ import argparse
 import sys
 from pathlib import Path
 
-from squeezefilm.api.models import Fit
 from squeezefilm.cli.options import (
     FIT_ARGUMENT,
     FORCES_ARGUMENT,
@@ -17,10 +16,6 @@ from squeezefilm.cli.options import (
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import prefix_errors
 from squeezefilm.files import digest
-from squeezefilm.models.fit_file import read_fit
-from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.tasks.fits import errors_on, fit_to_forces
-from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 from squeezefilm.studies.tasks.scan_errors import scan_report
 from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_json, write_table
 
@@ -85,6 +80,10 @@ def fit(options: argparse.Namespace) -> None:
     and their units and profile-likelihood ranges, ranges of the factors, errors on the points and
     on held-out points, and the prediction interval that the sample gives (`squeezefilm predict`).
     """
+    from squeezefilm.api.models import Fit
+    from squeezefilm.models.force_model import get_model
+    from squeezefilm.studies.tasks.fits import fit_to_forces
+
     config = load_config(options.config)
     with prefix_errors(options.forces):
         fitted, runs = fit_to_forces(
@@ -113,6 +112,9 @@ def validate(options: argparse.Namespace) -> None:
 
     squeezefilm validate FIT.json FORCES.csv --config C.yaml --output ERRORS.csv
     """
+    from squeezefilm.models.fit_file import read_fit
+    from squeezefilm.studies.tasks.fits import errors_on
+
     config = load_config(options.config)
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     with prefix_errors(f"{options.fit} on {options.forces}"):
@@ -148,6 +150,9 @@ def optimal(options: argparse.Namespace) -> None:
     Their D-efficiencies are printed, with a lower bound that does not need the best design. With
     --existing points outside the ranges that of `augmented` can exceed 1.
     """
+    from squeezefilm.models.fit_file import read_fit
+    from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
+
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     config = load_config(options.config)
     with prefix_errors(options.fit):

@@ -49,6 +49,11 @@ NAMES = {
 }
 MOTION, COMPONENT = {*WORDS["motion"], *WORDS["normal"]}, {*WORDS["component"]}
 DIRECTION, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
+# The amplitude of a harmonic motion over its effective value and its extent from peak to peak.
+AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5}
+RATIOS = [
+    (words.split(), ratio) for kind, ratio in AMPLITUDE_RATIOS.items() for words in WORDS[kind]
+]
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,7 @@ class Column:
     """A quantity, the unit it is in ("" if none is named), its place in a row, and its name.
 
     ``size`` is the unit's in SI units and radians; None of one that the quantity has not.
+    ``ratio`` is the amplitude over what the column has: √2 for effective values.
     """
 
     quantity: str
@@ -63,6 +69,7 @@ class Column:
     size: float | None
     place: int
     name: str
+    ratio: float = 1.0
 
     @property
     def power(self) -> int:
@@ -82,6 +89,8 @@ def meaning(words: Sequence[str]) -> str | None:
     core = {*words} - IGNORED_WORDS or {*words[:1]}
     if quantity := NAMES.get(frozenset(words)) or NAMES.get(frozenset(core)):
         return quantity
+    if quantity := NAMES.get(frozenset(core - COMPONENT)):
+        return quantity
     rest = frozenset(core - MOTION - COMPONENT)
     if rest == core or not (rest or core & MOTION):
         return None
@@ -94,9 +103,19 @@ def meaning(words: Sequence[str]) -> str | None:
 def column_of(name: str, place: int = 0) -> Column | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
     for words, unit in words_and_unit(name, UNITS):
+        words, ratio = _without_ratio(words)
         if quantity := meaning(words):
-            return Column(quantity, unit, KNOWN[quantity].get(unit), place, name)
+            return Column(quantity, unit, KNOWN[quantity].get(unit), place, name, ratio)
     return None
+
+
+def _without_ratio(words: list[str]) -> tuple[list[str], float]:
+    """Words of an amplitude in place of those of RATIOS, and its ratio to what they name."""
+    for named, ratio in RATIOS:
+        for at in range(len(words)):
+            if words[at : at + len(named)] == named:
+                return [*words[:at], *words[at + len(named) :], "amplitude"], ratio
+    return words, 1.0
 
 
 def named_columns(header: Sequence[str]) -> list[Column]:

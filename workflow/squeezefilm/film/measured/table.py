@@ -1,10 +1,11 @@
 """A scan in a table of text.
 
-It is in UTF-8, UTF-16 or Latin-1, its cells separated by commas, semicolons, tabs or blanks, with a
-decimal point, or a comma where it does not separate cells. A row stands for a point; lines before
-the one that names columns, and lines that begin with #, % or !, are ignored. The header names
-quantities, each with its unit (``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm``), or the line
-below has the units, or a line above that of lengths:
+It is in UTF-8, UTF-16, Latin-1 or Shift JIS, its cells separated by commas, semicolons, tabs or
+blanks, with a decimal point, or a comma where it does not separate cells. A row stands for a point;
+lines before the one that names columns, those beside numbers that begin with a word, and those that
+begin with #, % or !, are ignored. The header names quantities, each with its unit (``x_mm``,
+``X [mm]``, ``X/mm``, ``x position mm``), or the line below has the units, or a line above that of
+lengths:
 
     x_mm, y_mm          or  r_mm, phi_deg               place, from the actuator's centre
     x_mm                or  y_mm  or  r_mm              the same on a line through the centre
@@ -19,6 +20,7 @@ point that was not measured: it is excluded from profile and noise, and a note n
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import re
@@ -32,6 +34,7 @@ from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, array_lines
 from squeezefilm.film.measured.columns import (
     UNIT_SIZES,
     UNITS,
+    WORDS,
     Column,
     check_units,
     chosen_columns,
@@ -51,11 +54,15 @@ from squeezefilm.film.measured.scan import (
 from squeezefilm.headers import unit_in
 from squeezefilm.lazy import pd
 
-SCAN_FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
+SCAN_FORM = (
+    "a row for each point and columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, "
+    "amplitude_um"
+)
 
 BLANKS, WIDE = " ", "  "
 """Separators: any blanks, and in a header whose names have blanks two or more of them."""
 SEPARATORS = ("\t", ";", ",", WIDE, BLANKS)
+JAPANESE_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
 # Among which the line that names columns is sought, and by how many quantities it is known.
 FIRST_LINES, FEWEST_NAMED = 100, 2
 COMMENT = re.compile(r"\s*[#%!][#%!\s]*")
@@ -70,10 +77,13 @@ OTHER_FORMATS = {
     b"%PDF": "export the points as text or CSV",
     b"<?xml": "export the points as CSV (in ParaView: Save Data)",
     b"{": "write the points as CSV",
+    b"$TITLE": "a punch file has no positions: export a universal file, or a table with positions",
 }
 """How files begin that are no text, and what to do with them."""
 MOST_LOOKED_AT = 1000
-MISSING = ("", "nan", "na", "n/a", "-")
+MISSING = ("", "nan", "na", "n/a", "#n/a", "#nv", "#div/0!", "-", "--")
+# How lines above and below rows of numbers begin: column titles' second line, lines, sums.
+BESIDE_ROWS, TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*|[-=*_]{3,}"), 5
 # So many rows at a place that differ in time are a time series.
 INSTANTS = 8
 
@@ -120,10 +130,10 @@ def read_points(
                 raise InputError(f"{problem}; the columns are {', '.join(columns)}{beside}")
         check_units(columns.values())
     needed = max(taken) + 1
-    cells = _cells(lines, first, separator, names=len(header), needed=needed)
+    cells, beside_rows = _cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
-    notes += [*others, *at_frequency]
+    notes += [*others, *at_frequency, *beside_rows]
     amplitudes = cells[[column.place for column in motion]]
     lacking = cells.index[amplitudes.map(str.lower).isin(MISSING).any(axis=1)]
     cells = cells.drop(lacking)
@@ -142,6 +152,9 @@ def read_points(
             table[column.quantity] /= angular_frequency(frequency_hz) ** column.power
             twice = " squared" * (column.power == 2)
             notes.append(f"{column.name!r} divided by the angular frequency{twice}")
+        if column.ratio != 1:
+            table[column.quantity] *= column.ratio
+            notes.append(f"{column.name!r} times {column.ratio:.4g}, a harmonic motion's amplitude")
     return table, lacking.tolist(), [*notes, *missing_points(lacking.tolist(), what="line")]
 
 
@@ -216,8 +229,9 @@ def _one_measurement(
 
 
 def _number(cells: pd.Series) -> pd.Series:
-    """Numbers of cells, with decimal points or commas; NaN of others."""
-    return pd.to_numeric(cells.str.replace(",", "."), errors="coerce").astype(float)
+    """Numbers of cells, with decimal points or commas, also ``1.2D-06``; NaN of others."""
+    plain = cells.str.replace(",", ".").str.replace(r"(?<=\d)[dD](?=[-+]?\d)", "e", regex=True)
+    return pd.to_numeric(plain, errors="coerce").astype(float)
 
 
 def _plain(cells: pd.Series) -> pd.Series:
@@ -308,13 +322,25 @@ def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
 
 def _cells(
     lines: Sequence[str], first: int, separator: str, *, names: int, needed: int
-) -> pd.DataFrame:
-    """The cells below a header of so many names, the first of them needed, by their line."""
-    rows: dict[int, list[str]] = {}
-    for number, line in enumerate(lines[first:], first + 1):
-        if not line.strip(" \t,;") or COMMENT.match(line):
-            continue
-        rows[number] = cells = _split(line, separator)
+) -> tuple[pd.DataFrame, list[str]]:
+    """The cells below a header of so many names, the first of them needed, by their line.
+
+    Lines above and below rows that all begin with a number are none if they begin with a word; a
+    note names them.
+    """
+    rows = {
+        number: _split(line, separator)
+        for number, line in enumerate(lines[first:], first + 1)
+        if line.strip(" \t,;") and not COMMENT.match(line)
+    }
+    start = pd.Series({number: cells[0] for number, cells in rows.items()}, dtype=object)
+    words = start.str.fullmatch(BESIDE_ROWS).astype(bool) & ~start.str.lower().isin(MISSING)
+    inside = start.index[~words]
+    whole = not inside.empty and not words.loc[inside[0] : inside[-1]].any()
+    beside = start.index[words].tolist() if whole else []
+    for number in beside:
+        del rows[number]
+    for number, cells in rows.items():
         if separator != BLANKS and needed <= len(cells):  # between blanks an empty cell is none
             cells += [""] * (names - len(cells))
         if len(cells) != names:
@@ -323,7 +349,9 @@ def _cells(
             raise InputError(
                 f"line {number}: {len(cells)} cells where the header has {names}{hint}"
             )
-    return pd.DataFrame(list(rows.values()), list(rows), range(names), dtype=object)
+    named = ", ".join(map(str, beside[:POINTS_NAMED])) + ", …" * (len(beside) > POINTS_NAMED)
+    notes = [f"lines beside the rows ignored: {named}"] * bool(beside)
+    return pd.DataFrame(list(rows.values()), list(rows), range(names), dtype=object), notes
 
 
 def _units_beside(
@@ -370,35 +398,41 @@ def _decoded(content: bytes) -> tuple[str, str]:
     if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
         encoding = "utf-16-le" if little else "utf-16-be"
         return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
-    try:
-        return content.decode("utf-8-sig"), "utf-8"
-    except UnicodeDecodeError:
-        return content.decode("latin-1"), "latin-1"
+    for encoding, words in (("utf-8-sig", [""]), ("cp932", JAPANESE_WORDS)):
+        with contextlib.suppress(UnicodeDecodeError):
+            text = content.decode(encoding)
+            if any(word in text for word in words):
+                return text, encoding.removesuffix("-sig")
+    return content.decode("latin-1"), "latin-1"
 
 
 def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[str], str]:
     """The place of the line that names columns, which may be a comment; its cells; the separator.
 
-    It names some quantities and has as many cells as the row below; a line of fewer cells is taken
-    where there is none, and one that names a single quantity right above numbers.
+    It names some quantities, stands above numbers and has as many cells; others are taken where
+    there is none, and one that names a single quantity right above numbers.
     """
     filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
     plain = [index for index in filled if not COMMENT.match(lines[index])]
     if not plain:
         raise InputError(f"the {what} is empty; it needs {form}")
     comments = [index for index in filled if index < plain[0]]
-    found: dict[tuple[bool, int], tuple[int, list[str], str]] = {}
+    found: dict[tuple[bool, bool, int], tuple[int, list[str], str]] = {}
     for index in (*plain[:FIRST_LINES], *comments[-FIRST_LINES:]):
         line = COMMENT.sub("", lines[index], count=1)
-        below = next((lines[row] for row in plain if row > index), "")
+        rows = [lines[row] for row in plain if row > index][:TITLE_LINES]
+        below = next((row for row in rows if not BESIDE_ROWS.match(row.strip())), "".join(rows[:1]))
         for separator in SEPARATORS:
             cells, between = _split(line, separator), separator.replace(WIDE, BLANKS)
-            row = _split(below, between)
             count = len({column.quantity for column in named_columns(cells)})
+            if not count:
+                continue
+            row = _split(below, between)
             alike = len(cells) == len(row)
-            numbers = alike and index in plain and not _number(pd.Series(row)).isna().any()
-            if count >= FEWEST_NAMED - numbers:
-                found.setdefault((alike, count), (index, cells, between))
+            values = _number(pd.Series([cell for cell in row if cell], dtype=object))
+            numbers = len(values) > 1 and not values.isna().any()
+            if count >= FEWEST_NAMED - (alike and numbers and index in plain):
+                found.setdefault((numbers, alike, count), (index, cells, between))
     if found:
         return found[max(found)]
     first = lines[plain[0]].strip()[:60]
@@ -407,13 +441,13 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[st
 
 def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
     """A column's values in SI units; raises InputError naming the line of one that is none."""
-    cells, name = table[column.place], column.quantity
+    cells, name = _without_thousands(table[column.place]), column.quantity
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():
         line, cell = next(cells[point].items())
         raise InputError(
             f"line {line}: {name} has a point in {cell!r}, and a comma in other rows; one of them "
-            "must be the decimal sign, and nothing stands between thousands"
+            "must be the decimal sign"
         )
     values = _number(cells)
     parts = cells.str.fullmatch(COMPLEX) & (name == "amplitude")
@@ -423,6 +457,18 @@ def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
     for line, cell in cells[~(values.abs() <= LARGEST_VALUE)][:1].items():
         raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     return values * (column.size or 1.0)
+
+
+def _without_thousands(cells: pd.Series) -> pd.Series:
+    """Cells without blanks and signs between thousands, where a cell with both signs tells them."""
+    cells = cells.str.replace(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", regex=True)
+    for decimal, between in ((",", "."), (".", ",")):
+        whole = rf"[-+]?\d{{1,3}}(?:\{between}\d{{3}})+"
+        told = cells.str.fullmatch(rf"{whole}\{decimal}\d+").any()
+        elsewhere = cells.str.replace(whole, "", regex=True).str.contains(between, regex=False)
+        if told and not elsewhere.any():
+            return cells.str.replace(between, "", regex=False)
+    return cells
 
 
 def _complex(cell: str) -> complex:

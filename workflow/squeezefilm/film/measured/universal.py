@@ -1,8 +1,8 @@
 """A scan in a universal file (.uff, .unv), read by pyuff.
 
 A function (data set 58) for each point, of which the line at the actuator's frequency is taken, or,
-where there are none, the mode shape (data set 55) at it; points are those of data set 15 or 2411,
-in the units of data set 164. Only these sets are read.
+where there are none, the mode shape (data set 55, or results at nodes, 2414) at it; points are
+those of data set 15 or 2411, in the units of data set 164. Only these sets are read.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from squeezefilm.film.measured.scan import (
 )
 
 # Data sets; types of abscissa and ordinate; types of functions; the direction z.
-NODES, UNITS, FUNCTION, SHAPE = (15, 2411), 164, 58, 55
+NODES, UNITS, FUNCTION, SHAPE, RESULTS = (15, 2411), 164, 58, 55, 2414
+AT_NODES, FREQUENCY_RESPONSE, COMPLEX = 1, 5, 5  # of results: place, analysis, kind of numbers
 FREQUENCY, DISPLACEMENT, VELOCITY, ACCELERATION = 18, 8, 11, 12
 TIME_OR_POWER = (1, 2, 3, 9)
 POWER, COHERENCES = (2, 3, 9), (6, 21, 26)
@@ -51,10 +52,11 @@ def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
         kinds_of_sets = [int(kind) for kind in file.get_set_types()]
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"not a universal file that pyuff reads: {error}") from None
-    shapes = SHAPE in kinds_of_sets and (rows or FUNCTION not in kinds_of_sets)
+    shape_set = SHAPE if SHAPE in kinds_of_sets else RESULTS
+    shapes = shape_set in kinds_of_sets and (rows or FUNCTION not in kinds_of_sets)
     sets: list[dict[str, Any]] = []
     for number, kind in enumerate(kinds_of_sets):
-        if kind in (*NODES, UNITS, SHAPE if shapes else FUNCTION):
+        if kind in (*NODES, UNITS, shape_set if shapes else FUNCTION):
             try:
                 sets.append(file.read_sets(number))
             except Exception as error:
@@ -70,12 +72,27 @@ def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
         raise InputError("no positions of nodes (data set 15 or 2411) are in it; export them too")
     if shapes:
         modes = [each for each in sets if each.get("type") == SHAPE]
+        modes += [_as_mode(each) for each in sets if each.get("type") == RESULTS]
         return _mode_shape(path, modes, places, frequency_hz, rows)
     if rows:
         raise InputError(
             "actuator.profile.rows is of tables and, as in 'mode = 2', of mode shapes (data set 55)"
         )
     return _at_frequency(path, sets, places, frequency_hz)
+
+
+def _as_mode(results: dict[str, Any]) -> dict[str, Any]:
+    """Results at nodes (data set 2414) with the names that mode shapes have."""
+    mode = {"node_nums": results.get("node_nums"), "spec_data_type": results["result_type"]}
+    if results["analysis_type"] == FREQUENCY_RESPONSE and "z" in results:
+        names = {"r3": "z", "freq": "frequency", "mode_n": "frequency_number"}
+        return mode | {name: results[own] for name, own in names.items()}
+    if results["dataset_location"] != AT_NODES or "data_at_node" not in results:
+        raise InputError("the results (data set 2414) are not displacements at nodes; export these")
+    values = np.array(results["data_at_node"])
+    motion = values[:, 4] + 1j * values[:, 5] if results["data_type"] == COMPLEX else values[:, 2]
+    names = {"freq": "record12_field2", "mode_n": "record10_field6"}
+    return mode | {"r3": motion} | {name: results[own] for name, own in names.items()}
 
 
 def _mode_shape(
@@ -139,7 +156,7 @@ def _at_frequency(
     check_problems(
         "universal file",
         {
-            "no functions (data set 58) and no mode shapes (55) are in it": not every,
+            "no functions (data set 58), mode shapes (55) or results (2414) are in it": not every,
             f"no function is a shape; {'; '.join(aside)}": not functions,
             "a node has several functions; export one, or that along z": len(set(nodes))
             < len(nodes),
