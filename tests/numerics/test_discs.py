@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from films import PISTON, film
+from resolved_disc import resolved_second_order
 from test_outlines import WAVE, curved, ellipse_mm
 
 from squeezefilm.film.pad import GapShape
@@ -22,7 +23,6 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.solver import solve
 from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid
-from squeezefilm_workflow.verification.disc import resolved_second_order
 from squeezefilm_workflow.verification.published.linear_film import depth_averaged, disc_response
 
 BOTH = {"inertia": "included", "thermal": "included"}

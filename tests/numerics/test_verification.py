@@ -12,19 +12,26 @@ from physics_facts import SINC_CONVERGED, SPRING_AT_20
 from squeezefilm.film.scene import PadPositions
 from squeezefilm.reynolds import packing, solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.term import Term
+from squeezefilm.reynolds.terms.thermal import Thermal
+from squeezefilm_workflow.verification import run_times
 from squeezefilm_workflow.verification.films import PISTON, SAMPLE_SLICE, beyond_reason, cases, film
 from squeezefilm_workflow.verification.reference import reference_force
 from squeezefilm_workflow.verification.stability import check_state, stability
 from squeezefilm_workflow.verification.work_precision import (
     BATCH,
     FILMS,
+    FILMS_WITH_EFFECTS,
     METHODS,
+    METHODS_WITH_EFFECTS,
     SOLVER,
     with_speedup,
     work_precision,
 )
 
 Fields = dict[str, np.ndarray]
+DISC = "disc, thermal effects, Re = 1, σ = 30, ε = 0.5"
 
 
 @pytest.mark.parametrize(
@@ -144,11 +151,14 @@ def test_a_sample_of_the_cases_has_some_of_every_group():
     assert {group for group, _ in cases()} == {group for group, _ in cases()[SAMPLE_SLICE]}
 
 
-def test_every_method_comes_near_the_reference():
+@pytest.mark.parametrize(
+    ("scene", "others"), [(FILMS[1], METHODS), (FILMS_WITH_EFFECTS[0], METHODS_WITH_EFFECTS)]
+)
+def test_every_method_comes_near_the_reference(scene, others):
     table = work_precision(
-        (FILMS[1],), repeats=1, batch=2, longest_seconds=0.1, rungs=2, device=choose_device()
+        (scene,), repeats=1, batch=2, longest_seconds=0.1, rungs=2, device=choose_device()
     )
-    assert set(table["method"]) == {SOLVER, BATCH, *METHODS}
+    assert set(table["method"]) == {SOLVER, BATCH, *others}
     assert set(table["status"]) == {"ok"}
     assert table.groupby("method")["relative_error"].min().max() < 0.05
     claimed = table[np.isfinite(table["estimated_error"])]
@@ -176,3 +186,35 @@ def test_at_equal_error_the_cheapest_run_that_is_no_worse_counts():
     found = with_speedup(table)
     assert found["speedup"].to_list() == pytest.approx([np.nan] * 4 + [500, np.nan], nan_ok=True)
     assert found["speedup_in_batch"].isna().all()
+
+
+@pytest.mark.parametrize(("term", "number"), [(Thermal, "heating"), (Inertia, "lag")])
+def test_a_wrong_number_of_the_gas_turns_films_red(term, number, monkeypatch):
+    """The solver alone, at a tenth of the tolerance, has the same fault."""
+    chosen = [case for case in cases() if case[1].point_id == DISC]
+    sound = term.numbers
+
+    def wrong(self: Term, scene: Any) -> Any:
+        numbers = sound(self, scene)
+        return numbers | {number: 1.05 * numbers[number]}
+
+    monkeypatch.setattr(term, "numbers", wrong)
+    (row,) = stability(chosen, device=choose_device()).itertuples()
+    assert row.verdict == "failed"
+    assert row.reason.startswith("independent_difference")
+
+
+def test_a_film_that_steepens_keeps_its_row_and_its_reason():
+    steep = film("disc", 0.9, 30.0, reynolds=20.0, thermal=True, shape="ellipse")
+    (row,) = stability([("", steep)], device=choose_device()).itertuples()
+    assert row.verdict == "not supported"
+    assert row.reason.startswith("waves that steepen")
+    assert "not converged" in row.reason
+
+
+def test_run_times_of_terms_have_every_scene_solved(monkeypatch):
+    monkeypatch.setattr(run_times, "TERM_SCENES", 2)
+    monkeypatch.setattr(run_times, "TERM_PADS", {"disc": ("ellipse", 0.04)})
+    table = run_times.term_times()
+    assert len(table) == 3
+    assert set(table["solved"]) == {2}

@@ -1,21 +1,17 @@
 """Write a verdict for each stiff or extreme film: solved, not supported or failed."""
 
-from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.job import Job, Study, run
 from squeezefilm_workflow.verification.films import SAMPLE_SLICE, cases
-from squeezefilm_workflow.verification.stability import stability
+from squeezefilm_workflow.verification.stability import raise_failures, stability
 
 
 def main(snakemake: Job, config: Study) -> None:
     chosen = cases() if config.numerics.extent == "full" else cases()[SAMPLE_SLICE]
     table = stability(chosen, device=device_of(config))
     write_table(table, snakemake.output[0])
-    failed = table[table["verdict"] == "failed"]
-    if len(failed):
-        named = "; ".join(f"{row.case}: {row.reason}" for row in failed.itertuples())
-        raise RunError(f"{len(failed)} of {len(table)} cases failed: {named}")
+    raise_failures(table)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from squeezefilm.reynolds.grid import Grid, iteration_flops
 from squeezefilm.reynolds.periodic.resolution import first_grids
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import known_solutions
-from squeezefilm.reynolds.terms import Terms, absent_terms
+from squeezefilm.reynolds.terms import Terms, absent_terms, label_of
 from squeezefilm.solution import Solution
 
 SHOWN = ("method", "status", "domain", "terms", "nx", "ny", "nt")
@@ -66,7 +66,7 @@ def _rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, An
         solutions.work[rows] = _expected_flops(
             scenes.closure[rows], terms, grids, tolerance=tolerance
         )
-    labels = ["; ".join(["squeeze", *(term.label for term in terms)]) for terms in plan.term_sets]
+    labels = [label_of(terms) for terms in plan.term_sets]
     absent = [absent_terms(terms) for terms in plan.term_sets]
     return [
         _row(

@@ -7,6 +7,7 @@ GROUPS = {
         "squeezefilm_workflow.verification.random_studies": "random-studies",
         "squeezefilm_workflow.verification.modelling_errors": "modelling-errors auto-terms",
         "squeezefilm_workflow.verification.estimates": "estimates guards stored-films",
+        "squeezefilm_workflow.verification.stability": "stability-plane",
         "squeezefilm_workflow.verification.run_times": "run-times",
     },
     "Tables of the solver computed": {

@@ -33,6 +33,7 @@ def film(
     aspect: float = 1.0,
     knudsen: float = 0.0,
     reynolds: float = 0.0,
+    thermal: bool = False,
     gap: GapShape = UNIFORM_GAP,
     shape: Shape = "rectangle",
 ) -> Scene:
@@ -46,6 +47,7 @@ def film(
         aspect: the pad's side along y over that along x.
         knudsen: mean free path over mean gap, with first-order slip; 0 for no rarefaction.
         reynolds: modified Reynolds number, with inertia of the gas; 0 for none.
+        thermal: whether the gas has thermal effects, by the Reynolds number.
         gap: the gap's shape at rest, 0 at its centre.
         shape: the pad's outline, as a scene's pad has it.
     """
@@ -54,7 +56,7 @@ def film(
     speed = bearing * PRESSURE_PA * H0_M**2 / (6 * viscosity * LENGTH_M)
     gas = Gas(
         inertia="included" if reynolds else "none",
-        thermal="none",
+        thermal="included" if thermal else "none",
         viscosity_pa_s=viscosity,
         ambient_pressure_pa=PRESSURE_PA,
         density_kg_per_m3=reynolds * viscosity / (angular_frequency * H0_M**2) or 1.2,
@@ -83,6 +85,11 @@ STEEPEST_EPSILON_REYNOLDS = 2.0
 TILTED, ALONG, BULGING = gap_shape(tilt_x=0.4), gap_shape(tilt_y=0.4), gap_shape(crown=0.3)
 # ε and Re of films with inertia, the last beyond what is documented: such a film costs the most.
 EPSILON_AND_REYNOLDS = (0.1, 0.5), (0.5, 0.5), (0.9, 0.5), (0.1, 5.0), (0.5, 50.0)
+PADS: dict[str, Shape] = {"disc": "ellipse", "square": "rectangle"}
+# The plane of discs and squares with inertia and thermal effects. A square takes seconds, with a
+# larger Re or ε minutes.
+PLANE_REYNOLDS, PLANE_SIGMA = (0.1, 1.0, 5.0, 20.0), (1.0, 30.0, 1000.0, 1e5)
+PLANE_EPSILON = (0.1, 0.5, 0.9)
 # Of all cases, for a small study: every sixth, of every group some.
 SAMPLE_SLICE = slice(None, None, 6)
 
@@ -112,24 +119,50 @@ def cases() -> list[tuple[str, Scene]]:
             ),
             *SINGLE_GAPS,
         ],
+        "inertia and thermal effects": [
+            *with_effects("disc"),
+            *with_effects("square", PLANE_REYNOLDS[:2], PLANE_EPSILON[:2]),
+        ],
     }
     return [(group, scene) for group, scenes in groups.items() for scene in scenes]
+
+
+def with_effects(
+    pad: str,
+    reynolds: tuple[float, ...] = PLANE_REYNOLDS,
+    epsilon: tuple[float, ...] = PLANE_EPSILON,
+) -> list[Scene]:
+    """Films with inertia and thermal effects under a disc or a square, over Re, σ and ε."""
+    return [
+        film(
+            f"{pad}, thermal effects, Re = {re:g}, σ = {sigma:g}, ε = {eps:g}",
+            *(eps, sigma),
+            reynolds=re,
+            thermal=True,
+            shape=PADS[pad],
+        )
+        for re, sigma, eps in product(reynolds, PLANE_SIGMA, epsilon)
+    ]
 
 
 def beyond_reason(scene: Scene) -> str:
     """Return the reason why a film need not be solved; empty inside the documented region."""
     closure, epsilon = scene.closure(), scene.epsilon
-    reynolds = scene.modified_reynolds if scene.gas.inertia == "included" else 0.0
+    inert = scene.gas.inertia == "included"
     reasons = {
         "contact": closure >= 1,
         "nearer to contact than 2 % of the gap": closure > 0.98,
         "bearing number of 1000 or more": round(scene.bearing_number) >= 1e3,
         "squeeze number above 1e7": round(scene.sigma) > 1e7,
-        f"waves that steepen: ε Re above {STEEPEST_EPSILON_REYNOLDS:g}": epsilon * reynolds
-        > STEEPEST_EPSILON_REYNOLDS,
-        "inertia nearer to contact than 20 % of the gap": epsilon > 0.8 and reynolds > 0,
+        f"waves that steepen: ε Re above {STEEPEST_EPSILON_REYNOLDS:g}": inert and steepens(scene),
+        "inertia nearer to contact than 20 % of the gap": inert and epsilon > 0.8,
     }
     return next((reason for reason, holds in reasons.items() if holds), "")
+
+
+def steepens(scene: Scene) -> bool:
+    """Return whether waves in a gas with inertia steepen beyond what is documented."""
+    return scene.epsilon * scene.modified_reynolds > STEEPEST_EPSILON_REYNOLDS * (1 + 1e-9)
 
 
 def _plane(

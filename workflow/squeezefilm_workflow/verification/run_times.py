@@ -16,13 +16,22 @@ from squeezefilm import load
 from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
+from squeezefilm.film.pad import Pad, Shape
+from squeezefilm.film.profiles import Piston
+from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.terms import label_of, terms_of
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import space_of
 from squeezefilm_workflow.verification.origin import origin
-from squeezefilm_workflow.verification.work_precision import FILMS, measure, work_precision
+from squeezefilm_workflow.verification.work_precision import (
+    FILMS,
+    FILMS_WITH_EFFECTS,
+    measure,
+    work_precision,
+)
 
 PAPER = "config/paper.yaml"
 USED_LINE = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
@@ -33,6 +42,18 @@ CONTEXT_CODE = "import pyopencl; pyopencl.create_some_context(interactive=False)
 PYTHON_CODES = ("pass", "import numpy", CONTEXT_CODE)
 BATCHES = ((1, 300), (10_000, 5))
 """Scenes of a batch, and how often it is solved; the median counts."""
+TERM_SCENES, TERM_TOLERANCE = 24, 1e-4
+TERM_H0_M, TERM_EPSILON = (1e-5, 3e-5), (0.05, 0.4)
+TERM_PADS: dict[str, tuple[Shape, float]] = {
+    "square, 35.4 mm": ("rectangle", 35.4e-3),
+    "disc, 40 mm": ("ellipse", 40e-3),
+}
+TERM_GASES = (
+    Gas(inertia="none", thermal="none"),
+    Gas(inertia="included", thermal="none"),
+    Gas(inertia="included", thermal="included"),
+)
+"""Pads above a piston and gases whose scenes are timed."""
 ROUNDS = 9
 """Of the processes, one after the other; the first warms up, of the others the median counts."""
 
@@ -41,20 +62,26 @@ ROUNDS = 9
     option("--output", "FOLDER", "for the tables", required=True, type=Path),
 )
 def run_times(options: argparse.Namespace) -> None:
-    """Measure run times on this machine: four tables.
+    """Measure run times on this machine: six tables.
 
       make paper && squeezefilm-verification run-times --output docs/data
 
     `paper_times.csv`: processor time by rule, of every job that has left a log in logs/paper;
     `force_times.csv`: of one force from the shell by part; `batch_times.csv`: of random scenes of
-    the four-factor space, on host and device; `equal_error.csv`: of other methods, and how often
-    the solver's is in it where its error is no larger. Nothing else should run meanwhile.
+    the four-factor space, on host and device; `term_times.csv`: of a square and a disc with and
+    without inertia and thermal effects; `equal_error.csv`, `equal_error_with_effects.csv`: of other
+    methods, and how often the solver's is in it where its error is no larger. Nothing else should
+    run meanwhile.
     """
     head = origin("run-times --output docs/data")
-    for measured in paper_times, force_times, batch_times, equal_error:
+    for measured in (
+        *(paper_times, force_times, batch_times, term_times),
+        *(equal_error, equal_error_with_effects),
+    ):
         print_step(f"{measured.__name__}: measuring")
-        table = measured().to_csv(index=False)
-        write_text(head + table, options.output / f"{measured.__name__}.csv")
+        table = measured()
+        print(table.to_string(index=False))
+        write_text(head + table.to_csv(index=False), options.output / f"{measured.__name__}.csv")
 
 
 def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
@@ -118,15 +145,34 @@ def batch_times() -> pd.DataFrame:
     return table.assign(**shown).rename(columns={name: f"{name} (ms a scene)" for name in shown})
 
 
-def equal_error() -> pd.DataFrame:
-    """First and last run of each other method on the centred pad, and the solver's at equal error.
+def term_times() -> pd.DataFrame:
+    """Times per scene and Krylov iterations of two pads above a piston in air, warm."""
+    random, rows = np.random.default_rng(1), []
+    h0_m = random.uniform(*TERM_H0_M, TERM_SCENES)
+    hv_m = h0_m * random.uniform(*TERM_EPSILON, TERM_SCENES)
+    for (pad, (shape, side_m)), gas in product(TERM_PADS.items(), TERM_GASES):
+        actuator = Actuator(20e3, side_m, profile=Piston())
+        film = Film(gas, actuator, Pad(side_m, side_m, 0.0, shape=shape))
+        scenes = [film.scene(*gap_m) for gap_m in zip(h0_m, hv_m, strict=True)]
+        call = partial(solve, scenes, tolerance=TERM_TOLERANCE)
+        solutions, (_, processor, _) = measure(call, repeats=5, long_seconds=np.inf)
+        milliseconds = f"{1e3 * processor / TERM_SCENES:.2g}"
+        solved = int(np.sum(solutions.status == "ok"))
+        iterations = f"{np.mean(solutions.krylov_iterations):.0f}"
+        rows.append((pad, label_of(terms_of(scenes[0])), solved, milliseconds, iterations))
+    columns = ["pad", "terms", "solved", "processor (ms a scene)", "Krylov iterations"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def equal_error(films: tuple[Scene, ...] = (FILMS[1],)) -> pd.DataFrame:
+    """First and last run of each other method on films, and the solver's at equal error.
 
     Of those runs that a run of the solver is no worse than.
     """
     runs = work_precision(
-        (FILMS[1],), repeats=9, batch=100, longest_seconds=2.0, rungs=10, device=choose_device()
+        films, repeats=9, batch=100, longest_seconds=2.0, rungs=10, device=choose_device()
     )
-    ends = runs.dropna(subset="speedup").groupby("method", sort=False).nth([0, -1])
+    ends = runs.dropna(subset="speedup").groupby(["case", "method"], sort=False).nth([0, -1])
     columns = {
         "its error": "relative_error",
         "its seconds": "cpu_s",
@@ -137,7 +183,12 @@ def equal_error() -> pd.DataFrame:
         name: [f"{float(f'{number:.2g}'):g}" for number in ends[column]]
         for name, column in columns.items()
     }
-    return pd.DataFrame({"other method": ends["method"], **shown})
+    return pd.DataFrame({"film": ends["case"], "other method": ends["method"], **shown})
+
+
+def equal_error_with_effects() -> pd.DataFrame:
+    """Return the same of films with inertia and thermal effects."""
+    return equal_error(FILMS_WITH_EFFECTS)
 
 
 def child_seconds(*words: str) -> float:

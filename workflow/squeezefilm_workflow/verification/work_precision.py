@@ -1,8 +1,11 @@
-"""Error against run time of the solver and of three other methods, and the times at equal error.
+"""Error against run time of the solver and of other methods, and the times at equal error.
 
 A path is a list of settings made by a rule that is written down here, not by looking at errors: the
 parts of a method's error (space, time, settling) shall fall at the same rate from rung to rung. A
 rung that takes longer than a given time is the last of its path.
+
+Films with inertia and thermal effects have one other method, collocation with dense matrices
+(``all_effects``), whose own grid is their reference.
 """
 
 import time
@@ -20,10 +23,12 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.terms import label_of, terms_of
 from squeezefilm_workflow.verification import chebyshev_march, finite_elements, numpy_periodic
+from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, force_with
 from squeezefilm_workflow.verification.films import film
 from squeezefilm_workflow.verification.marching import periods_to_settle
-from squeezefilm_workflow.verification.reference import reference_force
+from squeezefilm_workflow.verification.reference import Reference, reference_force
 
 FILMS = (
     film("ε = 0.1, σ = 20", 0.1, 20.0),
@@ -31,8 +36,16 @@ FILMS = (
     film("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
     film("ε = 0.9, σ = 583", 0.9, 583.0),
 )
+FILMS_WITH_EFFECTS = (
+    film("disc, Re = 2, ε = 0.4, σ = 100", 0.4, 100.0, shape="ellipse", reynolds=2.0, thermal=True),
+    film("Re = 1, ε = 0.44, σ = 583", 0.44, 583.0, reynolds=1.0, thermal=True),
+    film("off centre, Re = 1, ε = 0.4, σ = 583", 0.4, 583.0, x=0.2, reynolds=1.0, thermal=True),
+    film("Re = 8, ε = 0.2, σ = 100", 0.2, 100.0, reynolds=8.0, thermal=True),
+)
+EFFECTS = Effects(slip="none")
 SOLVER, BATCH = "solver", "solver, in a batch"
 Settings = dict[str, Any]
+Methods = dict[str, tuple[Callable[..., float], Callable[[Scene, int], Settings]]]
 CLOCK_FUNCTIONS = time.perf_counter, time.process_time, time.thread_time
 
 
@@ -81,7 +94,7 @@ def work_precision(
     tolerances = [{"tolerance": 10.0**-k} for k in range(1, 11)][:: max(1, 10 // rungs)]
     for scene in films:
         print_step(scene.point_id)
-        reference = reference_force(scene)
+        reference = _reference(scene)
         # Others within 1 % of its epsilon, which have nothing in common with it.
         alike = [replace(scene, hv_m=scene.hv_m * (1 - 0.01 * k / batch)) for k in range(batch)]
         # How a method answers, and its settings from rung to rung.
@@ -89,7 +102,8 @@ def work_precision(
             SOLVER: (partial(_own, [scene], device), tolerances),
             BATCH: (partial(_own, alike, device), tolerances),
         }
-        for method, (solved, settings_of) in METHODS.items():
+        others = METHODS if scene.gas.inertia == "none" else METHODS_WITH_EFFECTS
+        for method, (solved, settings_of) in others.items():
             path = [settings_of(scene, level) for level in range(rungs)]
             paths[method] = partial(_other, solved, scene), path
         for method, (answer, path) in paths.items():
@@ -98,6 +112,7 @@ def work_precision(
                 (force, claimed, status), (_, cpu_s, _) = measure(call, repeats=repeats)
                 row = {
                     "case": scene.point_id,
+                    "terms": label_of(terms_of(scene)),
                     "method": method,
                     "settings": " ".join(f"{key}={each:g}" for key, each in settings.items()),
                     "status": status,
@@ -144,8 +159,26 @@ def _own(scenes: list[Scene], device: Device, *, tolerance: float) -> Answer:
 def _other(solved: Callable[..., float], scene: Scene, **settings: Any) -> Answer:
     try:
         return solved(scene, **settings), np.nan, "ok"
-    except RunError as error:
+    except (RunError, ArithmeticError) as error:
         return np.nan, np.nan, str(error)
+
+
+def _reference(scene: Scene) -> Reference:
+    """Return the mean force by a program that shares no discretisation with the solver."""
+    if scene.gas.inertia == "none":
+        return reference_force(scene)
+    force_n, error_n = force_with(scene, EFFECTS)
+    return Reference(force_n / scene.force_scale_n, error_n / scene.force_scale_n)
+
+
+def _dense(scene: Scene, *, points: int, instants: int) -> float:
+    force_n = force_on_grid(scene, EFFECTS, points=points, instants=instants)
+    return force_n / scene.force_scale_n
+
+
+def _dense_grid(scene: Scene, level: int) -> Settings:
+    """Spectral in space and time: four points across, twice two along a radius, two instants."""
+    return {"points": 8 + 4 * level, "instants": 7 + 2 * level}
 
 
 def _grid(scene: Scene, level: int) -> Settings:
@@ -182,9 +215,10 @@ def _accelerated(scene: Scene, level: int) -> Settings:
 
 
 # Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs.
-METHODS: dict[str, tuple[Callable[..., float], Callable[[Scene, int], Settings]]] = {
+METHODS: Methods = {
     "same algorithm, NumPy, no symmetry": (numpy_periodic.periodic_state, _grid),
     "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_force, _chebyshev),
     "finite elements, Anderson": (finite_elements.periodic_force, _accelerated),
     "finite elements from rest": (finite_elements.periodic_force, _from_rest),
 }
+METHODS_WITH_EFFECTS: Methods = {"collocation, dense matrices": (_dense, _dense_grid)}

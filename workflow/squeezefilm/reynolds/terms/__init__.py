@@ -51,6 +51,11 @@ def terms_of(scene: Scene) -> Terms:
     return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
 
 
+def label_of(terms: Terms) -> str:
+    """Return the terms of an equation as tables show them."""
+    return "; ".join(["squeeze", *(term.label for term in terms)])
+
+
 @lru_cache(maxsize=64)
 def compiled_terms(terms: Terms) -> Terms:
     """Return the terms of the program that solves films of some terms, and others."""
