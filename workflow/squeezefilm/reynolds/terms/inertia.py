@@ -19,12 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.spectral import FluxPoints, flux_points
+from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, flux_points
 from squeezefilm.reynolds.terms.term import AbsentTerm, Arrays, Numbers, Term
 
 if TYPE_CHECKING:
@@ -129,10 +130,8 @@ def steepness(scene: OperatingPoints) -> Any:
 
 def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
     """The matrices of velocities along each axis (spectral.py), by their names in the kernels."""
-    matrices = [
-        points.matrices(length)
-        for points, length in zip(_points(grid), grid.lengths(aspect), strict=True)
-    ]
+    lengths = grid.lengths(aspect)
+    matrices = [_of_axis(*each) for each in zip((grid.x, grid.y), lengths, strict=True)]
     if grid.outline:
         matrices = [
             matrices_of_axis | bent
@@ -143,6 +142,11 @@ def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
         for axis, of_axis in zip("xy", matrices, strict=True)
         for name, matrix in of_axis.items()
     }
+
+
+@lru_cache(maxsize=64)
+def _of_axis(axis: Axis | Around, length: float) -> Arrays:
+    return flux_points(axis).matrices(length)
 
 
 def _points(grid: Grid) -> list[Any]:
