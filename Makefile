@@ -59,7 +59,7 @@ help:
 	@echo "make resume   go on after a run was killed"
 	@echo "make reference      make the reference that is checked against"
 	@echo "make lock     pin the newest versions of all packages"
-	@echo "make clean    remove results of the studies here, logs and the environment; keep your own"
+	@echo "make clean    remove results of the studies here, built pages, logs and the environment; keep your own"
 
 paper: $(VENV)/.run
 	@echo "Every simulation, fit, design, table and figure of the paper: some minutes on two cores."
@@ -166,11 +166,13 @@ lock: $(VENV)/.dev
 	$(COMPILE) --upgrade --output-file requirements.lock requirements.in
 	$(COMPILE) --upgrade --output-file requirements-dev.lock requirements-dev.in
 
-# Studies of the user's own stay: their results may have taken days.
+# Studies of the user's own stay: their results may have taken days. So do Snakemake's records, by
+# which a later edit makes them anew; a record of what is removed does no harm.
 clean:
 	rm -rf $(OURS:%=results/%) results/report.html
 	@find results -mindepth 1 -maxdepth 1 ! -name README.md -exec echo "kept: {}" \;
-	rm -rf $(VENV) .snakemake .mypy_cache .pytest_cache .ruff_cache benchmarks logs
+	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache benchmarks logs build docs/_build docs/reference/_generated
+	@! test -d .snakemake || find .snakemake -mindepth 1 -maxdepth 1 ! -name metadata -exec rm -rf {} +
 	@cache="$${XDG_CACHE_HOME:-$$HOME/.cache}"; echo "outside this folder, yours to remove:" \
 		"compiled kernels in $${POCL_CACHE_DIR:-$$cache/pocl} and $$cache/pyopencl"
 

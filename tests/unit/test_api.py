@@ -214,3 +214,41 @@ def test_a_film_without_a_force_says_why():
     table = film.curve(5e-5, [4.95e-5])
     assert np.isnan(table["force_n"].iloc[0])
     assert table["status"].iloc[0] != "ok"
+
+
+AT = {"h0_m": [5e-6], "hv_m": [1e-6]}
+MISNAMED = {
+    "x": "column 'x' needs a unit, one of x_m",
+    "x_furlong": "column 'x_furlong' needs a unit, one of x_m",
+    "phi_deg": "column 'phi_r_m' is missing",
+}
+
+
+@pytest.mark.parametrize("name", MISNAMED)
+def test_a_misnamed_position_is_not_taken_for_the_centre(study, fit, name):
+    points = pd.DataFrame({**AT, name: [2.0]})
+    for use in (study.scenes, study.forces, fit.predict_at):
+        with pytest.raises(sf.InputError) as refusal:
+            use(points)
+        assert MISNAMED[name] in str(refusal.value)
+
+
+def test_both_forms_of_position_are_refused_and_so_is_an_unknown_column(study, fit):
+    both = pd.DataFrame({**AT, "x_m": [1e-3], "phi_r_m": [1e-3]})
+    for use in (study.scenes, fit.predict_at):
+        with pytest.raises(sf.InputError, match="unknown column 'x_m'; a position is"):
+            use(both)
+    with pytest.raises(sf.InputError, match="unknown column 'speed'; the table needs h0_m, hv_m;"):
+        study.forces(pd.DataFrame({**AT, "speed": [1.0]}))
+    with pytest.raises(sf.InputError, match="column 'hv_m' is missing; it has h0_m"):
+        fit.predict_at(pd.DataFrame({"h0_m": [5e-6]}))
+
+
+@pytest.mark.parametrize("name", ["x_mm", "X_mm"])
+def test_a_column_in_another_unit_is_read_as_in_a_file(study, fit, name):
+    named = pd.DataFrame({"h0_um": [5.0], "hv_m": [1e-6], name: [2], "y_m": [0.0]})
+    (scene,) = study.scenes(named)
+    assert (scene.h0_m, scene.x_m) == (5e-6, 2e-3)
+    predicted = fit.predict_at(named.assign(sample="a"))
+    assert predicted[["h0_m", "x_m", "sample"]].to_numpy().tolist() == [[5e-6, 2e-3, "a"]]
+    assert list(named) == ["h0_um", "hv_m", name, "y_m"]

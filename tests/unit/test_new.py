@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from math import cos, pi, sin
 from pathlib import Path
 
@@ -93,6 +94,9 @@ def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path):
     shutil.copy(Path(__file__).parents[2] / "Makefile", tmp_path)
     for study in ("paper", "mine"):
         (tmp_path / "results" / study).mkdir(parents=True)
+    built = ("build", "docs/_build", "docs/reference/_generated", ".snakemake/locks")
+    for folder in (*built, ".snakemake/metadata"):
+        (tmp_path / folder).mkdir(parents=True)
     done = subprocess.run(
         ["make", "clean"],
         cwd=tmp_path,
@@ -103,5 +107,27 @@ def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path):
     )
     assert [path.name for path in (tmp_path / "results").iterdir()] == ["mine"]
     assert "kept: results/mine" in done.stdout
+    assert not [folder for folder in built if (tmp_path / folder).exists()]
     outside = "outside this folder, yours to remove: compiled kernels in /kernels and /caches/"
     assert outside in done.stdout
+
+
+def test_results_kept_by_clean_are_made_anew_after_an_edit(tmp_path):
+    """Without Snakemake's records a kept result would never follow its study again."""
+    shutil.copy(Path(__file__).parents[2] / "Makefile", tmp_path)
+    rule = (
+        "rule force:\n output: 'results/mine/force.txt'\n params: hz={}\n"
+        " shell: 'echo {{params.hz}} >{{output}}'\n"
+    )
+    environment = {**os.environ, "POCL_CACHE_DIR": "/kernels", "XDG_CACHE_HOME": "/caches"}
+
+    def run(*command):
+        subprocess.run(command, cwd=tmp_path, env=environment, check=True, capture_output=True)
+
+    snakemake = (sys.executable, "-m", "snakemake", "--cores", "1")
+    (tmp_path / "Snakefile").write_text(rule.format(43270), encoding="utf-8")
+    run(*snakemake)
+    run("make", "clean")
+    (tmp_path / "Snakefile").write_text(rule.format(30000), encoding="utf-8")
+    run(*snakemake)
+    assert (tmp_path / "results/mine/force.txt").read_text(encoding="utf-8") == "30000\n"

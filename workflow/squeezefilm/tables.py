@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from math import nan
 from pathlib import Path
@@ -27,7 +27,7 @@ from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import unit_sizes
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
-"""Here and below, positions are named in polar form; as_in names them as a table has them."""
+"""Here and below, positions are named in polar form; columns_as_in names them as a table has them."""
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
 TIMING_COLUMNS = ("point_id", "solve_s")
@@ -113,7 +113,7 @@ def read_measurements(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the file, the row or the column that is wrong, and what is allowed.
     """
     numbers = (*FACTOR_COLUMNS, "force_n", *UNCERTAINTY_COLUMNS)
-    how: dict[str, Any] = {"optional": UNCERTAINTY_COLUMNS[1:], "needs": MEASURED_COLUMNS_TEXT}
+    how: dict[str, Any] = {"optional": UNCERTAINTY_COLUMNS[1:], "required": MEASURED_COLUMNS_TEXT}
     table = _read(path, columns=("point_id", *numbers), numbers=numbers, **how)
     return table.assign(**{name: table.get(name, 0.0) for name in UNCERTAINTY_COLUMNS})
 
@@ -187,11 +187,13 @@ def _read(
             place, and the pad is centred.
         numbers: those that must be finite.
         optional: others that may be missing.
-        needs: what the table needs, for messages.
+        required: what the table needs, for messages.
     """
     path, optional = Path(path), (*optional, "point_id", *POLAR, *CARTESIAN)
     how: dict[str, Any] = {"optional": optional, "others": others, "chunk": chunk}
-    table, lines = _rows(path, columns, required=required or ", ".join(columns), **how)
+    table, lines = _rows(
+        path, columns, required=required or _columns_text(columns, optional), **how
+    )
     word = "row" if path.suffix == PARQUET else "line"
     source, statuses = f"{path}: {word}", table.get("status")
     wanted = [name for name in columns_as_in(columns, table) if name in table]
@@ -271,15 +273,71 @@ def _csv_rows(
             )
     lines = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
-    names, asked = list(header), {*columns_as_in(columns, ()), *columns_as_in(columns, CARTESIAN)}
-    for column_index, name in enumerate(header):
-        if separator != ",":
+    if separator != ",":
+        for column_index, name in enumerate(header):
             table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
+    names = list(header)
+    for column_index, own, size in _renamed(header, columns):
+        names[column_index] = own
+        table[column_index] = [_in_si(cell, size) for cell in table[column_index]]
+    return table.set_axis(names, axis=1).reset_index(drop=True), lines
+
+
+def _renamed(header: Sequence[str], columns: Iterable[str]) -> Iterator[tuple[int, str, float]]:
+    """The places of columns that a header names in words or with another unit.
+
+    Yields their own names and the size of the unit.
+    """
+    columns = list(columns)
+    asked = {*columns_as_in(columns, ()), *columns_as_in(columns, CARTESIAN)}
+    for place, name in enumerate(header):
         own, size = _column(name)
         if name not in asked and own in asked - {*header} and size:
-            names[column_index] = own
-            table[column_index] = [_in_si(cell, size) for cell in table[column_index]]
-    return table.set_axis(names, axis=1).reset_index(drop=True), lines
+            yield place, own, size
+
+
+def points_in_memory(
+    points: pd.DataFrame | Mapping[str, Any], *, needed: Sequence[str], others: OtherColumns
+) -> pd.DataFrame | Mapping[str, Any]:
+    """Points that no file holds, their factors under their own names and in SI units.
+
+    A header is read as that of a table in a file.
+
+    Args:
+        needed: factors that may not be missing.
+
+    Raises InputError naming the column that is missing, not known or without its unit.
+    """
+    names = list(points)
+    renamed = {
+        names[place]: (own, size)
+        for place, own, size in _renamed(list(map(str, names)), FACTOR_COLUMNS)
+    }
+    if renamed:
+        table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
+        scaled = {
+            name: [float(f"{number_in(cell) * size:.15g}") for cell in table[name]]
+            for name, (_, size) in renamed.items()
+        }
+        points = table.assign(**scaled).rename(
+            columns={name: own for name, (own, _) in renamed.items()}
+        )
+    header = list(map(str, points))
+    columns = columns_as_in(SCENE_COLUMNS, header)
+    optional = [name for name in columns if name not in needed]
+    _check_header(
+        header, columns, optional, others=others, required=_columns_text(columns, optional)
+    )
+    return points
+
+
+def _columns_text(columns: Sequence[str], optional: Collection[str]) -> str:
+    """The columns that a table needs and those that it may have, for messages."""
+    parts = {
+        "": [name for name in columns if name not in optional],
+        "it may have ": [name for name in columns if name in optional],
+    }
+    return "; ".join(f"{start}{', '.join(names)}" for start, names in parts.items() if names)
 
 
 def _column(cell: str) -> tuple[str, float | None]:
@@ -362,7 +420,9 @@ def _check_header(
     for name in CARTESIAN if POLAR[0] in columns else ():
         if name in header:
             raise InputError(f"unknown column {name!r}; {POSITION_FORMS}")
-    beside, position = [name for name in header if name not in columns], {*POLAR, *CARTESIAN}
+    position = {*POLAR, *CARTESIAN} if POLAR[0] in columns or CARTESIAN[0] in columns else set()
+    factors = {*columns, *position} - {*header}
+    beside = [name for name in header if name not in columns]
     missing = [name for name in columns if name not in (*header, *optional)]
     if "phi_r_m" in columns and "phi_deg" in header and "phi_r_m" not in header:
         missing.append("phi_r_m")
@@ -370,7 +430,8 @@ def _check_header(
     if others == "unknown are invalid" or (others != "invalid" and (missing or halved)):
         beside = unregistered(beside)
     elif others != "invalid":
-        beside = []
+        # What names a factor without its unit would be taken for a factor that is not given.
+        beside = [name for name in beside if _column(name)[0] in factors]
     for name in beside:
         own, _ = _column(name)
         if own in {*columns, *position}:

@@ -23,7 +23,7 @@ from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scenes_in
-from squeezefilm.tables import number_in
+from squeezefilm.tables import FACTOR_COLUMNS, number_in, points_in_memory
 from squeezefilm.units import quantities
 
 if TYPE_CHECKING:
@@ -216,12 +216,18 @@ class Film:
     def scenes(self, points: pd.DataFrame | Mapping[str, Sequence[float]]) -> Scenes:
         """The operating points of a table: h0_m, hv_m and a position, if any.
 
-        Raises InputError as ``scene`` does.
+        Columns may have another unit, such as ``h0_um``; results beside them are ignored.
+        Raises InputError as ``scene`` does, and for a column that is not known.
 
         Example:
             >>> len(study.scenes({"h0_m": [5e-6, 6e-6], "hv_m": [2e-6, 2e-6]}))
         """
-        return scenes_in(points, self.config)
+        return scenes_in(self._named(points), self.config)
+
+    @staticmethod
+    def _named(points: Any) -> Any:
+        """Points with the factors under their own names."""
+        return points_in_memory(points, needed=FACTOR_COLUMNS[:2], others="unknown are invalid")
 
     def force(
         self,
@@ -297,6 +303,7 @@ class Film:
             >>> study.forces(pd.DataFrame({"h0_m": [5e-6, 6e-6], "hv_m": 2e-6}))["force_n"]
         """
         given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
+        points = self._named(points)
         return forces_table(points, self.solved(self.scenes(points), budget=budget, **given))
 
     def solved(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +17,7 @@ from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.formatting import in_lines
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds import solve
-from squeezefilm.tables import failures_in, write_json
+from squeezefilm.tables import FACTOR_COLUMNS, failures_in, points_in_memory, write_json
 
 if TYPE_CHECKING:
     from squeezefilm.models.fit_file import FittedModel
@@ -103,6 +104,7 @@ class Fit:
 
         fit = self.model
         with prefix_errors(place):
+            points = _own_points(points, needed=FACTOR_COLUMNS[:2])
             factors = fit.folded(factors_of(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
@@ -150,6 +152,7 @@ class Fit:
         if len(forces_n) != 1:
             raise InputError(f"force: {force!r} are several; one is asked for")
         with prefix_errors("amplitude-for"):
+            points = _own_points(points, needed=FACTOR_COLUMNS[:1])
             factors = factors_of(points.assign(hv_m=0.0))
         rows = [
             amplitude_for(self.model, factors.take([index]), force_n=forces_n[0])
@@ -206,6 +209,11 @@ class Fit:
         return in_lines(row | {"global_error": fit.global_error, "validation": self.statement})
 
     __repr__ = __str__
+
+
+def _own_points(points: pd.DataFrame, *, needed: Sequence[str]) -> pd.DataFrame:
+    """Points with the factors under their own names, and the user's own columns beside them."""
+    return pd.DataFrame(points_in_memory(points, needed=needed, others="ignored"))
 
 
 @dataclass(frozen=True, repr=False)
