@@ -14,11 +14,11 @@ def model_values(lines: list[str]) -> dict[str, float]:
     """What a model gives, by the words before it: in a table, the column before the first error."""
     values: dict[str, float] = {}
     column = 0
-    for words in map(str.split, lines):
+    for words in filter(None, map(str.split, lines)):
         errors = [place for place, word in enumerate(words) if "_error_" in f"_{word}"]
         if errors and not column:
             column = errors[0] - 1
-        elif column and len(words) > column:
+        elif column and words[0][0].isdigit():
             values[" ".join(words[:column])] = float(words[column])
         elif words[:2] == ["amplitude", "hv"]:
             values["amplitude hv"] = float(words[2])
