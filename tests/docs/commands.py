@@ -122,14 +122,26 @@ def commands_on(page: Path, *, root: Path) -> Iterator[Command]:
 
 
 def outputs_on(page: Path) -> Iterator[tuple[str, list[str]]]:
-    """Every command of a page that is followed by what it prints, with the lines shown of that."""
+    """Every command of a page with the lines of output shown after it, in its block or the next."""
     command = ""
     for block in re.findall(r"(?:^    .*\n)+", page.read_text(encoding="utf-8"), re.MULTILINE):
-        commands = BLOCK_LINE.findall(block)
-        lines = [line.strip() for line in block.splitlines()]
-        if not commands and command and all(SHOWN_LINE.match(line) for line in lines):
+        *before, rest = re.split(BLOCK_LINE, re.sub(r" \\\n\s+", " ", block))
+        command = before[-1] if before else command
+        lines = [" ".join(line.split()) for line in rest.splitlines() if line]
+        shown = [line for line in rest.splitlines() if line]
+        if command and shown and all(SHOWN_LINE.match(line.strip()) for line in shown):
             yield command, [line for line in lines if line != "…"]
-        command = commands[-1] if commands else ""
+            command = ""
+
+
+OF_A_STUDY = ("my-actuator", "$FIT", "results/")
+"""What a command names that needs the results of a study."""
+
+
+def shown_on(repository: Path, *, of_a_study: bool) -> list[tuple[str, list[str]]]:
+    """Every command with the lines shown of its output, of those with or without a study."""
+    shown = [each for page in pages(repository) for each in outputs_on(page)]
+    return [each for each in shown if any(map(each[0].count, OF_A_STUDY)) == of_a_study]
 
 
 def all_commands(repository: Path) -> list[Command]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from math import pi
 from pathlib import Path
@@ -381,22 +380,3 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
     merge_forces(plan, [output], output=whole, keep_failed=False)
     pd.testing.assert_frame_equal(pd.read_csv(whole), table)
     assert "'lift' is none of" in refused(*command, "--outputs", "lift", status=2)
-
-
-@pytest.mark.parametrize("words", ["--outputs all", "--derivatives"])
-def test_the_page_shows_what_comes_out(words: str, repository: Path, capsys) -> None:
-    text = (repository / "docs/outputs.md").read_text(encoding="utf-8")
-    (text,) = (block for block in text.split("\n\n") if f" {words}\n" in block)
-    command, *_ = text.splitlines()
-    assert main(command.split()[2:]) == 0
-    rows = r"^ *(\S+(?: \S+)*)  +(\S+ ± \S+ .*)$"
-    shown, printed = (
-        dict(re.findall(rows, each, re.MULTILINE)) for each in (capsys.readouterr().out, text)
-    )
-    assert len(printed) > 6
-    assert [name for name in shown if name in printed] == list(printed)
-    for name, line in printed.items():
-        value, _, error, unit = shown[name].split(maxsplit=3)
-        documented, *_, documented_unit = line.split(maxsplit=3)
-        assert abs(float(value) - float(documented)) <= float(error), name
-        assert unit == documented_unit
