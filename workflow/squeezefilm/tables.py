@@ -27,7 +27,7 @@ from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import unit_sizes
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
-"""Here and below, positions are named in polar form; columns_as_in names them as a table has them."""
+"""Here and below, positions are named in polar form; columns_as_in takes a table's own names."""
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
 TIMING_COLUMNS = ("point_id", "solve_s")
