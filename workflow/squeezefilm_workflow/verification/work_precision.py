@@ -25,7 +25,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.terms import label_of, terms_of
 from squeezefilm_workflow.verification import chebyshev_march, finite_elements, numpy_periodic
-from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, force_with
+from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, grids_of
 from squeezefilm_workflow.verification.films import film
 from squeezefilm_workflow.verification.marching import periods_to_settle
 from squeezefilm_workflow.verification.reference import Reference, reference_force
@@ -167,8 +167,10 @@ def _reference(scene: Scene) -> Reference:
     """Return the mean force by a program that shares no discretisation with the solver."""
     if scene.gas.inertia == "none":
         return reference_force(scene)
-    force_n, error_n = force_with(scene, EFFECTS)
-    return Reference(force_n / scene.force_scale_n, error_n / scene.force_scale_n)
+    fine, coarse = (
+        _dense(scene, points=points, instants=instants) for points, instants in grids_of(scene)
+    )
+    return Reference(fine, abs(fine - coarse))
 
 
 def _dense(scene: Scene, *, points: int, instants: int) -> float:

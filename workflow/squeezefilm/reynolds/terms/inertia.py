@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.spectral import Around, Axis, FluxPoints, flux_points
+from squeezefilm.reynolds.spectral import AngleAxis, Axis, FluxPoints, flux_points
 from squeezefilm.reynolds.terms.term import AbsentTerm, Arrays, Numbers, Term
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
 
 
 @lru_cache(maxsize=64)
-def _of_axis(axis: Axis | Around, length: float) -> Arrays:
+def _of_axis(axis: Axis | AngleAxis, length: float) -> Arrays:
     return flux_points(axis).matrices(length)
 
 
