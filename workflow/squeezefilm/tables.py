@@ -316,7 +316,7 @@ def points_in_memory(
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
         scaled = {
-            name: [float(f"{number_in(cell) * size:.15g}") for cell in table[name]]
+            str(name): [float(f"{number_in(cell) * size:.15g}") for cell in table[name]]
             for name, (_, size) in renamed.items()
         }
         points = table.assign(**scaled).rename(

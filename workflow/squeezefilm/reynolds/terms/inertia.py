@@ -131,10 +131,12 @@ def steepness(scene: OperatingPoints) -> Any:
 def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
     """The matrices of velocities along each axis (spectral.py), by their names in the kernels."""
     lengths = grid.lengths(aspect)
-    matrices = [_of_axis(*each) for each in zip((grid.x, grid.y), lengths, strict=True)]
+    matrices = [
+        _matrices(axis, length) for axis, length in zip((grid.x, grid.y), lengths, strict=True)
+    ]
     if grid.outline:
         matrices = [
-            matrices_of_axis | bent
+            {**matrices_of_axis, **bent}
             for matrices_of_axis, bent in zip(matrices, _bends(grid), strict=True)
         ]
     return {
@@ -145,7 +147,7 @@ def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
 
 
 @lru_cache(maxsize=64)
-def _of_axis(axis: Axis | AngleAxis, length: float) -> Arrays:
+def _matrices(axis: Axis | AngleAxis, length: float) -> Arrays:
     return flux_points(axis).matrices(length)
 
 
