@@ -113,7 +113,7 @@ def read_measurements(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the file, the row or the column that is wrong, and what is allowed.
     """
     numbers = (*FACTOR_COLUMNS, "force_n", *UNCERTAINTY_COLUMNS)
-    how: dict[str, Any] = {"optional": UNCERTAINTY_COLUMNS[1:], "needs": MEASURED_COLUMNS_TEXT}
+    how: dict[str, Any] = {"optional": UNCERTAINTY_COLUMNS[1:], "required": MEASURED_COLUMNS_TEXT}
     table = _read(path, columns=("point_id", *numbers), numbers=numbers, **how)
     return table.assign(**{name: table.get(name, 0.0) for name in UNCERTAINTY_COLUMNS})
 
