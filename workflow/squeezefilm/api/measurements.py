@@ -112,9 +112,8 @@ def summary_of(table: pd.DataFrame) -> dict[str, Any]:
     ratios = solved[["residual_n", "unexplained_n"]].div(uncertainty_n, axis=0)
     # What is not known of a residual adds nothing: a lower bound of χ².
     squares, beyond = (ratios**2).sum().tolist()
-    chance, chance_beyond = (
-        float(chi2.sf(chi_square, max(count, 1))) for chi_square in (squares, beyond)
-    )
+    chance = float(chi2.sf(squares, max(count, 1)))
+    chance_beyond = float(chi2.sf(beyond, max(count, 1)))
     off, unknown = ratios["unexplained_n"].abs(), int(ratios["unexplained_n"].isna().sum())
     larger = "larger than measurement uncertainty"
     if not count:

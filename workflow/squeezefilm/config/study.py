@@ -494,9 +494,8 @@ class Study(FilmSections, Header):
                         f"{fitted.start:g} to {most:g}",
                         *key_path,
                     )
-            screen, finer = (
-                np.linspace(each.start, each.stop, each.levels) for each in (fitted, control)
-            )
+            screen = np.linspace(fitted.start, fitted.stop, fitted.levels)
+            finer = np.linspace(control.start, control.stop, control.levels)
             new |= (
                 not np.isclose(finer[:, None], screen, rtol=EQUAL_LEVELS, atol=0).any(axis=1).all()
             )

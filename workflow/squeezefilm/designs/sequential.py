@@ -190,9 +190,8 @@ class Sequential:
             )
         with prefix_errors(f"refine: {len(pool.candidates)} candidates"):
             check_identifiable(self.model, pool.factors.take(pool.candidates))
-        candidates, taken = (
-            pool.coordinates[indices] for indices in (pool.candidates, pool.verification)
-        )
+        candidates = pool.coordinates[pool.candidates]
+        taken = pool.coordinates[pool.verification]
         chosen = np.empty(0, dtype=int)
         for _ in range(first):
             far = cdist(candidates, taken).min(axis=1)

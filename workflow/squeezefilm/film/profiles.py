@@ -256,9 +256,8 @@ class Quadrature(Profile):
     component_factors: tuple[float, float] = (1.0, 1.0)
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        first, second = (
-            component.amplitude(x_m=x_m, y_m=y_m) for component in (self.first, self.second)
-        )
+        first = self.first.amplitude(x_m=x_m, y_m=y_m)
+        second = self.second.amplitude(x_m=x_m, y_m=y_m)
         return self.component_factors[0] * first + 1j * (self.component_factors[1] * second)
 
 

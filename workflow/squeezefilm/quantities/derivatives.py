@@ -68,9 +68,8 @@ def _derivatives(
     scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device
 ) -> list[Derivatives]:
     """Derivatives of scenes of like terms, by two grids."""
-    (before, _), (growth, missed) = (
-        _growths(scenes, solutions, grid, tolerance=tolerance, device=device) for grid in (0, 1)
-    )
+    before, _ = _growths(scenes, solutions, 0, tolerance=tolerance, device=device)
+    growth, missed = _growths(scenes, solutions, 1, tolerance=tolerance, device=device)
     change = np.abs(growth - before)
     # A derivative may agree by chance, or be small because its parts cancel; not all do.
     with np.errstate(invalid="ignore"):
@@ -150,10 +149,8 @@ def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
     if not np.isfinite(error[needed]).all():
         return Derivatives(status=NEIGHBOUR_NOT_CONVERGED)
     units, pad = [_unit(scene, quantity) for quantity in DERIVATIVES], scene.pad
-    values, errors = (
-        dict(zip(DERIVATIVES, (numbers / units).tolist(), strict=True))
-        for numbers in (growth, error)
-    )
+    values = dict(zip(DERIVATIVES, (growth / units).tolist(), strict=True))
+    errors = dict(zip(DERIVATIVES, (error / units).tolist(), strict=True))
     values["x_m"], values["y_m"] = pad.turned(values["x_m"], values["y_m"])
     from_x, from_y = pad.turned(errors["x_m"], 0.0), pad.turned(0.0, errors["y_m"])
     errors["x_m"], errors["y_m"] = (abs(a) + abs(b) for a, b in zip(from_x, from_y, strict=True))

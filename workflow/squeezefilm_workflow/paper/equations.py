@@ -76,10 +76,8 @@ def _values(study: Results, *, design_source: Results) -> Iterator[tuple[str, st
         yield FIT_OF_MODEL[name], f"worst relative error, {where}", "%", worst
     for name, fit_name in FIT_OF_DESIGN.items():
         fit = study.fit(fit_name)
-        slopes, first = (
-            fit.force_model.gradient(fit.theta, factors_of(side.design(name)))
-            for side in (study, design_source)
-        )
+        slopes = fit.force_model.gradient(fit.theta, factors_of(study.design(name)))
+        first = fit.force_model.gradient(fit.theta, factors_of(design_source.design(name)))
         part = "D-efficiency of the points that the paper's equation finds"
         yield part, name.replace("_", " "), "–", d_efficiency(first, slopes)
 

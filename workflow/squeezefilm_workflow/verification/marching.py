@@ -33,10 +33,8 @@ def fold_of(scene: Scene) -> tuple[bool, bool]:
     nodes, phases = np.linspace(0.03, 0.46, 7), np.array([0.5, 2.0])
     x, y = np.meshgrid(nodes, 1.1 * nodes, indexing="ij")
     here = scene.gap(x, y, phases)
-    even_x, even_y = (
-        np.allclose(scene.gap(*there, phases), here, rtol=0, atol=1e-13)
-        for there in ((1 - x, y), (x, 1 - y))
-    )
+    even_x = np.allclose(scene.gap(1 - x, y, phases), here, rtol=0, atol=1e-13)
+    even_y = np.allclose(scene.gap(x, 1 - y, phases), here, rtol=0, atol=1e-13)
     return even_x and scene.bearing_number == 0, even_y
 
 

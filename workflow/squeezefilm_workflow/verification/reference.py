@@ -47,10 +47,9 @@ def reference_force(scene: Scene, *, degree: int = 18) -> Reference:
     closure = scene.closure()
     ratio = closure / (1 + math.sqrt(1 - closure**2))
     instants = 20 + math.ceil(1.3 * math.log(1e-12) / math.log(ratio))
-    coarse, fine = (
-        _mean_force(scene, degree=d, instants=nt + 1 - nt % 2)
-        for d, nt in ((degree - 4, instants * 4 // 5), (degree, instants))
-    )
+    fewer = instants * 4 // 5
+    coarse = _mean_force(scene, degree=degree - 4, instants=fewer + 1 - fewer % 2)
+    fine = _mean_force(scene, degree=degree, instants=instants + 1 - instants % 2)
     return Reference(force=fine, uncertainty=abs(fine - coarse) + ROUND_OFF)
 
 

@@ -46,10 +46,8 @@ def depth_averaged(options: argparse.Namespace) -> None:
     lines = ["thermal,reynolds,sigma,averaged,resolved"]
     for thermal, reynolds, sigma in table_points():
         print_step(f"Re {reynolds:g}, σ {sigma:g}{', thermal effects' * thermal}")
-        averaged, resolved = (
-            force(reynolds=reynolds, sigma=sigma, thermal=thermal)
-            for force in (averaged_force, resolved_force)
-        )
+        averaged = averaged_force(reynolds=reynolds, sigma=sigma, thermal=thermal)
+        resolved = resolved_force(reynolds=reynolds, sigma=sigma, thermal=thermal)
         lines.append(f"{thermal:d},{reynolds:g},{sigma:g},{averaged:.6f},{resolved:.6f}")
     write_text("\n".join(lines) + "\n", options.output)
 
