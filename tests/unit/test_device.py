@@ -5,11 +5,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
 
 from squeezefilm.api.forces import compile_kernels
+from squeezefilm.cli import setup
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
@@ -80,6 +82,20 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
     assert "fails its self-test" in message
     assert "inertia: " in message
     assert "slip: " not in message
+
+
+def test_pocl_goes_before_another_driver_of_the_processor(monkeypatch, capsys):
+    """Intel's OpenCL may be listed first; kernels are tuned for PoCL."""
+    (pocl, *_) = [each for each in device.list_devices() if device._of_pocl(each)]
+    platform = SimpleNamespace(name="Intel(R) OpenCL")
+    other = SimpleNamespace(
+        platform=platform, name="cpu", version="3", type=pocl.type, double_fp_config=1
+    )
+    monkeypatch.setattr(device, "list_devices", lambda: [other, pocl])
+    monkeypatch.setattr(setup, "list_devices", device.list_devices)
+    assert device._choose_device.__wrapped__("auto", None).context.devices == [pocl]
+    assert main(["doctor"]) == 0
+    assert "then PoCL, for which kernels are tuned" in capsys.readouterr().out
 
 
 AVX_512 = "flags : fma avx2 avx512f avx512dq avx512cd avx512bw avx512vl"

@@ -190,11 +190,25 @@ FORMS: dict[str, bytes] = {
     "effective values": text(
         "x_mm,y_mm,displacement_rms_um,phase_deg", X, Y, abs(U) / np.sqrt(2), PHASE
     ).encode(),
+    "names by MATLAB": with_header("X_mm_,Y_mm_,Amplitude_um_,Phase_deg_").encode(),
+    "prepositions": COMMAS.replace(
+        "x_mm;y_mm;amplitude_µm;phase_deg", "X en mm;Y en mm;Weg in µm;Phase en degrés"
+    ).encode(),
+    "mils and cycles": text(
+        "x_in,y_in,amplitude_mil,phase_cycles", X / 25.4, Y / 25.4, abs(U) / 25.4, PHASE / 360
+    ).encode(),
     "peak to peak": with_header("x_mm,y_mm,Displ. pk-pk [µm],phase_deg")
     .replace(PLAIN.partition("\n")[2], text("", X, Y, 2 * abs(U), PHASE)[1:])
     .encode(),
     "thousands in German": grouped(",", "."),
     "thousands in English": grouped(".", ","),
+    "thousands without decimals": "\n".join(
+        ["x_mm,y_mm,amplitude_pm,phase_deg"]
+        + [
+            f'{x:.9g},{y:.9g},"{1e6 * abs(u):,.0f}",{180 * (u < 0)}'
+            for x, y, u in zip(X, Y, U, strict=True)
+        ]
+    ).encode(),
     "thousands in French": grouped(",", "\u202f"),
     "Spanish": text(
         "Punto;Coordenada X (mm);Coordenada Y (mm);Amplitud (µm);Fase (grados)",

@@ -81,6 +81,7 @@ def mine(repository):
     return {**study, "study": "mine"}
 
 
+@pytest.mark.skipif(not shutil.which("git"), reason="no git")
 def test_rules_come_from_a_git_repository(repository, installed, mine, tmp_path):
     """As `snakedeploy deploy-workflow` writes it; the packages are those of the wheel."""
     source, folder = tmp_path / "repository", tmp_path / "deployed"

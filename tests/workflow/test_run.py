@@ -1,10 +1,11 @@
 """The quick study runs from start to end, and what made it is written down."""
 
 import numpy
+import pytest
 
 from squeezefilm.tables import read_forces, read_json, read_scenes
 
-from .conftest import QUICK, snakemake
+from .conftest import QUICK, copy_checkout, snakemake
 
 
 def test_every_plan_has_a_force_for_every_point(finished):
@@ -31,3 +32,14 @@ def test_the_report_is_made_without_warnings(finished, tmp_path):
     assert done.returncode == 0, done.stdout
     assert page.exists()
     assert "Warning" not in done.stdout
+
+
+@pytest.mark.parametrize("profile", ["slurm", "generic"])
+def test_a_dry_run_tells_which_jobs_go_to_the_cluster(profile, repository, tmp_path):
+    folder = copy_checkout(repository, tmp_path / "checkout")
+    options = ("--dry-run", "--workflow-profile", f"profiles/{profile}")
+    told = snakemake(folder, *QUICK, *options).stdout
+    (line,) = [line for line in told.splitlines() if line.startswith("Cluster jobs: ")]
+    names = {*line.removeprefix("Cluster jobs: ").partition(".")[0].split(", ")}
+    assert {"simulate", "simulate_plan"} <= names
+    assert not {"plan", "merge", "fit", "all"} & names

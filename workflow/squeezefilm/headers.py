@@ -41,7 +41,7 @@ def words_and_unit(cell: str, units: Collection[str]) -> Iterator[tuple[list[str
 
     First come known units, then none, then the last word as a unit that is not known.
     """
-    name = folded(cell.partition("@")[0])
+    name = folded(cell.partition("@")[0]).rstrip(" _")
     ends = [(name[: at.start()], unit_in(name[at.end() :])) for at in BREAK.finditer(name)]
     # Decibels are known, to be named in a message: the file does not tell what 0 dB is.
     known = [end for end in ends if end[1] in units or "db" in end[1]]

@@ -108,6 +108,10 @@ def doctor(options: argparse.Namespace) -> None:
         _section("devices", {device_name(device): _kind(device) for device in list_devices()})
         device = choose_device(option=options.device)
         _section("chosen device", describe(device))
+        if len(list_devices()) > 1:
+            print(
+                "of several that match GPUs are taken first, then PoCL, for which kernels are tuned"
+            )
     except ImportError as error:
         raise RunError(
             f'pyopencl cannot be imported ({error}); install it: pip install "pyopencl[pocl]"'

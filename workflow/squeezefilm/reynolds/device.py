@@ -182,7 +182,8 @@ def choose_device(
 
     The command line's ``option`` goes before the environment variable SQUEEZEFILM_DEVICE, and that
     before what is ``configured``. ``auto`` takes a processor: another device is taken when it is
-    named, and has to prove itself (self_test.py). Among those that match, GPUs go first.
+    named, and has to prove itself (self_test.py). Among those that match GPUs go first, then PoCL,
+    for which kernels are tuned.
 
     Raises:
         InputError: when no matching device computes in double precision.
@@ -211,8 +212,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
             f"no OpenCL device with double precision matches {wanted!r}; devices found: {others}. "
             'An embedded one comes with: pip install "pyopencl[pocl]"'
         )
-    devices.sort(key=lambda device: not device.type & cl.device_type.GPU)
-    device = devices[0]
+    device = min(devices, key=lambda each: (not each.type & cl.device_type.GPU, not _of_pocl(each)))
     context = cl.Context([device])
     on_gpu = bool(device.type & cl.device_type.GPU)
     wide = device.native_vector_width_double >= 8

@@ -22,11 +22,15 @@ from squeezefilm.film.measured.scan import nearest_line
 from squeezefilm.headers import folded, unit_in, words_and_unit
 from squeezefilm.units import unit_sizes
 
-LENGTHS_M = {folded(name): size for name, size in unit_sizes("m").items()} | {"in": 0.0254}
+LENGTHS_M = {folded(name): size for name, size in unit_sizes("m").items()} | {
+    "in": 0.0254,
+    "mil": 25.4e-6,
+}
 # Units of motions, and by which power of the angular frequency they are larger than a displacement.
 PER_SECOND = {"": 0, "/s": 1, "/s²": 2}
 MOTIONS = {name + end: size for end in PER_SECOND for name, size in LENGTHS_M.items()}
 ANGLES_RAD = {name: math.radians(degrees) for name, degrees in unit_sizes("deg").items()}
+ANGLES_RAD |= {"cycles": 2 * math.pi}
 FREQUENCIES_HZ = {name.lower(): size for name, size in unit_sizes("Hz").items()}
 PLACES = dict.fromkeys(("x", "y", "r"), LENGTHS_M) | {"phi": ANGLES_RAD}
 SHAPES = dict.fromkeys(("amplitude", "real", "imaginary"), MOTIONS) | {"phase": ANGLES_RAD}

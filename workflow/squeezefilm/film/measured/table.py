@@ -81,7 +81,7 @@ OTHER_FORMATS = {
 }
 """How files begin that are no text, and what to do with them."""
 MOST_LOOKED_AT = 1000
-MISSING = ("", "nan", "na", "n/a", "#n/a", "#nv", "#div/0!", "-", "--")
+MISSING = ("", "nan", "na", "n/a", "#n/a", "#nv", "#div/0!", "not available", "-", "--")
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
 BESIDE_ROWS, TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*|[-=*_]{3,}"), 5
 # So many rows at a place that differ in time are a time series.
@@ -464,7 +464,7 @@ def _without_thousands(cells: pd.Series) -> pd.Series:
     cells = cells.str.replace(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", regex=True)
     for decimal, between in ((",", "."), (".", ",")):
         whole = rf"[-+]?\d{{1,3}}(?:\{between}\d{{3}})+"
-        told = cells.str.fullmatch(rf"{whole}\{decimal}\d+").any()
+        told = cells.str.fullmatch(rf"{whole}(?:\{decimal}\d+|\{between}\d{{3}})").any()
         elsewhere = cells.str.replace(whole, "", regex=True).str.contains(between, regex=False)
         if told and not elsewhere.any():
             return cells.str.replace(between, "", regex=False)
