@@ -6,11 +6,7 @@ from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.job import Job, Study, run
-from squeezefilm_workflow.verification.work_precision import (
-    FILMS,
-    FILMS_WITH_EFFECTS,
-    work_precision,
-)
+from squeezefilm_workflow.verification.work_precision import FILMS, work_precision
 
 BATCH = 100
 
@@ -19,7 +15,7 @@ def main(snakemake: Job, config: Study) -> None:
     settings, device = config.numerics, device_of(config)
     full = settings.extent == "full"
     table = work_precision(
-        FILMS + FILMS_WITH_EFFECTS if full else (FILMS[1], FILMS_WITH_EFFECTS[0]),
+        FILMS if full else (FILMS[1], FILMS[4]),
         repeats=settings.repeats,
         batch=BATCH,
         longest_seconds=settings.longest_seconds,

@@ -16,8 +16,7 @@ from squeezefilm import load
 from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
-from squeezefilm.film.pad import Pad, Shape
-from squeezefilm.film.profiles import Piston
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
@@ -25,13 +24,9 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.terms import label_of, terms_of
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import space_of
+from squeezefilm_workflow.verification.films import PADS, PISTON
 from squeezefilm_workflow.verification.origin import origin
-from squeezefilm_workflow.verification.work_precision import (
-    FILMS,
-    FILMS_WITH_EFFECTS,
-    measure,
-    work_precision,
-)
+from squeezefilm_workflow.verification.work_precision import FILMS, measure, work_precision
 
 PAPER = "config/paper.yaml"
 USED_LINE = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
@@ -44,16 +39,10 @@ BATCHES = ((1, 300), (10_000, 5))
 """Scenes of a batch, and how often it is solved; the median counts."""
 TERM_SCENES, TERM_TOLERANCE = 24, 1e-4
 TERM_H0_M, TERM_EPSILON = (1e-5, 3e-5), (0.05, 0.4)
-TERM_PADS: dict[str, tuple[Shape, float]] = {
-    "square, 35.4 mm": ("rectangle", 35.4e-3),
-    "disc, 40 mm": ("ellipse", 40e-3),
-}
-TERM_GASES = (
-    Gas(inertia="none", thermal="none"),
-    Gas(inertia="included", thermal="none"),
-    Gas(inertia="included", thermal="included"),
-)
-"""Pads above a piston and gases whose scenes are timed."""
+TERM_SIDES_M = {"square": 35.4e-3, "disc": 40e-3}
+NO_EFFECTS = Gas(inertia="none", thermal="none")
+INERTIA, THERMAL = {"inertia": "included"}, {"thermal": "included"}
+"""Pads above a piston, and inertia and thermal effects of the gas, whose scenes are timed."""
 ROUNDS = 9
 """Of the processes, one after the other; the first warms up, of the others the median counts."""
 
@@ -150,21 +139,22 @@ def term_times() -> pd.DataFrame:
     random, rows = np.random.default_rng(1), []
     h0_m = random.uniform(*TERM_H0_M, TERM_SCENES)
     hv_m = h0_m * random.uniform(*TERM_EPSILON, TERM_SCENES)
-    for (pad, (shape, side_m)), gas in product(TERM_PADS.items(), TERM_GASES):
-        actuator = Actuator(20e3, side_m, profile=Piston())
-        film = Film(gas, actuator, Pad(side_m, side_m, 0.0, shape=shape))
-        scenes = [film.scene(*gap_m) for gap_m in zip(h0_m, hv_m, strict=True)]
+    for (pad, side_m), effects in product(TERM_SIDES_M.items(), ({}, INERTIA, INERTIA | THERMAL)):
+        actuator = Actuator(20e3, side_m, profile=PISTON)
+        film = Film(NO_EFFECTS, actuator, Pad(side_m, side_m, 0.0, shape=PADS[pad]))
+        scenes = [film.scene(*gap_m).with_gas(**effects) for gap_m in zip(h0_m, hv_m, strict=True)]
         call = partial(solve, scenes, tolerance=TERM_TOLERANCE)
         solutions, (_, processor, _) = measure(call, repeats=5, long_seconds=np.inf)
         milliseconds = f"{1e3 * processor / TERM_SCENES:.2g}"
         solved = int(np.sum(solutions.status == "ok"))
         iterations = f"{np.mean(solutions.krylov_iterations):.0f}"
-        rows.append((pad, label_of(terms_of(scenes[0])), solved, milliseconds, iterations))
+        terms = label_of(terms_of(scenes[0]))
+        rows.append((f"{pad}, {1e3 * side_m:g} mm", terms, solved, milliseconds, iterations))
     columns = ["pad", "terms", "solved", "processor (ms a scene)", "Krylov iterations"]
     return pd.DataFrame(rows, columns=columns)
 
 
-def equal_error(films: tuple[Scene, ...] = (FILMS[1],)) -> pd.DataFrame:
+def equal_error(films: tuple[Scene, ...] = FILMS[1:2]) -> pd.DataFrame:
     """First and last run of each other method on films, and the solver's at equal error.
 
     Of those runs that a run of the solver is no worse than.
@@ -188,7 +178,7 @@ def equal_error(films: tuple[Scene, ...] = (FILMS[1],)) -> pd.DataFrame:
 
 def equal_error_with_effects() -> pd.DataFrame:
     """Return the same of films with inertia and thermal effects."""
-    return equal_error(FILMS_WITH_EFFECTS)
+    return equal_error(FILMS[4:])
 
 
 def child_seconds(*words: str) -> float:

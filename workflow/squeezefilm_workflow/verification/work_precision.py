@@ -35,8 +35,7 @@ FILMS = (
     film("ε = 0.44, σ = 583", 0.44, 583.0),
     film("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
     film("ε = 0.9, σ = 583", 0.9, 583.0),
-)
-FILMS_WITH_EFFECTS = (
+    # With inertia and thermal effects.
     film("disc, Re = 2, ε = 0.4, σ = 100", 0.4, 100.0, shape="ellipse", reynolds=2.0, thermal=True),
     film("Re = 1, ε = 0.44, σ = 583", 0.44, 583.0, reynolds=1.0, thermal=True),
     film("off centre, Re = 1, ε = 0.4, σ = 583", 0.4, 583.0, x=0.2, reynolds=1.0, thermal=True),

@@ -24,7 +24,7 @@ STYLE_OF_METHOD = {
 }
 """Colour, marker and line of each method."""
 MARKER_OF_VERDICT = {"solved": "o", "unchecked": "D", "not supported": "s", "failed": "X"}
-EPSILON_TICKS = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99)
+EPSILON_TICKS = (0.001, 0.1, 0.5, 0.9, 0.99)
 LARGEST_EPSILON = 0.998
 DOT_OFFSET = 0.25
 """Of films in one place, in decades of σ."""
@@ -35,23 +35,23 @@ PAD_OFFSET = 0.09
 def stability(results: Results) -> Figure:
     """Left the films without inertia over (ε, σ), beside it those with inertia over (Re, σ)."""
     data = results.table("numerics/stability.csv", "verdict", "worst_ratio", "terms")
+    data = data.sort_values("epsilon", kind="stable")
     figure = style.new_figure(wide=True, height_in=4.4)
     left, middle, right = figure.subplots(1, 3, width_ratios=(3, 2, 2), sharey=True)
     moving = data["modified_reynolds"] > 0
     thermal = data["terms"].str.contains("thermal effects")
     pad_offset = np.where(data["case"].str.startswith("disc"), -PAD_OFFSET, PAD_OFFSET) * thermal
     shown = _films(left, data[~moving].assign(x=data["epsilon"].clip(upper=LARGEST_EPSILON)))
-    left.set(xscale="logit", xlabel="excursion ratio ε (–); contact at the right edge")
+    left.set(xscale="logit", xlabel="excursion ratio ε (–)")
     left.set_xticks(EPSILON_TICKS, [f"{tick:g}" for tick in EPSILON_TICKS])
     left.set(xlim=(4e-4, 0.9988), ylabel="squeeze number σ (–)", title="(a) without inertia")
     data = data.assign(x=data["modified_reynolds"] * 10**pad_offset)
-    data = data.sort_values("epsilon", kind="stable")
     for panel, films, limits, title in (
-        (middle, data[moving & ~thermal], (0.2, 120), "(b) with inertia"),
-        (right, data[thermal], (0.05, 40), "(c) also thermal effects"),
+        (middle, data[moving & ~thermal], (0.2, 120), "(b) inertia"),
+        (right, data[thermal], (0.05, 40), "(c) thermal effects"),
     ):
         _films(panel, films)
-        panel.set(xscale="log", xlim=limits, xlabel="Reynolds number Re (–)", title=title)
+        panel.set(xscale="log", xlim=limits, xlabel="Re (–)", title=title)
     label = "largest deviation over the allowed one (–)"
     figure.colorbar(shown, ax=(left, middle, right), pad=0.01, aspect=40, label=label)
     for verdict, count in data["verdict"].value_counts().items():
@@ -59,8 +59,8 @@ def stability(results: Results) -> Figure:
         left.plot([], [], marker, color="0.4", linestyle="", label=f"{verdict} ({count})")
     figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=4)
     note = (
-        "Films of one place are drawn one above the other, ε rising; in (c) discs at the left of "
-        "each Re, squares at the right; white: no check applies."
+        "Films of one place are drawn one above the other, ε rising; (c) has inertia too, discs "
+        "left of each Re, squares right; white: no check."
     )
     style.add_note(figure, note)
     return figure
