@@ -134,7 +134,7 @@ def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
     matrices = [_of_axis(*each) for each in zip((grid.x, grid.y), lengths, strict=True)]
     if grid.outline:
         matrices = [
-            matrices_of_axis | bent
+            {**matrices_of_axis, **bent}
             for matrices_of_axis, bent in zip(matrices, _bends(grid), strict=True)
         ]
     return {
