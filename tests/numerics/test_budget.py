@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import isnan
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from periodic_strip import PeriodicStrip
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.lazy import cl
+from squeezefilm.quantities import states
 from squeezefilm.quantities.model_error import (
     EFFECT_NAMES,
     Effect,
@@ -22,6 +24,7 @@ from squeezefilm.quantities.model_error import (
 from squeezefilm.reynolds import device as devices
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.periodic import refinement
 
 
 def slipping(scene: Scene, rarefaction: str = "slip") -> Scene:
@@ -86,6 +89,19 @@ def test_a_force_with_its_budget_waits_for_few_programs(
     (found,) = error_budgets([scene.with_gas(inertia=every, thermal=every)], device=unused)
     assert not found.unknown
     assert devices._program.cache_info().misses - built == programs
+
+
+def test_a_force_with_its_budget_takes_few_launches(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each costs the host two milliseconds, ten times what the device takes for a film."""
+    launch = Mock(side_effect=refinement.launch)
+    solve_batch = Mock(side_effect=states.solve_batch)
+    monkeypatch.setattr(refinement, "launch", launch)
+    monkeypatch.setattr(states, "solve_batch", solve_batch)
+    (found,) = error_budgets([scene])
+    assert not found.unknown
+    assert launch.call_count + solve_batch.call_count <= 16
 
 
 def test_slip_with_the_flow_factor_is_the_difference_of_two_forces() -> None:

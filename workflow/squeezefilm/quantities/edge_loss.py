@@ -154,14 +154,14 @@ def square_of_inflow(films: Fields, velocity: np.ndarray) -> np.ndarray:
 def added_by_edge(films: Fields) -> dict[str, np.ndarray]:
     """Return what the pressure on the edge adds, by the names of terms/edge_pressure.py."""
     gap, flows = films.gap[films.inner], _flows_by_edge(films)
+    powers = gap * np.sqrt(gap), gap  # np.power takes ten times longer
     added = {"edge_flow": np.zeros_like(gap)}
     for k, (axis, name) in enumerate(zip(films.axes_with_ends, "xy", strict=False)):
         values, slope, second = _from_edge(axis, films.lengths[k])
         edge = films.edge[films.inside_across(k)]
         added[f"edge_values_{name}"] = along(k, values, edge)
         added[f"edge_slope_{name}"] = along(k, slope, edge)
-        for term, flow in enumerate(flows):
-            power = gap ** (0.5 * (3 - term))
+        for power, flow in zip(powers, flows, strict=False):
             added["edge_flow"] += power * along(k, second, flow[films.inside_across(k)])
     return added
 
@@ -181,14 +181,16 @@ def _from_edge(axis: Axis, length: float) -> tuple[np.ndarray, np.ndarray, np.nd
 def _flows_by_edge(films: Fields) -> list[np.ndarray]:
     """v of each flow term on the edge, c_k H^((3−k)/2) (g_k(P) − g_k(1)); inside it is 0."""
     gap, rise = films.gap, films.edge
-    power = 1 + films.numbers("inverse_exponent", absent=1.0)
-    flows = [gap**1.5 * ((1 + rise) ** power - 1) / power]
+    power, root = 1 + films.numbers("inverse_exponent", absent=1.0), np.sqrt(gap)
+    # Isothermal, (P² − 1)/2.
+    potential = rise * (1 + rise / 2) if np.all(power == 2) else ((1 + rise) ** power - 1) / power
+    flows = [gap * root * potential]
     if films.equation["flow"].shape[1] > 1:
         slip, inverse = slip_of(films.equation, gap)
         if inverse is None:
             flows.append(slip * gap * rise)
         else:  # to first order in the pressure, as flow_from splits the flow
             growth = flow_factor_derivatives(inverse)[0]
-            flows[0] = flows[0] + gap**1.5 * slip / gap * growth * rise
+            flows[0] = flows[0] + root * slip * growth * rise
             flows.append(slip * gap * (slip_flow(inverse) - growth) * rise)
     return flows

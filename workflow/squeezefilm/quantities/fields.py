@@ -18,6 +18,7 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
 from squeezefilm.reynolds.spectral import AngleAxis, Axis, FluxPoints, even_and_odd
+from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
 
 
@@ -63,6 +64,7 @@ class Fields:
         unknowns: P − 1 and the deficits of the velocity at the unknowns, (scenes, fields, nx, ny,
             nt).
         edge: P − 1 on the film's edge, a field that is zero inside and at corners.
+        terms: those that the scenes have.
         equation: the numbers of each scene's equation; they come as columns, to go with fields:
             ``number``.
         rest_gap, gap: H at rest, and H.
@@ -73,6 +75,7 @@ class Fields:
     grid: Grid
     unknowns: np.ndarray
     edge: np.ndarray
+    terms: Terms
     equation: np.ndarray
     rest_gap: np.ndarray
     gap: np.ndarray
@@ -84,7 +87,8 @@ class Fields:
     def of(cls, scenes: Sequence[Scene], grid: Grid, unknowns: np.ndarray) -> Self:
         """States under ambient pressure on the edge."""
         scenes = Scenes.of(scenes)
-        equation = numbers_table(scenes, terms_of_all(scenes))
+        terms = terms_of_all(scenes)
+        equation = numbers_table(scenes, terms)
         nodes = (slice(len(weights_with_edge(axis))) for axis in (grid.x, grid.y))
         parts = gap_parts(scenes, grid).swapaxes(0, 1)[..., *nodes, None]
         rest_gap = 1 + numbers_of(equation, "per_rise", absent=0.0) * sum(parts[2:])
@@ -95,7 +99,7 @@ class Fields:
         along = (grid.area, grid.map_slope, grid.map_log_slope)
         outline = (np.asarray(at(across))[..., None] for at in along)
         ambient = np.zeros_like(gap)
-        return cls(scenes, grid, unknowns, ambient, equation, rest_gap, gap, *outline)
+        return cls(scenes, grid, unknowns, ambient, terms, equation, rest_gap, gap, *outline)
 
     def at(self, rows: np.ndarray | slice) -> Self:
         """The states of some of the films, which may come more than once."""

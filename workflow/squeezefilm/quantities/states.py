@@ -107,7 +107,7 @@ def solved_beside(
     """
     none = dict.fromkeys(EdgePressure.OPERATORS, np.zeros_like(films.unknowns[:, 0]))
     how: dict[str, Any] = {"tolerance": tolerance, "device": device, "guess": films.unknowns}
-    states = solve_batch(films.scenes, films.grid, **how, edge={**none, **added})
+    states = solve_batch(films.scenes, films.grid, **how, terms=films.terms, edge={**none, **added})
     mean = np.where(states.status == 0, states.mean + films.mean(films.edge), np.nan)
     return replace(films, unknowns=states.unknowns), mean
 

@@ -239,19 +239,21 @@ def solve_batch(
     device: Device,
     guess: np.ndarray | None = None,
     edge: Mapping[str, np.ndarray] | None = None,
+    terms: Terms | None = None,
     most_newton: int = MOST_NEWTON,
 ) -> States:
     """The periodic states of scenes of one pad shape and like terms on one grid.
 
     Args:
         guess, edge: as of a ``Batch``.
+        terms: those that all scenes have, where they are known.
         most_newton: steps of Newton's method.
 
     Raises:
         ValueError: for scenes of unlike terms.
     """
     scenes = Scenes.of(scenes)
-    terms = terms_of_all(scenes)
+    terms = terms_of_all(scenes) if terms is None else terms
     if edge is not None:
         terms = (EdgePressure(), *terms)
     rows = np.arange(len(scenes))
