@@ -74,6 +74,8 @@ def test_a_simulation_without_a_force_counts_as_infinitely_wrong():
     assert interval(factors, force_n=few).error_99 is None
     lost = interval(factors, force_n=many)
     assert lost.error_95 is None
+    half = f"as measured on {len(calibration)} of 200 independent simulations; "
+    assert half in interval(factors).statement
     assert lost.statement.startswith("Not validated: of 200 independent simulations, 5 of which")
     assert np.isnan(lost.error_n([0.5])).all()
 

@@ -1,7 +1,9 @@
 """The rules in other workflows and folders; a study given twice or wrong is refused."""
 
+import re
 import shutil
 import subprocess
+from textwrap import dedent
 
 import pandas as pd
 import pytest
@@ -63,13 +65,6 @@ module squeezefilm:
 
 use rule * from squeezefilm
 """
-TWO = """
-module {study}:
-    snakefile: "{snakefile}"
-    config: yaml.safe_load(open("{study}.yaml"))
-
-use rule * from {study} as {study}_*
-"""
 FORCES = "h0_m,hv_m,force_n,force_uncertainty_n\n2e-5,1e-6,1e-3,1e-4\n"
 NOT_INSTALLED = "raise ModuleNotFoundError(name='squeezefilm')"
 
@@ -116,22 +111,24 @@ def test_rules_come_from_a_git_repository(repository, installed, mine, tmp_path)
 
 
 def test_two_studies_are_two_modules(repository, tmp_path):
-    """Each reads and writes in its own folder, and an edit of one leaves the other as it is."""
+    """As the page shows them: each in its own folder; an edit of one leaves the other as it is."""
     study = yaml.safe_load((repository / "config/synthetic.yaml").read_text(encoding="utf-8"))
     study["measurements"] = {"file": "forces.csv"}
     (tmp_path / "forces.csv").write_text(FORCES, encoding="utf-8")
-    for name in ("first", "second"):
+    (tmp_path / "config").mkdir()
+    for name in ("mine", "second"):
         text = yaml.safe_dump({**study, "study": name})
-        (tmp_path / f"{name}.yaml").write_text(text, encoding="utf-8")
-    place = {"snakefile": repository / "workflow/Snakefile"}
-    modules = [TWO.format(study=name, **place) for name in ("first", "second")]
-    (tmp_path / "Snakefile").write_text("import yaml\n" + "".join(modules), encoding="utf-8")
-    figure = "results/first/figures/measurements.svg"
+        (tmp_path / f"config/{name}.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "squeezefilm").symlink_to(repository)
+    page = (repository / "docs/reference/configuration.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"^    import yaml\n(?:(?:    .*)?\n)*", page, re.MULTILINE)
+    (tmp_path / "Snakefile").write_text(dedent(shown), encoding="utf-8")
+    figure = "results/mine/figures/measurements.svg"
     done = snakemake(tmp_path, figure, "--cores", "1")
     assert done.returncode == 0, done.stdout
     assert [path.name for path in (tmp_path / "results/second").iterdir()] == ["study.yaml"]
     edited = yaml.safe_dump({**study, "study": "second", "solver": {"tolerance": 1e-5}})
-    (tmp_path / "second.yaml").write_text(edited, encoding="utf-8")
+    (tmp_path / "config/second.yaml").write_text(edited, encoding="utf-8")
     assert "Nothing to be done" in snakemake(tmp_path, figure, "--dry-run").stdout
 
 

@@ -86,7 +86,7 @@ def columns_of(*, option: str = "{}", **given: Values | None) -> dict[str, tuple
 
 
 def points_of(*, option: str = "{}", **given: Values | None) -> Points:
-    """The same as a table; what is added to it, such as forces, is a table of Points again."""
+    """Every combination as a table of Points, to which forces can be added as columns."""
     from squeezefilm.api.points import Points
 
     return Points(columns_of(option=option, **given), dtype=float)
@@ -146,7 +146,11 @@ class Film:
         gas: Mapping[str, Any] | None = None,
         solver: Mapping[str, Any] | None = None,
     ) -> Film:
-        """A film without a file, from the keys of a study's sections (config/README.md).
+        """A film without a file, from the keys of a study's sections.
+
+        The keys of the sections are those of docs/reference/configuration.md, such as ``actuator``:
+        frequency, surface_radius, profile; ``pad``: shape, length_x, length_y, speed_x, gap;
+        ``gas``: name, inertia, thermal, rarefaction; ``solver``: tolerance, method.
 
         By default the gas is air at 20 °C, with inertia and thermal effects where they matter, the
         pad a flat rectangle at rest and the relative tolerance 1e-6. The path of a measured
@@ -297,7 +301,7 @@ class Film:
         outputs: Sequence[str] | None = None,
         budget: bool = False,
     ) -> pd.DataFrame:
-        """The same for a table of points: h0_m, hv_m and a position, if any.
+        """The forces at a table of points: h0_m, hv_m and a position, if any.
 
         Example:
             >>> study.forces(pd.DataFrame({"h0_m": [5e-6, 6e-6], "hv_m": 2e-6}))["force_n"]

@@ -140,7 +140,7 @@ class Fit:
         return self.amplitudes_for(points, force)
 
     def amplitudes_for(self, points: pd.DataFrame, force: str | float) -> pd.DataFrame:
-        """The same for a table of points: h0_m and a position, if any.
+        """The smallest amplitudes for a force at a table of points: h0_m and a position, if any.
 
         Example:
             >>> fit.amplitudes_for(pd.DataFrame({"h0_m": [5e-6, 6e-6]}), "0.2 N")["hv_m"]
@@ -176,7 +176,7 @@ class Fit:
         return [float(f"{gap:.12g}") for gap in gaps]
 
     def code(self, language: str) -> str:
-        """The model as code without dependencies, in ``c``, ``python`` or ``javascript``.
+        """The model as code in ``c``, ``python``, ``javascript`` or ``matlab``.
 
         Raises InputError for a model with asymptotic forces whose file has no table of them.
 

@@ -39,7 +39,7 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
 @command(
-    option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10"),
+    option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1:1:10N"),
     option("--mass", "QUANTITY", "levitated mass, e.g. 50g, for the resonance"),
     option("--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"),
     *SOLVER_OPTIONS,
@@ -50,7 +50,7 @@ def levitate(options: argparse.Namespace) -> None:
 
       squeezefilm levitate --load 0.5N --hv 1.5um [--mass 50g]
       squeezefilm levitate --mass 10g --hv 1.5um
-      squeezefilm levitate --load 0.1N:1N:10 --hv 1um,2um --output LEVITATION.csv
+      squeezefilm levitate --load 0.1:1:10N --hv 1um,2um --output LEVITATION.csv
 
     The gap is found by simulations at the pad's position. Its modelling error is the modelling
     error of the force divided by the stiffness; `h0_error_m` is the numerical error, and

@@ -61,12 +61,14 @@ def simulate(options: argparse.Namespace) -> None:
     and point_id; results of other commands beside them are ignored.
 
     The others take quantities: a number with its unit, several with commas, or evenly spaced ones
-    as first:last:count; every combination is a point. One point
-    is shown with its force, errors and numbers; several make a table. `force_error_n` is
-    the numerical error; with a scan `measurement_noise_n` is what its noise adds (95 %), and each
-    quantity beside the force has a column `…_measurement_noise_…`. With `--budget`,
-    `modelling_error_lower_percent` and `…_upper_percent` bound the effects that the film equation
-    neglects.
+    as first:last:count: 0.5:2.5:9um are 9 values from 0.5 to 2.5 µm. The unit stands last or after
+    each number; every combination is a point. One point is shown with its force, errors and
+    numbers; several make a table.
+
+    `force_error_n` is the numerical error; with a scan `measurement_noise_n` is what its noise adds
+    (95 %), and each quantity beside the force has a column `…_measurement_noise_…`. With
+    `--budget`, `modelling_error_lower_percent` and `…_upper_percent` bound the effects that the
+    film equation neglects.
 
     `validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with
     what that means. One point outside them is shown too, with exit status 1; rows of a table end
@@ -81,9 +83,10 @@ def simulate(options: argparse.Namespace) -> None:
     of the gas, with their errors, by films beside each scene; `derivatives_status` states why
     there are none. `--outputs thrust,power` adds these quantities instead of the study's `outputs`,
     each with its error, from the periodic state; `outputs_status` states which are missing and
-    why. `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms,
-    absent terms and why, first grid and expected cost, or with --output writes them, a row
-    for each scene.
+    why. `harmonics` has film stiffness and damping, `static_stiffness` is −dF/dh0.
+
+    `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms, absent terms
+    and why, first grid and expected cost, or with --output writes them, a row for each scene.
     """
     outputs = None if options.outputs is None else [*filter(None, options.outputs.split(","))]
     film = film_of_options(options, outputs)

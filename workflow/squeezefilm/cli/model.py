@@ -99,13 +99,17 @@ def export(options: argparse.Namespace) -> None:
       squeezefilm export FIT.json --language c --output force.h
       squeezefilm export FIT.json --language python --output force.py
       squeezefilm export FIT.json --language javascript --output force.js
+      squeezefilm export FIT.json --language matlab --output force.m
 
     The C header (C99, <math.h>) has NAME_force_n(h0_m, hv_m, …), the Python module force_n(h0_m,
-    hv_m, …), JavaScript a constant NAME with NAME.force_n(h0_m, hv_m, …), all in newtons from SI
-    units (phi_deg in degrees), with a function for the 95 % error of a force and one that says
-    whether a point lies in the declared space (see `squeezefilm predict --help`). A model that uses
-    the asymptotic expansion is written with its table of it, whose error is stated; without a
-    table, where the expansion does not hold all over the study's space, it cannot be exported.
+    hv_m, …), JavaScript a constant NAME with NAME.force_n(h0_m, hv_m, …), MATLAB a function of the
+    file's name: all in newtons from SI units (phi_deg in degrees), with a function for the 95 %
+    error of a force and one that says whether a point lies in the declared space (see
+    `squeezefilm predict --help`).
+
+    A model that uses the asymptotic expansion is written with its table of it, whose error is
+    stated; without a table, where the expansion does not hold all over the study's space, it cannot
+    be exported.
     """
     text = Fit.read(options.fit).code(options.language)
     if options.output:

@@ -33,7 +33,7 @@ HELP_OF_FACTOR = {
 }
 ERROR_PERCENTAGES = ("error_95_percent", "profile_uncertainty_percent")
 SEVERAL_VALUES_HELP = (
-    "each a value, several (5um,6um) or first:last:count (5:10:6um), in every combination"
+    "each a value, several (5um,6um) or first:last:count (5:10:6um: 6 values), in every combination"
 )
 
 OptionAdder = Callable[[argparse.ArgumentParser], list[argparse.Action]]
@@ -79,7 +79,7 @@ TOLERANCE_OPTION = option(
     "--tolerance", help="instead of the config's solver.tolerance", type=float
 )
 METHOD_OPTION = option("--method", help="instead of the config's solver.method", choices=METHODS)
-JSON_OPTION = flag("--json", "print one point as a JSON object, whose keys are names of columns")
+JSON_OPTION = flag("--json", "print one point as a JSON object; keys: docs/reference/columns.md")
 SOLVER_OPTIONS = (CONFIG_OPTION, TOLERANCE_OPTION, METHOD_OPTION, DEVICE_OPTION, JSON_OPTION)
 FILM_OPTIONS = (CONFIG_OPTION, DEVICE_OPTION, JSON_OPTION)
 FIT_ARGUMENT = option("fit", "FIT.json", "the fitted model")

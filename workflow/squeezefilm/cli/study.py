@@ -48,7 +48,7 @@ def profile(options: argparse.Namespace) -> None:
 
 @command(
     FORCES_ARGUMENT,
-    option("--model", "NAME", "such as two-factor", required=True),
+    option("--model", "NAME", "such as two_factor", required=True),
     STUDY_OPTION,
     option("--output", "FIT.json", "the best run", required=True),
     option("--sample", "FORCES.csv", "forces of a validation sample"),
@@ -59,7 +59,7 @@ def profile(options: argparse.Namespace) -> None:
 def fit(options: argparse.Namespace) -> None:
     """Fit an empirical force model to simulated forces, from many random starts.
 
-      squeezefilm fit FORCES.csv --model two-factor --config C.yaml --output FIT.json \\
+      squeezefilm fit FORCES.csv --model two_factor --config C.yaml --output FIT.json \\
           [--runs RUNS.csv]
 
     The model is one of the library's or of the study's own (its section `models`). What a model

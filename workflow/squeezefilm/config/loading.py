@@ -338,7 +338,7 @@ def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
     """
     source = Path("the module's config")
     if not values:
-        raise InputError(f"{source}: there is none; it must be a study (config/README.md)")
+        raise InputError(f"{source}: none; it must be a study (docs/reference/configuration.md)")
     try:
         plain = json.loads(json.dumps(values))
     except (TypeError, ValueError) as error:

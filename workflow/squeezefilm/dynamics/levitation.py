@@ -158,7 +158,7 @@ def levitate(
     Raises:
         InputError: for a load that is not positive, or one that no gap carries, with the range.
         RunError: where a force near the gap cannot be had to the tolerance, or where the gap says
-            nothing of a real film (``Levitation.untrustworthy``).
+            nothing of a real film (``Levitation.invalidity_reasons``).
     """
     if not (isfinite(load_n) and load_n > 0):
         raise InputError(f"load: {load_n:g} N must be a positive force")
