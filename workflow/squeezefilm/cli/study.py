@@ -28,7 +28,7 @@ def profile(options: argparse.Namespace) -> None:
     all scans (`measurement_noise_n`), its change by modes that the points do not determine
     (`misfit_n`), the force missing for a neglected quadrature component (`quadrature_n`), and the
     sum of all (`scan_error_n`), without the solver's error. PROFILE.csv has the scan's points with
-    their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
+    their residuals, drawn by `squeezefilm plot profile PROFILE.csv --output profile.png`.
     """
     forces, table, _, text = scan_report(load_config(options.config))
     if options.forces:
