@@ -35,8 +35,10 @@ def profile(options: argparse.Namespace) -> None:
     FORCES.csv has their forces with the half of the interval that holds the noise's part in 95 % of
     all scans (`measurement_noise_n`), its change by modes that the points do not determine
     (`misfit_n`), the force missing for a neglected quadrature component (`quadrature_n`), and the
-    sum of all (`scan_error_n`), without the solver's error. PROFILE.csv has the scan's points with
-    their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
+    sum of all (`scan_error_n`), without the solver's error.
+
+    PROFILE.csv has the scan's points with their residuals;
+    `squeezefilm plot profile PROFILE.csv --output profile.png` draws them.
     """
     forces, table, _, text = scan_report(load_config(options.config))
     if options.forces:

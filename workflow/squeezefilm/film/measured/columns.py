@@ -22,10 +22,8 @@ from squeezefilm.film.measured.scan import nearest_line
 from squeezefilm.headers import folded, unit_in, words_and_unit
 from squeezefilm.units import unit_sizes
 
-LENGTHS_M = {folded(name): size for name, size in unit_sizes("m").items()} | {
-    "in": 0.0254,
-    "mil": 25.4e-6,
-}
+LENGTHS_M = {folded(name): size for name, size in unit_sizes("m").items()}
+LENGTHS_M |= {"in": 0.0254, "mil": 25.4e-6}
 # Units of motions, and by which power of the angular frequency they are larger than a displacement.
 PER_SECOND = {"": 0, "/s": 1, "/s²": 2}
 MOTIONS = {name + end: size for end in PER_SECOND for name, size in LENGTHS_M.items()}

@@ -43,13 +43,17 @@ class Scan:
     origin_m: tuple[float, float] = (0.0, 0.0)
 
 
+def listed(places: Sequence[object]) -> str:
+    """Places in a file, or values, the first of many."""
+    return ", ".join(map(str, places[:POINTS_NAMED])) + ", …" * (len(places) > POINTS_NAMED)
+
+
 def missing_points(places: Sequence[int], *, what: str) -> list[str]:
     """A note that names the points without an amplitude, if there are any."""
-    named = ", ".join(map(str, places[:POINTS_NAMED])) + ", …" * (len(places) > POINTS_NAMED)
     many = "s" * (len(places) > 1)
     return [
         f"{len(places)} point{many} without an amplitude, excluded from profile and noise "
-        f"({what}{many} {named})"
+        f"({what}{many} {listed(places)})"
     ] * bool(len(places))
 
 

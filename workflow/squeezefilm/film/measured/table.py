@@ -44,10 +44,10 @@ from squeezefilm.film.measured.columns import (
 )
 from squeezefilm.film.measured.scan import (
     LARGEST_VALUE,
-    POINTS_NAMED,
     SAME_POSITION_M,
     Scan,
     angular_frequency,
+    listed,
     missing_points,
     nearest_line,
 )
@@ -244,7 +244,7 @@ def _values_in(values: pd.Series) -> str:
     """The values of a column in words, the first of many."""
     counts = values.value_counts(sort=False)
     named = [f"{value} ({count} rows)" for value, count in counts.items()]
-    return "it has " + ", ".join(named[:POINTS_NAMED]) + ", …" * (len(named) > POINTS_NAMED)
+    return f"it has {listed(named)}"
 
 
 def _position_keys(table: pd.DataFrame) -> pd.Series:
@@ -349,8 +349,7 @@ def _cells(
             raise InputError(
                 f"line {number}: {len(cells)} cells where the header has {names}{hint}"
             )
-    named = ", ".join(map(str, beside[:POINTS_NAMED])) + ", …" * (len(beside) > POINTS_NAMED)
-    notes = [f"lines beside the rows ignored: {named}"] * bool(beside)
+    notes = [f"lines beside the rows ignored: {listed(beside)}"] * bool(beside)
     return pd.DataFrame(list(rows.values()), list(rows), range(names), dtype=object), notes
 
 
