@@ -44,6 +44,9 @@ INTERRUPTED = "squeezefilm: interrupted\n"
 THREAD_VARIABLES = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 # Else pydantic reads the metadata of every installed package for plugins of its own.
 NO_PLUGINS = "PYDANTIC_DISABLE_PLUGINS", "__all__"
+# Containers made since the last search for garbage that start the next; by Python's 700 the import
+# of PyOpenCL alone starts thirty.
+NEW_OBJECTS = 50_000
 NEGATIVE_NUMBER, OPTION = re.compile(r"-\.?\d"), re.compile(r"--[\w-]+")
 NAME_WIDTH, WIDTH = 18, 100
 
@@ -105,6 +108,7 @@ def _run(arguments: Sequence[str], *, groups: Groups) -> int:
     with _ending_at_once():
         command = getattr(importlib.import_module(commands[chosen]), chosen.replace("-", "_"))
     gc.freeze()
+    gc.set_threshold(NEW_OBJECTS)
     gc.enable()
     import inspect  # with difflib a third of what `squeezefilm --help` would load
 
