@@ -1,5 +1,6 @@
 """A rectangular surface: its modes, its symmetry, and what a study on one is refused for."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ from example_scan import EXAMPLES, PLATE, scan_text
 from squeezefilm.config.loading import load_config, with_changes
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.smooth import smoothed_scan
+from squeezefilm.film.measured.scan import Scan
+from squeezefilm.film.measured.smooth import SmoothedScan, smoothed, smoothed_scan
 from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
@@ -33,16 +35,56 @@ def study(config: Study, **changes: dict[str, Any]) -> Study:
     return changed(changed(config, pad=PAD, actuator={"profile": WAVE}), **changes)
 
 
-def test_modes_span_the_polynomials_of_their_degree():
-    orders = Rectangle(2.0, 2.0).orders_up_to(4)
-    x, y = np.random.default_rng(1).uniform(-1, 1, (2, 60))
-    modes = Rectangle(2.0, 2.0).modes_at(orders, x, y)
-    powers = np.stack([x**i * y**j for i in range(5) for j in range(5 - i)], axis=1)
-    assert modes.shape == powers.shape == (60, 15)
-    left, *_ = np.linalg.lstsq(modes, powers, rcond=None)
-    np.testing.assert_allclose(modes @ left, powers, atol=1e-12)
-    single = Rectangle(2.0, 2.0).modes_at(orders, np.array(x[0]), np.array(y[0]))
-    np.testing.assert_array_equal(single, modes[0])
+def raster(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points all over a plate of 60 × 40 mm, its edges included."""
+    lines = np.linspace(-0.03, 0.03, columns), np.linspace(-0.02, 0.02, rows)
+    x_m, y_m = (values.ravel() for values in np.meshgrid(*lines))
+    return x_m, y_m
+
+
+SHAPES = {
+    "wave along x": lambda x_m, y_m: np.cos(2 * np.pi * x_m / 0.012 + 0.3),
+    "oblique wave": lambda x_m, y_m: np.cos(2 * np.pi * (0.866 * x_m + 0.5 * y_m) / 0.012),
+    "bowl": lambda x_m, y_m: 1 - 0.3 * (x_m / 0.03) ** 2 - 0.4 * (y_m / 0.02) ** 2,
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(("columns", "rows"), [(41, 17), (41, 21), (25, 17)])
+def test_an_ordinary_scan_gives_the_profile_within_its_error(shape, columns, rows):
+    """Five waves of 12 mm on 60 × 40 mm, points 1.5 × 2.5 mm apart: corners were ±400 %."""
+    surface, exact = Rectangle(0.06, 0.04), SHAPES[shape]
+    x_m, y_m = raster(columns, rows)
+    noise = np.random.default_rng(1).normal(scale=0.015, size=len(x_m))
+    amplitude_m = 1e-6 * (exact(x_m, y_m) + noise + 0j)
+    lines = np.arange(len(x_m)) + 2
+    scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
+    smooth = smoothed(scan, surface=surface, axisymmetric=False)
+    x_m, y_m, _ = surface.net()
+    found_m = smooth.peak_m * smooth.profile.amplitude(x_m=x_m, y_m=y_m)
+    off_m = np.abs(np.abs(found_m) - np.abs(1e-6 * exact(x_m, y_m)))
+    error_m = smooth.peak_m * smooth.standard_error(x_m=x_m, y_m=y_m)
+    assert error_m.max() < 0.03e-6
+    assert np.mean(off_m > 2 * error_m) < 0.1
+    assert np.all(off_m < 5 * error_m)
+
+
+def test_a_scan_that_is_too_coarse_names_the_spacing_that_would_do():
+    """Points 7.5 × 10 mm apart on waves of 12 mm."""
+    surface = Rectangle(0.06, 0.04)
+
+    def smooth(columns: int, rows: int) -> SmoothedScan:
+        x_m, y_m = raster(columns, rows)
+        noise = np.random.default_rng(5).normal(scale=0.02, size=len(x_m))
+        amplitude_m = 1e-6 * (np.cos(2 * np.pi * x_m / 0.012) + noise + 0j)
+        lines = np.arange(len(x_m)) + 2
+        scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
+        return smoothed(scan, surface=surface, axisymmetric=False)
+
+    with pytest.raises(InputError, match=r"modes of degree \d+; .*actuator\.surface") as refusal:
+        smooth(9, 5)
+    (spacing_mm,) = re.findall(r"points up to there, every ([\d.]+) mm", str(refusal.value))
+    smooth(int(60 / float(spacing_mm)) + 2, int(40 / float(spacing_mm)) + 2)
 
 
 def test_a_scan_is_smoothed_within_its_error(tmp_path):

@@ -27,7 +27,6 @@ from squeezefilm.studies.tasks.scan_errors import scan_errors
 from squeezefilm_workflow.reporting.figures.maps import _draw_over_radius
 
 RADIUS_M = 0.01
-LINE_X_M, LINE_Y_M = np.linspace(-0.03, 0.03, 25), np.linspace(-0.02, 0.02, 17)
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}
 DIAMETERS = {
     "kind": "bessel",
@@ -142,10 +141,11 @@ def test_rows_that_stand_repeatedly_tell_nothing_more(times):
 
 
 def test_the_scale_may_be_taken_where_the_scan_measured():
-    """425 points of a wave of 1.2 µm with 2 % noise: the maximum between the last rows is noise."""
-    x_m, y_m = (each.ravel() for each in np.meshgrid(LINE_X_M, LINE_Y_M))
-    noise = 0.02 * np.random.default_rng(1).standard_normal(len(x_m))
-    u = 1.2e-6 * (np.cos(2 * np.pi * x_m / 0.024) + noise)
+    """697 points of five waves, none beyond 28.5 mm of 30: there the maximum is noise."""
+    lines_m = np.linspace(-0.0285, 0.0285, 41), np.linspace(-0.019, 0.019, 17)
+    x_m, y_m = (each.ravel() for each in np.meshgrid(*lines_m))
+    noise = 0.015 * np.random.default_rng(1).standard_normal(len(x_m))
+    u = 1.2e-6 * (np.cos(2 * np.pi * x_m / 0.012 + 0.3) + noise)
     lines = np.arange(len(u)) + 2
     scan = Scan(Path("scan.csv"), x_m, y_m, u.astype(complex), lines, 0, signed=True)
     surface = Rectangle(0.06, 0.04)

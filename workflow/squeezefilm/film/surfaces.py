@@ -5,7 +5,7 @@ are 1 at its edge: on a disc over its radius, on a rectangle each over half its 
 """
 
 from dataclasses import dataclass, field
-from math import cos, pi, radians, sin
+from math import cos, hypot, pi, radians, sin
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -16,6 +16,13 @@ from squeezefilm.sections import SECTION_KEYS, Length
 
 # Points of the nets on which a profile is looked at all over: along a radius, around; a side.
 NET_RADII, NET_ANGLES, NET_LINES = 41, 72, 53
+# Phase at a rectangle's edge of the coordinate sin(phase · x)/sin(phase) of its modes, in rad.
+# Polynomials of x itself need over twice the points of a scan, which lie evenly: between its last
+# points they magnify the noise (Kosloff and Tal-Ezer, J. Comput. Phys. 104, 1993).
+EDGE_PHASE_RAD = pi / 3
+# Waves per metre along a rectangle's shorter side over those along the longer, of the families of
+# its modes: a plate's waves often go along one side.
+WAVE_RATIOS = (1.0, 0.25, 2.0, 4.0)
 
 # Two numbers of each smooth mode, by rising degree.
 Orders = tuple[tuple[int, int], ...]
@@ -28,6 +35,7 @@ class Disc:
     radius_m: float
     position = POLAR
     key = "actuator.surface_radius"
+    wave_ratios = (1.0,)
 
     @property
     def half_m(self) -> tuple[float, float]:
@@ -58,7 +66,7 @@ class Disc:
         r_m, phi = np.meshgrid(r_m, 2 * pi * np.arange(angles) / angles, indexing="ij")
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
 
-    def orders_up_to(self, degree: int, *, axisymmetric: bool) -> Orders:
+    def orders_up_to(self, degree: int, *, axisymmetric: bool, wave_ratio: float = 1.0) -> Orders:
         """Zernike's modes (n, m) of degree n ≤ ``degree``; with m = 0 alone if ``axisymmetric``.
 
         n ≥ |m| and n − |m| is even. They span all polynomials in x, y of the degree.
@@ -96,7 +104,7 @@ class Disc:
 class Rectangle:
     """A rectangular surface, instead of `surface_radius`; the pad must lie on it.
 
-    Pads lie on it by x and y, modes are Legendre's products.
+    Pads lie on it by x and y, modes are Legendre's products in stretched coordinates.
 
     Attributes:
         shape: its outline
@@ -111,6 +119,7 @@ class Rectangle:
     length_y_m: Length
     position: ClassVar = CARTESIAN
     key: ClassVar = "actuator.surface"
+    wave_ratios: ClassVar = WAVE_RATIOS
 
     @property
     def half_m(self) -> tuple[float, float]:
@@ -137,14 +146,35 @@ class Rectangle:
         x, y = np.meshgrid(side, side, indexing="ij")
         return x * self.half_m[0], y * self.half_m[1], np.outer(cell_fraction, cell_fraction)
 
-    def orders_up_to(self, degree: int, *, axisymmetric: bool = False) -> Orders:
-        """Legendre's modes (i, j) of degree i + j ≤ ``degree``; they span all such polynomials."""
-        return tuple((n - j, j) for n in range(degree + 1) for j in range(n + 1))
+    def orders_up_to(
+        self, degree: int, *, axisymmetric: bool = False, wave_ratio: float = 1.0
+    ) -> Orders:
+        """Modes (i, j) within the ellipse of ``degree`` along one side and no more along the other.
+
+        ``wave_ratio`` is that of the waves per metre (WAVE_RATIOS).
+        """
+        sides = np.array([self.length_x_m, self.length_y_m])
+        sides[np.argmin(sides)] *= wave_ratio
+        along_x, along_y = sides.max() / sides
+        sizes = {
+            (i, j): hypot(i * along_x, j * along_y)
+            for i in range(degree + 1)
+            for j in range(degree + 1)
+        }
+        return tuple(
+            sorted((mode for mode in sizes if sizes[mode] <= degree), key=sizes.__getitem__)
+        )
 
     def modes_at(self, orders: Orders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        """Values of P_i(x) P_j(y), x and y over half the sides, shape (*x_m.shape, modes)."""
+        """Values of P_i(ξ) P_j(η), shape (*x_m.shape, modes).
+
+        P are Legendre's; ξ = sin(βx)/sin β and η alike, x over half the side and β EDGE_PHASE_RAD.
+        """
         along_x, along_y = np.array(orders).T
-        x, y = x_m / self.half_m[0], y_m / self.half_m[1]
+        x, y = (
+            np.sin(EDGE_PHASE_RAD * at_m / half_m) / sin(EDGE_PHASE_RAD)
+            for at_m, half_m in zip((x_m, y_m), self.half_m, strict=True)
+        )
         values: np.ndarray = (
             legvander(x, int(along_x.max()))[..., along_x]
             * legvander(y, int(along_y.max()))[..., along_y]

@@ -1,10 +1,10 @@
 """Amplitudes measured by a scanning vibrometer, made into a smooth profile with known errors.
 
-The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
-which degree they describe the points best; two degrees more are taken, so that what the profile
-neglects is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
-Statistics, 2006, 5.7). Where there are too few points for these, the last two degrees estimate the
-misfit, an error besides the noise.
+The profile is the least-squares sum of the surface's modes (surfaces.py). Leave-one-out
+cross-validation says up to which degree they describe the points best; two degrees more are taken,
+so that what the profile neglects is small beside what noise does to it (undersmoothing: Wasserman,
+All of Nonparametric Statistics, 2006, 5.7). Where there are too few points for these, the last two
+degrees estimate the misfit, an error besides the noise.
 
 Points far from the rest are excluded and the rest is fitted again. The film equation needs the
 profile's curvature, so that a smooth global basis serves it better than splines with their knots.
@@ -255,12 +255,19 @@ class Points:
     Attributes:
         axisymmetric: whether modes have no angles.
         x_m, y_m: the points, shape (points,).
+        wave_ratio: of the family of modes (surfaces.py).
     """
 
     surface: Surface
     axisymmetric: bool
     x_m: np.ndarray
     y_m: np.ndarray
+    wave_ratio: float = 1.0
+
+    @cached_property
+    def families(self) -> list[Points]:
+        """The same points with each family of the surface's modes."""
+        return [replace(self, wave_ratio=ratio) for ratio in self.surface.wave_ratios]
 
     def some(self, rows: np.ndarray | slice) -> Points:
         """Some of the points."""
@@ -277,7 +284,12 @@ class Points:
         Those of a degree come before those of the next.
         """
         degrees = range(0, LARGEST_DEGREE + 1, 2 if self.axisymmetric else 1)
-        every = {n: self.surface.orders_up_to(n, axisymmetric=self.axisymmetric) for n in degrees}
+        every = {
+            n: self.surface.orders_up_to(
+                n, axisymmetric=self.axisymmetric, wave_ratio=self.wave_ratio
+            )
+            for n in degrees
+        }
         enough = len(self.x_m) / POINTS_PER_MODE
         return {n: orders for n, orders in every.items() if len(orders) <= enough}
 
@@ -307,6 +319,15 @@ class Fit:
 
 
 def best_fit(points: Points, measured: np.ndarray) -> Fit:
+    """Least squares by the family of modes of least leave-one-out error.
+
+    Raises InputError where the points determine no profile.
+    """
+    fits = [_best_of_family(family, measured) for family in points.families]
+    return min(fits, key=lambda fit: fit.score)
+
+
+def _best_of_family(points: Points, measured: np.ndarray) -> Fit:
     """Least squares, DEGREES_MORE above the degree of least leave-one-out error.
 
     The error at a left-out point is e/(1 − h), h its leverage, without fitting again (Allen's
@@ -318,10 +339,11 @@ def best_fit(points: Points, measured: np.ndarray) -> Fit:
     along = orthogonal.T @ measured
     # More modes are never better determined: where the most are, one condition number will do.
     sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
+    leverages = np.cumsum(orthogonal**2, axis=1)
     scores: dict[int, float] = {}
     for degree, orders in points.orders.items():
         count = len(orders)
-        leverage = np.sum(orthogonal[:, :count] ** 2, axis=1)
+        leverage = leverages[:, count - 1]
         determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
         if not determined or leverage.max() > 1 - 1e-6:
             break
@@ -544,6 +566,14 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
         np.unravel_index(np.argmax(badness), badness.shape) for badness in (distance, error)
     )
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
+    # Nearly square cells; a standard error falls as their side does, or faster.
+    spacing_mm = 2e3 * math.sqrt(math.prod(surface.half_m) / len(measured))
+    remedy = (
+        f"the scan needs points up to there, every {spacing_mm * LARGEST_ERROR / error[worst]:.2g} "
+        f"mm (now about {spacing_mm:.2g}), less noise, or {surface.key} that ends where it does"
+    )
+    if smoothed.fit.degree == LARGEST_DEGREE:
+        remedy = "shorter waves than these resolve need an actuator.profile by formula"
     if axisymmetric:
         named[0] = f"r = {net_points[hole].real * 1e3:.2f} mm"
     check_problems(
@@ -552,8 +582,8 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
             f"no point was measured within {distance[hole] * 1e3:.1f} mm of {named[0]}; the scan "
             f"needs points there, or {surface.key} is too large": distance[hole]
             > LARGEST_HOLE * min(surface.half_m),
-            f"the profile is known to ±{error[worst]:.0%} of its maximum only at {named[1]}; the "
-            "scan needs more points there, or less noise": error[worst] > LARGEST_ERROR,
+            f"the profile is known to ±{error[worst]:.0%} of its maximum only at {named[1]}, by "
+            f"modes of degree {smoothed.fit.degree}; {remedy}": error[worst] > LARGEST_ERROR,
             "the profile's maximum cannot be told from the noise; the scan needs more points, or "
             "less noise": smoothed.peak_bias_m >= LARGEST_ERROR * smoothed.peak_m,
         },
