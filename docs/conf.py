@@ -73,20 +73,35 @@ def repository() -> str:
 
 
 def citation() -> list[str]:
-    """Return CITATION.cff as a sentence and as BibTeX, of the software and of the paper."""
+    """Return CITATION.cff as BibTeX, of the software and of the paper that it reproduces."""
     cff = yaml.safe_load((HERE.parent / "CITATION.cff").read_text(encoding="utf-8"))
     year = f"{cff['date-released']}"[:4]
     address = repository()
     fields = {
         "title": f"{{{cff['title']}: {cff['abstract']}}}",
-        "author": f"{{{' and '.join(author['name'] for author in cff['authors'])}}}",
+        # In a second pair of braces: BibTeX takes them for one name.
+        "author": f"{{{{{' and '.join(author['name'] for author in cff['authors'])}}}}}",
         "version": f"{{{cff['version']}}}",
         "year": f"{{{year}}}",
         **({"url": f"{{{address}}}"} if address else {}),
     }
-    lines = [f"  {name} = {value}," for name, value in fields.items()]
+    (paper,) = cff["references"]
+    names = (f"{author['family-names']}, {author['given-names']}" for author in paper["authors"])
+    fields_of_paper = {
+        "title": f"{{{{{paper['title']}}}}}",
+        "author": f"{{{' and '.join(names)}}}",
+        "pages": f"{{{paper['start']}--{paper['end']}}}",
+        **{name: f"{{{paper[name]}}}" for name in ("journal", "volume", "year", "doi")},
+        "number": f"{{{paper['issue']}}}",
+    }
+    lines = bibtex("software{squeezefilm", fields) + bibtex("article{winter2014", fields_of_paper)
     links = ["", f"[Repository]({address}), [issues]({address}/issues)."] if address else []
-    return ["```bibtex", "@software{squeezefilm,", *lines, "}", "```", *links]
+    return ["```bibtex", *lines, "```", *links]
+
+
+def bibtex(entry: str, fields: dict[str, str]) -> list[str]:
+    """Return the lines of an entry."""
+    return [f"@{entry},", *(f"  {name} = {value}," for name, value in fields.items()), "}"]
 
 
 def stored(path: Path) -> tuple[list[str], list[str]]:
