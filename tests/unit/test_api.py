@@ -252,3 +252,15 @@ def test_a_column_in_another_unit_is_read_as_in_a_file(study, fit, name):
     predicted = fit.predict_at(named.assign(sample="a"))
     assert predicted[["h0_m", "x_m", "sample"]].to_numpy().tolist() == [[5e-6, 2e-3, "a"]]
     assert list(named) == ["h0_um", "hv_m", name, "y_m"]
+
+
+def test_derivatives_are_asked_for_as_outputs_are(study):
+    """That to the gap is the quotient of two forces, and a column of every table."""
+    force = study.force("5 um", "1 um", derivatives=True)
+    curve = study.curve("4.99, 5, 5.01 um", "1 um", derivatives=True)
+    slope = force.solution.derivatives.value["h0_m"]
+    assert curve["dforce_dh0_n_per_m"][1] == slope
+    quotient = np.diff(curve["force_n"][[0, 2]]) / np.diff(curve["h0_m"][[0, 2]])
+    assert slope == pytest.approx(float(quotient[0]), rel=0.01)
+    with pytest.raises(TypeError, match="'derivative' is no argument and none of the factors h0"):
+        study.curve("5 um", "1 um", derivative=True)

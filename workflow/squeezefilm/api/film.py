@@ -67,7 +67,9 @@ def columns_of(*, option: str = "{}", **given: Values | None) -> dict[str, tuple
     forms, for too many points.
     """
     if unknown := given.keys() - COLUMN_OF_FACTOR.keys():
-        raise TypeError(f"{min(unknown)!r} is none of {', '.join(COLUMN_OF_FACTOR)}")
+        raise TypeError(
+            f"{min(unknown)!r} is no argument and none of the factors {', '.join(COLUMN_OF_FACTOR)}"
+        )
     called = {name: option.format(name.replace("_", "-")) for name in COLUMN_OF_FACTOR}
     values_of = {
         column: levels(values, called=called[name], unit="deg" if name == "phi" else "m")
@@ -241,6 +243,7 @@ class Film:
         tolerance: float | None = None,
         method: str | None = None,
         outputs: Sequence[str] | None = None,
+        derivatives: bool = False,
         **position: Unpack[Position],
     ) -> Force:
         """The mean force at one operating point, with its numerical and modelling error.
@@ -250,15 +253,20 @@ class Film:
             method: of the solver, instead of the film's own (docs/explanation/physics.md).
             outputs: further quantities, ``solution.outputs`` of it (docs/outputs.md), instead
                 of the study's; ``["all"]`` for all.
+            derivatives: of the force to gap, amplitude, position and gas too,
+                ``solution.derivatives`` of it (docs/outputs.md#derivatives).
 
         Raises InputError as ``scene`` does, RunError saying why there is no force.
 
         Example:
             >>> force = study.force(h0="5 um", hv="2 um", x="1 mm")
             >>> force.force_n, force.error_n, force.modelling_error_percent
+            >>> force = study.force(h0="5 um", hv="2 um", derivatives=True)
+            >>> force.solution.derivatives.value["h0_m"]  # N/m, the stiffness with the other sign
         """
         given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
-        (force,) = self.solved([self.scene(h0, hv, **position)], budget=True, **given)
+        scenes = [self.scene(h0, hv, **position)]
+        (force,) = self.solved(scenes, derivatives=derivatives, budget=True, **given)
         if not isfinite(force.force_n):
             beyond = f"; validity: {force.validity}" * (force.validity != OK)
             raise RunError(force.status + beyond)
@@ -272,6 +280,7 @@ class Film:
         tolerance: float | None = None,
         method: str | None = None,
         outputs: Sequence[str] | None = None,
+        derivatives: bool = False,
         budget: bool = False,
         **position: Unpack[Position],
     ) -> pd.DataFrame:
@@ -281,16 +290,15 @@ class Film:
         (first:last:count). ``force_error_n`` is the numerical error, ``measurement_noise_n`` what
         a scan adds; ``status`` is ``ok``, or why there is no force. With ``budget``,
         ``modelling_error_lower_percent`` and ``modelling_error_upper_percent`` bound the effects
-        that the equation neglects. ``outputs`` are as for a force, each a
+        that the equation neglects. ``outputs`` and ``derivatives`` are as for a force, each a
         column with its unit and one with its error. Raises InputError as ``scene`` does.
 
         Example:
             >>> study.curve(h0="5 um, 7 um", hv="0.5:2:4 um")[["h0_m", "hv_m", "force_n"]]
         """
         points = points_of(h0=h0, hv=hv, **position)
-        return self.forces(
-            points, tolerance=tolerance, method=method, outputs=outputs, budget=budget
-        )
+        given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
+        return self.forces(points, derivatives=derivatives, budget=budget, **given)
 
     def forces(
         self,
@@ -299,6 +307,7 @@ class Film:
         tolerance: float | None = None,
         method: str | None = None,
         outputs: Sequence[str] | None = None,
+        derivatives: bool = False,
         budget: bool = False,
     ) -> pd.DataFrame:
         """The forces at a table of points: h0_m, hv_m and a position, if any.
@@ -308,7 +317,8 @@ class Film:
         """
         given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
         points = self._named(points)
-        return forces_table(points, self.solved(self.scenes(points), budget=budget, **given))
+        how: dict[str, Any] = {"derivatives": derivatives, "budget": budget, **given}
+        return forces_table(points, self.solved(self.scenes(points), **how))
 
     def solved(
         self,
@@ -319,6 +329,11 @@ class Film:
         **given: Any,
     ) -> list[Force]:
         """The force of each scene, NaN with its reason as ``status`` where there is none.
+
+        Args:
+            derivatives: of each force too, as ``force`` has them.
+            budget: the modelling error of each force too.
+            given: ``tolerance``, ``method`` and ``outputs``, as ``force`` has them.
 
         Example:
             >>> [float(force) for force in study.solved([study.scene(h0="5 um", hv="2 um")])]
