@@ -196,11 +196,12 @@ def _errors(results: Results, pair: str) -> dict[str, str]:
     fit, _, plan = pair.partition("_on_")
     errors = results.validation(fit, plan)
     inside, band = 100 * errors["fraction_within_band"], 100 * errors["band"]
+    h0_um, hv_um = 1e6 * errors["worst_h0_m"], 1e6 * errors["worst_hv_m"]
     return {
         "model fitted on": f"{fit} ({results.fit(fit).points} points)",
         "validated on": f"{plan} ({errors['points']:g} points)",
         "global error": percent(errors["global_error"]),
-        "worst": percent(errors["worst_relative_error"]),
+        "worst": f"{percent(errors['worst_relative_error'])} (h0 {h0_um:.3g}, hv {hv_um:.3g} µm)",
         "within the band": f"{inside:.3g} % within ±{band:g} %",
     }
 
