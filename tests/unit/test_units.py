@@ -64,6 +64,7 @@ def test_a_declared_unit_is_held_against_the_formula():
     [
         ({"parameters": ["h0"]}, "'h0' cannot name a parameter"),
         ({"expression": "slope*hv"}, "'slope': this name is unknown"),
+        ({"expression": "t0*cos(x/wavelength)"}, r"constants: \{wavelength: 12 mm\}"),
         ({"expression": " + ".join(f"t{i}*hv" for i in range(31))}, "'t30'"),
     ],
 )

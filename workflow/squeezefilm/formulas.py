@@ -289,9 +289,13 @@ def parse(
                 return NAMED_CONSTANTS[name]
             case ast.Name(name) if name in FUNCTIONS:
                 raise refused(node, f"a function needs its argument: {name}(…)")
-            case ast.Name():
+            case ast.Name(name):
                 listed = ", ".join([known or ", ".join((*names, *NAMED_CONSTANTS)), *constants])
-                raise refused(node, f"this name is unknown; known are {listed}")
+                raise refused(
+                    node,
+                    f"this name is unknown; known are {listed}. A number of your own is a "
+                    f"constant beside the expression, as in constants: {{{name}: 12 mm}}",
+                )
             case ast.UnaryOp(ast.UAdd(), operand):
                 return read(operand, depth + 1)
             case ast.UnaryOp(ast.USub(), operand):

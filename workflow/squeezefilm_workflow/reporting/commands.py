@@ -22,7 +22,8 @@ RESULTS_ARGUMENT = option("results", "RESULTS", "the study's results", type=Path
 STUDY_OPTION = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
 FILES_OPTION = option("--output", "FILE", required=True, nargs="+", type=Path)
 RECOMMENDED_SHOWN = (
-    *("space", "model", "validation_error", "worst_error", *FACTOR_COLUMNS, *CARTESIAN),
+    *("space", "model", "validation_error_percent", "simulations", "worst_error_percent"),
+    *(*FACTOR_COLUMNS, *CARTESIAN),
     *("force_n", "hv_error_95_m", "note"),
 )
 PICTURES = (".png", ".svg", ".pdf")
@@ -117,12 +118,15 @@ def recommend(options: argparse.Namespace) -> None:
 
       squeezefilm recommend results/plate --output TABLE.csv
 
-    Recommended is the model with the least global error on the half of the validation sample that
-    ranks. `worst_error` is the largest relative error at any simulation of the validation samples
-    and the plan `four_factor`, fitted or not; that plan has the positions. The amplitude gives the
-    study's target force at its gap (section `extrapolation`), its errors are those of `squeezefilm
-    amplitude-for`. The study's candidates must be compared (`snakemake models`). The screen shows
-    the positions with the least and the largest amplitude, --output has all.
+    Recommended is the model with the least global error, `validation_error`, on the half of the
+    validation sample that ranks; its page, models/*.html, has its largest error there.
+    `worst_error` is the largest at any of the `simulations`, fitted or not: those of the validation
+    samples and of the plan `four_factor`, which has the positions.
+
+    The amplitude gives the study's target force at its gap (section `extrapolation`), its errors
+    are those of `squeezefilm amplitude-for`. The study's candidates must be compared (`snakemake
+    models`). The screen shows the positions with the least and the largest amplitude, and errors in
+    per cent; --output has all, and fractions.
     """
     from squeezefilm_workflow.reporting.models import recommend
 
@@ -131,8 +135,10 @@ def recommend(options: argparse.Namespace) -> None:
         raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
     if options.output is None:
         # On the screen the least and the largest amplitude of each space, and no wide columns.
+        for name in ("validation_error", "worst_error"):
+            table[f"{name}_percent"] = 100 * table[name]
         ends = table.sort_values("hv_m").groupby("space", sort=False)["hv_m"].nth([0, -1]).index
-        table = table.loc[ends, [name for name in table if name in RECOMMENDED_SHOWN]]
+        table = table.loc[ends, [name for name in RECOMMENDED_SHOWN if name in table]]
     write_rows(table, options)
 
 

@@ -36,7 +36,7 @@ SHOWN = {
     "model": "model",
     "verdict": "verdict",
     "validation_error": "global error",
-    "validation_worst_relative": "largest error of a point",
+    "validation_worst_relative": "largest error of a validation point",
     "error_95_percent": "95 % error, median",
     "coverage": "coverage",
     "least_coverage": "least coverage",
