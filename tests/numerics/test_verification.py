@@ -18,7 +18,7 @@ from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm_workflow.verification import run_times
 from squeezefilm_workflow.verification.films import PISTON, SAMPLE_SLICE, beyond_reason, cases, film
 from squeezefilm_workflow.verification.reference import reference_force
-from squeezefilm_workflow.verification.stability import check_state, stability
+from squeezefilm_workflow.verification.stability import check_state, stability, summary
 from squeezefilm_workflow.verification.work_precision import (
     BATCH,
     FILMS,
@@ -217,3 +217,23 @@ def test_run_times_of_terms_have_every_scene_solved(monkeypatch):
     table = run_times.term_times()
     assert len(table) == 3
     assert set(table["solved"]) == {2}
+
+
+def test_a_campaign_s_summary_counts_every_film_once():
+    films = pd.DataFrame(
+        {
+            "case": ["disc, a", "disc, b", "square, a"],
+            "modified_reynolds": [1.0, 1.0, 20.0],
+            "verdict": ["solved", "not supported", "failed"],
+            "finer_difference": [1e-6, np.nan, np.inf],
+            "independent_difference": [2e-6, np.nan, np.nan],
+        }
+    )
+    table = summary(films).set_index("pad")
+    assert table[["failed", "not supported", "solved"]].sum(axis=1).to_dict() == {
+        "disc": 2,
+        "square": 1,
+    }
+    assert table["compared"].to_dict() == {"disc": 1, "square": 0}
+    assert table.loc["disc", "largest independent difference"] == "2.0e-06"
+    assert table.loc["square", "largest finer difference"] == "–"

@@ -162,6 +162,7 @@ def equal_error(films: tuple[Scene, ...] = FILMS[1:2]) -> pd.DataFrame:
     runs = work_precision(
         films, repeats=9, batch=100, longest_seconds=2.0, rungs=10, device=choose_device()
     )
+    runs["relative_error"] = runs["relative_error"].clip(lower=runs["reference_uncertainty"])
     ends = runs.dropna(subset="speedup").groupby(["case", "method"], sort=False).nth([0, -1])
     columns = {
         "its error": "relative_error",

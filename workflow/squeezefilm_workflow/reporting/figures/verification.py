@@ -89,7 +89,7 @@ def work_precision(results: Results) -> Figure:
     films = data["case"].unique()
     columns = min(2, len(films))
     rows = -(-len(films) // columns)
-    figure = style.new_figure(wide=True, height_in=1.0 + 2.3 * rows)
+    figure = style.new_figure(wide=True, height_in=1.2 + 2.3 * rows)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     lowest = 0.2 * float(data["reference_uncertainty"].min())
     for panel, film in zip(panels, films, strict=False):
@@ -107,7 +107,7 @@ def work_precision(results: Results) -> Figure:
         panel.set(xlabel="processor time per film (s)", ylabel="relative error of the force (–)")
         panel.grid(True)
         panel.label_outer()
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
     note = "Orange: error of the empirical model; grey: below the uncertainty of the reference."
     style.add_note(figure, note)
     return figure
