@@ -1,5 +1,6 @@
 """The gap under a load against the solver's own forces, and mistakes told."""
 
+import re
 from dataclasses import replace
 from math import pi
 
@@ -226,6 +227,17 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
     assert all(
         reason in said.err for reason in [*reasons, "limits of validity hold for gaps of about"]
     )
+
+
+def test_the_range_of_loads_that_is_named_can_be_levitated(tmp_path, capsys):
+    """Rising, and by the limits of the terms that the film has there."""
+    assert main(["levitate", "--mass", "10g", "--hv", "3um", "--config", study(tmp_path, **DISC)])
+    low, high = map(
+        float, re.findall(r"loads of about (\S+) to (\S+) N", capsys.readouterr().err)[0]
+    )
+    assert low < high
+    table = levitated(tmp_path, "--load", f"{low}N,{high}N", "--hv", "3um", **DISC)
+    assert not table["status"].str.contains("is above").any(), table["status"].tolist()
 
 
 def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(tmp_path):

@@ -111,7 +111,7 @@ def levitate(options: argparse.Namespace) -> None:
     if options.json or status == OK:
         print(shown(rows[0], options))
     if status != OK:
-        raise RunError(f"{status}; {valid_range_text(scenes[0], device=settings.device)}")
+        raise RunError(f"{status}; {valid_range_text(scenes[0], **how)}")
 
 
 def _levitation_line(row: dict[str, Any]) -> str:

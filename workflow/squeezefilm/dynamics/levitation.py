@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import product
-from math import inf, isfinite, nan, sqrt
+from math import ceil, floor, inf, isfinite, log10, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,8 +24,8 @@ from squeezefilm.dynamics.averaged_film import (
     unsupported,
 )
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import GAPS_M, exceeded_limits
+from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.validity import GAPS_M, OK, exceeded_limits, validities
 from squeezefilm.formatting import scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import progress_of
@@ -76,6 +76,7 @@ ROOT_STEP, ROOT_PRECISION = 1e-3, 1e-6
 ROOT_TOLERANCE, MOST_ROOT_ERROR = 1e-3, 0.1
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
 LEAST_OSCILLATION = 1e-3
+NO_VALID_GAP = "at this amplitude no gap is within the limits of validity"
 OVERDAMPED_STATUS = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
 
 
@@ -219,29 +220,51 @@ def levitate(
     return levitation
 
 
-def valid_range_text(scene: Scene, *, device: Device) -> str:
+def valid_range_text(
+    scene: Scene, *, device: Device, tolerance: float, model_tolerance: float, method: str
+) -> str:
     """Describe the range of gaps and loads within the limits of validity at a scene's amplitude.
 
-    A modelling error may be too large there nevertheless: to know it would take longer than a gap.
+    With the terms that are decided for each gap, as ``levitate`` decides them: limits and forces
+    depend on them. A modelling error may be too large there nevertheless: to know it would take
+    longer than a gap.
     """
-    gaps_m, forces_n = _gaps_and_forces(scene, device)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = np.gradient(forces_n, gaps_m)
+    gaps_m, _ = _gaps_and_forces(scene, device)
     # The equation that has the widest limits.
     widest = _scenes_at_gaps(scene.with_gas(inertia="included", thermal="none"), *gaps_m)
-    valid = [
-        k for k, at in enumerate(widest) if slopes[k] < 0 < forces_n[k] and not exceeded_limits(at)
-    ]
-    if not valid:
-        return "at this amplitude no gap is within the limits of validity"
-    gaps, loads = (
-        " to ".join(dict.fromkeys(f"{values[k]:.2g}" for k in (valid[0], valid[-1])))
-        for values in (1e6 * gaps_m, forces_n)
+    within = [k for k, there in enumerate(widest) if not exceeded_limits(there)]
+    if not within:
+        return NO_VALID_GAP
+    # With a neighbour at either end, for slopes.
+    gaps_m = gaps_m[max(within[0] - 1, 0) : within[-1] + 2]
+    at_gaps = resolve_auto_terms(
+        _scenes_at_gaps(scene, *gaps_m),
+        model_tolerance=model_tolerance,
+        method=method,
+        device=device,
     )
+    rough = max(tolerance, LOOK_TOLERANCE)
+    forces_n = solve(at_gaps, tolerance=rough, method=method, device=device).force_n
+    with np.errstate(invalid="ignore"):
+        valid = (np.gradient(forces_n, gaps_m) < 0) & (forces_n > 0)
+    valid &= validities(Scenes.of(at_gaps)) == OK
+    if not valid.any():
+        return NO_VALID_GAP
+    gaps, loads = (_range_within(values[valid]) for values in (1e6 * gaps_m, forces_n))
     return (
         f"at this amplitude the limits of validity hold for gaps of about {gaps} µm, loads of "
         f"about {loads} N"
     )
+
+
+def _range_within(values: np.ndarray) -> str:
+    """Return the range of some positive values, its ends rounded inwards to two digits."""
+    low, high = float(values.min()), float(values.max())
+    low_digit, high_digit = (10.0 ** (floor(log10(end)) - 1) for end in (low, high))
+    ends = ceil(low / low_digit) * low_digit, floor(high / high_digit) * high_digit
+    if ends[0] >= ends[1]:
+        ends = low, high
+    return " to ".join(dict.fromkeys(f"{end:.2g}" for end in ends))
 
 
 def _gap_at_load(
