@@ -77,7 +77,7 @@ TOLERANCE_OPTION = option(
     "--tolerance", help="instead of the config's solver.tolerance", type=float
 )
 METHOD = option("--method", help="instead of the config's solver.method", choices=METHODS)
-JSON = flag("--json", "print one point as a JSON object, whose keys are names of columns")
+JSON = flag("--json", "print one point as a JSON object; keys: docs/reference/columns.md")
 SOLVER, FILM = (CONFIG, TOLERANCE_OPTION, METHOD, DEVICE, JSON), (CONFIG, DEVICE, JSON)
 FIT = option("fit", "FIT.json", "the fitted model")
 FORCES = option("forces", "FORCES.csv", "simulated forces")

@@ -45,7 +45,7 @@ def profile(options: argparse.Namespace) -> None:
 
 @command(
     FORCES,
-    option("--model", "NAME", "such as two-factor", required=True),
+    option("--model", "NAME", "such as two_factor", required=True),
     STUDY,
     option("--output", "FIT.json", "the best run", required=True),
     option("--sample", "FORCES.csv", "forces of a validation sample"),
@@ -56,7 +56,7 @@ def profile(options: argparse.Namespace) -> None:
 def fit(options: argparse.Namespace) -> None:
     """Fit an empirical force model to simulated forces, from many random starts.
 
-      squeezefilm fit FORCES.csv --model two-factor --config C.yaml --output FIT.json \\
+      squeezefilm fit FORCES.csv --model two_factor --config C.yaml --output FIT.json \\
           [--runs RUNS.csv]
 
     The model is one of the library's or of the study's own (its section `models`). What a model
