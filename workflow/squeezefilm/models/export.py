@@ -135,12 +135,15 @@ def _folding(fit: FittedModel, language: str) -> list[str]:
     if symmetry is None or not (polar or cartesian):
         return []
     other = OTHER_FORM[POLAR if polar else CARTESIAN]
-    r, phi, x, y = (other.get(name, name) for name in (*POLAR, *CARTESIAN))
+    r, phi = (other.get(name, name) for name in POLAR)
     if isinstance(symmetry, Mirrors):
-        x, y = (f"fabs({x})" if symmetry.x else x, f"fabs({y})" if symmetry.y else y)
-        if polar:
-            return [f"phi_deg = (atan2({y}, {x}) / {RADIANS_PER_DEGREE})"]
-        return [f"x_m = {x}", f"y_m = {y}"]
+        mirrored = {
+            name for name, on in zip(CARTESIAN, (symmetry.x, symmetry.y), strict=True) if on
+        }
+        if cartesian:
+            return [f"{name} = fabs({name})" for name in CARTESIAN if name in mirrored]
+        x, y = (f"fabs({other[name]})" if name in mirrored else other[name] for name in CARTESIAN)
+        return [f"phi_deg = (atan2({y}, {x}) / {RADIANS_PER_DEGREE})"]
     start, width = _number(symmetry.start_deg), _number(symmetry.width_deg)
     period = _number(symmetry.width_deg * (2 if symmetry.mirror else 1))
     angle = f"({phi} - {start})"
