@@ -157,7 +157,7 @@ def check(options: argparse.Namespace) -> int:
     table = check_table(Results.of(options.results, options.config), options.reference)
     if options.output:
         write_table(table, options.output)
-    print(on_screen(table))
+    print(on_screen(table, options.results))
     return int((table["verdict"] == FAILED).any())
 
 
