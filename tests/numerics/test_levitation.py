@@ -253,7 +253,7 @@ def test_a_table_keeps_every_load_with_a_reason_where_it_has_no_gap(tmp_path, ca
     assert main(words) == 0
     first, second = capsys.readouterr().err.splitlines()
     assert first.startswith("load 0.5 N, hv 1.5 µm: gap 4.6430")
-    assert second.startswith("load 1000 N, hv 1.5 µm: no gap")
+    assert second.startswith("load 1000 N, hv 1.5 µm: no gap from 1.546 µm to 1000 µm carries")
     table = pd.read_csv(output)
     assert table.loc[0, "status"] == "ok"
     assert table.loc[0, "h0_m"] == pytest.approx(4.643e-6, rel=1e-3)

@@ -1,6 +1,7 @@
 """The check sees what differs, by how much, and nothing else."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -45,10 +46,21 @@ def failed(table: pd.DataFrame) -> list[str]:
 def test_what_failed_is_shown_once_with_its_file_and_what_to_do():
     found = [item._replace(part="simulations", item="screen") for item in quantities(FORCES)]
     table = compare(found, stored(found) | {found[2][:3]: {"row 1": "7"}})
-    text = check.screen_text(table)
+    text = check.screen_text(table, Path("results/mine"))
     assert len(re.findall(r"\bforce_n\b", text)) == 1
-    assert "simulations/screen/forces.csv" in text
+    assert "results/mine/simulations/screen/forces.csv" in text
     assert "`make reference`" in text
+
+
+def test_of_what_failed_causes_stand_first():
+    found = [
+        item._replace(part=part, item=item_name)
+        for part, item_name in (("claims", "error"), ("fits", "screen"), ("simulations", "screen"))
+        for item in quantities(FORCES)[2:3]
+    ]
+    text = check.screen_text(compare(found, {}), Path("results/mine"))
+    files = re.findall(r"results/mine/(\w+)", text)
+    assert files == ["simulations", "fits", "claims"]
 
 
 def with_cell(row: int) -> pd.Series:

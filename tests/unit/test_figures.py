@@ -9,6 +9,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from squeezefilm.config.loading import load_config
+from squeezefilm_workflow.paper.figures import patterns
 from squeezefilm_workflow.reporting.figures import film, maps, style
 
 EFFECTS = ("inertia", "slip", "thermal", "edge_loss")
@@ -120,3 +121,16 @@ def test_positions_that_share_no_coordinate_are_not_joined():
     lines = [line for line in figure.axes[5].lines if len(line.get_xdata()) == 5]
     assert len(lines) == 5
     assert all(line.get_linestyle() == "None" for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("scaling", "measure"), [("unit", "factors scaled to [0, 1]"), ("metre", "factors in m")]
+)
+def test_the_criterion_of_a_pattern_is_told_in_the_measure_that_it_has(scaling, measure):
+    points = [{"h0_m": 5e-6, "hv_m": 2e-6}, {"h0_m": 5e-6, "hv_m": 1e-6}]
+    pattern = {"pattern": "A", "count": 3, "objective": 4.0, "points": points}
+    summary = {"searches": 3, "scaling": scaling, "scalings": {scaling: [pattern]}}
+    study = SimpleNamespace(beyond="", scenes=lambda plan: SCREEN, summary=lambda file: summary)
+    figure, _ = patterns.fig10(study)
+    notes = " ".join(text.get_text() for text in [*figure.texts, *figure.axes[0].texts])
+    assert f"Criterion (12), force in N, {measure}: 4." in " ".join(notes.split())

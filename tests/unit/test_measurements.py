@@ -33,7 +33,7 @@ WRONG = {
     HEAD.replace("mN", "kg")
     + ROW: "measured.csv: column 'force [kg]' needs a unit, one of force_n, force_mn;",
     HEAD.replace("force [mN]", "thrust") + ROW: "measured.csv: unknown column 'thrust'",
-    HEAD + ",h0 uncertainty [nm]\n5,4,9,1,2e3": "line 2 with its uncertainties: hv_m = 4e-06",
+    HEAD + ",h0 uncertainty [nm]\n5,4,9,1,2e3": "line 2 with its uncertainties: hv = 4 µm",
 }
 
 

@@ -76,7 +76,7 @@ def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
     expected = replace(scene_of(paper, 9e-6, 1e-6, x_m=x_m, y_m=y_m), point_id="b")
     assert (scenes[1].x_m, scenes[1].y_m) == pytest.approx((x_m, y_m), abs=1e-18)
     assert replace(scenes[1], x_m=x_m, y_m=y_m) == expected
-    with pytest.raises(InputError, match="point b: hv_m = 1e-06 reaches h0_m = 1e-06"):
+    with pytest.raises(InputError, match="point b: hv = 1 µm reaches h0 = 1 µm"):
         scenes_in(table.assign(h0_m=[5e-6, 1e-6]), paper)
 
 

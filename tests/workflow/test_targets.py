@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from .conftest import Planner, copy_checkout, snakemake
+from .conftest import QUICK, Planner, copy_checkout, snakemake
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +119,19 @@ def test_profiles_are_as_quiet_and_as_careful_as_the_default(repository):
         assert {key: read[name].get(key) for key in kept} == {
             key: read["default"][key] for key in kept
         }
+
+
+def test_a_compared_file_that_was_deleted_is_made_again_by_the_check(repository, tmp_path):
+    """Of a study in which every file is there; what is in the files does not matter here."""
+    folder = copy_checkout(repository, tmp_path / "checkout", "tests/reference")
+    planner = Planner(folder)
+    for row in planner.rows("check", *QUICK):
+        path = folder / row["output_file"]
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("made\n", encoding="utf-8")
+    planner.close()
+    assert snakemake(folder, "check", *QUICK, "--touch").returncode == 0
+    (folder / "results/quick/simulations/screen/forces.csv").unlink()
+    planned = snakemake(folder, "check", *QUICK, "--dry-run").stdout
+    assert "Simulate screen" in planned
+    assert "Every number beside its reference" in planned

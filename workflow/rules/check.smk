@@ -42,8 +42,10 @@ rule compare_with_reference:
         "../scripts/page.py"
 
 
+# Files that were compared are asked for too, so that one that was deleted is made again.
 rule check:
     input:
+        rules.checked.input,
         rules.compare_with_reference.output.page,
         text=rules.compare_with_reference.output.text,
     log:

@@ -308,11 +308,8 @@ def points_in_memory(
 
     Raises InputError naming the column that is missing, not known or without its unit.
     """
-    names = list(points)
-    renamed = {
-        names[place]: (own, size)
-        for place, own, size in _renamed(list(map(str, names)), FACTOR_COLUMNS)
-    }
+    names = list(map(str, points))
+    renamed = {names[place]: (own, size) for place, own, size in _renamed(names, FACTOR_COLUMNS)}
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
         scaled = {

@@ -88,7 +88,9 @@ def levitate(options: argparse.Namespace) -> None:
     least, most = AMPLITUDES_M
     for hv_m in points["hv_m"]:
         if not least <= hv_m <= most:
-            raise InputError(f"--hv: {hv_m:g} m must lie within {least:g} … {most:g} m")
+            raise InputError(
+                f"--hv: {1e6 * hv_m:g} µm must lie within {1e6 * least:g} … {1e6 * most:g} µm"
+            )
     # Of the gap, which is sought, the largest: there surface and pad do not touch.
     scenes = film.scenes(points | {"h0_m": (GAPS_M[1],) * len(points["hv_m"])})
     settings, scan = film.solver(), film.scan

@@ -178,8 +178,8 @@ def levitate(
                 f"{lowest:.2g} to {highest:.2g} N, roughly, without inertia and thermal effects"
             )
         raise InputError(
-            f"load: no gap from {gaps_m[0]:.3g} to {gaps_m[-1]:.3g} m carries {load_n:g} N at "
-            f"hv = {scene.hv_m:g} m; forces there: {carried}"
+            f"load: no gap from {_micrometres(gaps_m[0])} to {_micrometres(gaps_m[-1])} carries "
+            f"{load_n:g} N at hv = {_micrometres(scene.hv_m)}; forces there: {carried}"
         )
     rough = [sqrt(low * high) for low, high in brackets]
     near = replace(scene, h0_m=rough[-1])
@@ -293,7 +293,9 @@ def _gap_at_load(
             if abs(step_m) <= tolerance * h0_m:
                 break
             if not abs(step_m) <= QUOTIENT_STEP * h0_m:
-                raise RunError(f"load: the gap near {h0_m:.4g} m was not found to the tolerance")
+                raise RunError(
+                    f"load: the gap near {_micrometres(h0_m)} was not found to the tolerance"
+                )
         values, (status,) = negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
     force_n, error_n, stiffness, stiffness_error = _known_or_raise(
         values[:, 0], h0_m, status
@@ -309,7 +311,7 @@ def _gap_at_load(
 
 def _known_or_raise(values: Any, gap_m: float, status: str) -> Any:
     if not np.isfinite(values).all():
-        raise RunError(f"load: no force near h0 = {gap_m:.4g} m: {status}")
+        raise RunError(f"load: no force near h0 = {_micrometres(gap_m)}: {status}")
     return values
 
 
@@ -356,7 +358,12 @@ def _root(excess: Callable[[float], float], low: float, high: float) -> float:
             low, more, less = gap, value, less / (2 if last < gap else 1)
         else:
             high, less, more = gap, value, more / (2 if last > gap else 1)
-    raise RunError("load: the gap was not found between {:.4g} and {:.4g} m".format(*ends))
+    low_text, high_text = map(_micrometres, ends)
+    raise RunError(f"load: the gap was not found between {low_text} and {high_text}")
+
+
+def _micrometres(length_m: float) -> str:
+    return f"{1e6 * length_m:.4g} µm"
 
 
 class Resonance(NamedTuple):

@@ -193,9 +193,9 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
         {
             f"h0 = {1e6 * h0_m:g} µm must lie between {least_um:g} and {largest_um:g} µm: the model"
             " of a gas film is not valid outside this range": not GAPS_M[0] <= h0_m <= GAPS_M[1],
-            f"hv_m = {hv_m:g} must not be negative": not hv_m >= 0,
-            f"hv_m = {hv_m:g} reaches h0_m = {h0_m:g}: surface and pad touch; the amplitude "
-            "must stay below the mean gap": hv_m >= h0_m,
+            f"hv = {1e6 * hv_m:g} µm must not be negative": not hv_m >= 0,
+            f"hv = {1e6 * hv_m:g} µm reaches h0 = {1e6 * h0_m:g} µm: surface and pad touch; "
+            "the amplitude must stay below the mean gap": hv_m >= h0_m,
         },
     )
     surface, outline_m = scene.actuator.surface, np.add(scene.pad.edge_m(), (scene.x_m, scene.y_m))
@@ -209,4 +209,6 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
     contact = "they touch within the noise of the measured profile"
     if not scene.pad.gap.flat:
         contact = "the tilted or crowned pad touches the surface; pad.gap leaves too little"
-    check_problems(source, {f"h0_m = {h0_m:g}, hv_m = {hv_m:g}: {contact}": scene.closure() >= 1})
+    check_problems(
+        source, {f"h0 = {1e6 * h0_m:g} µm, hv = {1e6 * hv_m:g} µm: {contact}": scene.closure() >= 1}
+    )

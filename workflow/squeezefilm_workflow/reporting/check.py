@@ -40,17 +40,17 @@ WIDEST_CELL = 40
 """Characters of a cell on the screen; all of it is in the table."""
 PICTURES, PICTURES_FOLDER = "pictures", "check/figures"
 FILE_OF_PART = {
-    "figure data": "figures/{}.csv",
-    "results": "{}.csv",
-    "tables": "tables/{}.csv",
-    "claims": "claims.csv",
     "simulations": "simulations/{}/forces.csv",
     "fits": "fits/{}.json",
     "designs": "designs/{}.csv",
+    "results": "{}.csv",
     "numerics": "numerics/{}.csv",
+    "tables": "tables/{}.csv",
+    "figure data": "figures/{}.csv",
     PICTURES: "check/figures/{}.plain.png",
+    "claims": "claims.csv",
 }
-"""The file of an item, in the study's results."""
+"""The file of an item, in the study's results; parts that others are made from stand first."""
 RANDOM_FIGURE = "fig09"
 """The figure of many searches: which of them ended where is chance."""
 PICTURE_RMS = 1.5
@@ -167,7 +167,7 @@ def check_page(results: Results, *, reference: str) -> Page:
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
     values = {"summary": summary(table), "table": shown}
-    return Page(values, {"csv": table, "text": f"{screen_text(table)}\n"})
+    return Page(values, {"csv": table, "text": f"{screen_text(table, results.folder)}\n"})
 
 
 def check_table(results: Results, reference: Path) -> pd.DataFrame:
@@ -272,29 +272,38 @@ def summary(table: pd.DataFrame) -> str:
     failed = int((table["verdict"] != PASSED).sum())
     if failed:
         return (
-            f"{failed} of {len(table)} quantities failed. Delete the files and run again; where "
-            "the change is intended, `make reference` makes a new reference."
+            f"{failed} of {len(table)} quantities failed. Delete the first file that failed, from "
+            "which others may be made, and run again; where the change is intended, "
+            "`make reference` makes a new reference."
         )
     return f"All {len(table)} quantities passed."
 
 
-def screen_text(table: pd.DataFrame) -> str:
-    """Return each part's worst quantity, all that failed, and the summary."""
+def screen_text(table: pd.DataFrame, folder: Path) -> str:
+    """Return each part's worst quantity, all that failed in a folder of results, and the summary.
+
+    Of what failed, causes stand first.
+    """
     failed = table["verdict"] != PASSED
     worst = table.loc[table.groupby("part", sort=False)["of_tolerance"].idxmax()]
     worst = worst[worst["verdict"] == PASSED]
     kinds = {"Worst of each part": worst[["part", "item", "quantity", "of_tolerance"]]}
-    if failed.any():
-        rows = table[failed]
-        items = zip(rows["part"], rows["item"], strict=True)
-        kinds["Failed"] = rows.assign(file=[FILE_OF_PART[p].format(item) for p, item in items])
+    order = list(FILE_OF_PART)
+    rows = table[failed].sort_values(
+        "part", key=lambda parts: parts.map(order.index), kind="stable"
+    )
+    if len(rows):
+        kinds["Failed"] = rows
+    items = zip(rows["part"], rows["item"], strict=True)
+    files = dict.fromkeys(str(folder / FILE_OF_PART[part].format(item)) for part, item in items)
     how: dict[str, Any] = {
         "index": False,
         "max_colwidth": WIDEST_CELL,
         "float_format": "{:.2g}".format,
     }
     shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items() if len(rows)]
-    return "".join([*shown, summary(table)])
+    paths = ["Files that failed:\n", *(f"{file}\n" for file in files), "\n"] if files else []
+    return "".join([*shown, *paths, summary(table)])
 
 
 def tolerances(solver: float) -> dict[str, Closeness]:

@@ -163,7 +163,7 @@ def check(options: argparse.Namespace) -> int:
     table = check_table(Results.of(options.results, options.config), options.reference)
     if options.output:
         write_table(table, options.output)
-    print(screen_text(table))
+    print(screen_text(table, options.results))
     return int((table["verdict"] == FAILED).any())
 
 

@@ -117,7 +117,8 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     ]
     parts.label_points(axes, design, labels=labels)
     count = f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches."
-    note = f"Criterion (12) in SI units: {pattern['objective']:.7g}"
+    measure = f"force in N, {_TITLES[summary['scaling']]}"
+    note = f"Criterion (12), {measure}: {pattern['objective']:.7g}"
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]
         note += f", {behind:.0e} above A in proportion"
