@@ -81,7 +81,13 @@ def test_the_command_line_says_what_the_library_says(study, capsys, refused):
     force = study.force("5 um", 1.5e-6, x=-1e-3, y="0.5 mm")
     assert told.strip() == str(force)
     assert main(["simulate", *words, "--x", "-1mm", "--y", "0.5mm", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["force_n"] == float(force)
+    told = json.loads(capsys.readouterr().out)
+    assert told["force_n"] == float(force)
+    least, most = told["modelling_error_lower_percent"], told["modelling_error_upper_percent"]
+    assert (least, most) == force.modelling_error_percent
+    assert not {"inertia_percent", "slip_error_percent"} & told.keys()  # parts not asked for
+    assert main(["simulate", *words, "--x", "-1mm", "--y", "0.5mm", "--json", "--budget"]) == 0
+    assert {"inertia_percent", *told} < json.loads(capsys.readouterr().out).keys()
     assert "--json prints one" in refused("simulate", *words, "--x=-1mm,1mm", "--json")
 
 

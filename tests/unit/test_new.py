@@ -29,6 +29,17 @@ def test_a_new_study_is_valid_and_has_its_scan(tmp_path):
     assert smoothed.noise_m / smoothed.peak_m == pytest.approx(0.02, rel=0.1)
 
 
+def test_a_new_study_may_be_of_a_plate_with_a_standing_wave(tmp_path):
+    assert cli.main(["new", "plate-1", "--rectangle", "--folder", str(tmp_path)]) == 0
+    (path,) = tmp_path.iterdir()
+    assert "vibrometer.csv" not in (text := path.read_text(encoding="utf-8"))
+    assert "disc" not in text
+    config = check_study(load_config(path))
+    assert config.actuator.surface.half_m == (0.03, 0.02)
+    assert config.actuator.profile.wavelength_m == 0.012
+    assert config.symmetry().position == ("x_m", "y_m")
+
+
 def test_nothing_is_written_over(tmp_path, refused):
     there = tmp_path / "a.yaml"
     there.write_text("mine")

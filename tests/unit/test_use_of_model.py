@@ -329,6 +329,50 @@ def test_exported_code_and_the_library_agree_on_the_declared_space(run, write_fi
         )
 
 
+SYMMETRIES = [
+    {"start_deg": 10.0, "width_deg": 45.0, "mirror": True},
+    {"start_deg": 0.0, "width_deg": 90.0, "mirror": False},
+    {"mirror_x": True, "mirror_y": False},
+]
+
+
+@pytest.mark.parametrize("run", [in_python, in_c, in_javascript])
+@pytest.mark.parametrize("symmetry", SYMMETRIES, ids=str)
+def test_exported_code_brings_positions_to_those_that_stand_for_them(
+    run, symmetry, write_fit, tmp_path
+):
+    """This was left to the firmware: at x = −9 mm the code gave the force of another place."""
+    polar = make_model("polar", {"expression": "t0*hv/h0*(1 + t2*phi) + t1*r"}, source="test")
+    cartesian = make_model("cartesian", {"expression": "t0*hv/h0 + t1*(x + 2*y)"}, source="test")
+    r_m, phi_deg = np.meshgrid([0.0, 1e-3, 2e-3], [-190.0, -100, -1, 9, 30, 56, 91, 181, 271, 300])
+    factors = Factors.of(h0_m=7e-6, hv_m=1e-6, phi_r_m=r_m.ravel(), phi_deg=phi_deg.ravel())
+    space = {name: (-1.0, 1.0) for name in ("h0_m", "hv_m", "x_m", "y_m")}
+    for model, theta in ((polar, (1.0, 100.0, 0.01)), (cartesian, (1.0, 100.0))):
+        own = {**validation(), "ranges": space}
+        fit = read_fit(write_fit(model, theta, validation=own, directions=symmetry))
+        points = np.column_stack([factors.column(name) for name in model.factor_names])
+        found, _ = np.array(run(fit, points, tmp_path), dtype=float).T
+        exact = fit.evaluate(fit.folded(factors))
+        np.testing.assert_allclose(found, exact, rtol=1e-12)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_exported_code_has_a_sinc_where_its_formula_has_one(language, write_fit):
+    for model, theta in ((get_model("two_factor"), THETA["two_factor"]), EXPORTED[-1]):
+        text = source(read_fit(write_fit(model, theta)), language)
+        assert ("sinc" in text.replace(model.expression, "")) == ("sinc" in model.expression)
+
+
+def test_a_function_of_matlab_has_the_name_of_its_file(write_fit, tmp_path, refused):
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    export = ["export", str(path), "--language", "matlab", "--output"]
+    assert cli.main([*export, str(tmp_path / "other.m")]) == 0
+    text = (tmp_path / "other.m").read_text()
+    assert "= other(h0_m, hv_m)" in text
+    assert "Save this file as other.m" in text
+    assert "my-force: cannot name a function" in refused(*export, tmp_path / "my-force.m")
+
+
 def test_constants_with_units_are_in_a_fit_and_in_its_code(write_fit):
     """`cos(4*pi*x/0.012)` was invalid: the number had no unit, and none could be given."""
     entry = {"expression": "t0*(hv/h0)**2*cos(4*pi*x/wavelength)"}

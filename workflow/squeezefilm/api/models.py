@@ -175,8 +175,12 @@ class Fit:
         gaps = np.linspace(low, high, DEFAULT_GAPS if high > low else 1)
         return [float(f"{gap:.12g}") for gap in gaps]
 
-    def code(self, language: str) -> str:
-        """The model as code in ``c``, ``python``, ``javascript`` or ``matlab``.
+    def code(self, language: str, *, name: str = "") -> str:
+        """The model as code without dependencies, in C, Python, JavaScript or MATLAB.
+
+        Args:
+            language: ``c``, ``python``, ``javascript`` or ``matlab``.
+            name: of the function in MATLAB, which is that of its file; by default the model's.
 
         Raises InputError for a model with asymptotic forces whose file has no table of them.
 
@@ -185,7 +189,7 @@ class Fit:
         """
         from squeezefilm.models.export import source
 
-        return source(self.model, language)
+        return source(self.model, language, name=name)
 
     def save(self, path: Path | str) -> None:
         """Write the fit's file, which ``Fit.read`` and the command line read.

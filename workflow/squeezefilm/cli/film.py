@@ -29,8 +29,11 @@ from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.files import whole_file
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
+from squeezefilm.quantities.model_error import budget_row
 from squeezefilm.solution import OUTPUTS
 from squeezefilm.tables import read_scenes, write_table
+
+BUDGET_BOUNDS = ("modelling_error_lower_percent", "modelling_error_upper_percent")
 
 
 @command(
@@ -39,7 +42,7 @@ from squeezefilm.tables import read_scenes, write_table
     *SOLVER_OPTIONS,
     flag("--dry-run", "show how scenes would be solved, and solve nothing"),
     flag("--derivatives", "derivatives of the force too, by each quantity of a scene"),
-    flag("--budget", "the modelling error too, as columns of several points"),
+    flag("--budget", "the modelling error too, as columns of several points; its parts in --json"),
     option("--outputs", "NAME,…", f"further quantities, of {', '.join(OUTPUTS)}, or all"),
     points(),
 )
@@ -114,7 +117,11 @@ def _simulate_points(
     budget = alone or options.budget
     forces = film.solved(scenes, derivatives=options.derivatives, budget=budget)
     if alone:
-        print(shown(forces[0].row, options))
+        row = forces[0].row
+        if options.json and not options.budget:
+            parts = {name for name in budget_row(forces[0].budget) if name.endswith("_percent")}
+            row = {name: row[name] for name in row if name in BUDGET_BOUNDS or name not in parts}
+        print(shown(row, options))
     else:
         table = forces_table(pd.DataFrame(points), forces, whole=bool(options.output))
         write_rows(table.assign(**study_column(options)), options)

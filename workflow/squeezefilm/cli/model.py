@@ -1,6 +1,7 @@
 """Commands that use a fitted model, from its file alone."""
 
 import argparse
+from pathlib import Path
 
 from squeezefilm.api.models import Fit
 from squeezefilm.cli.options import (
@@ -111,7 +112,9 @@ def export(options: argparse.Namespace) -> None:
     stated; without a table, where the expansion does not hold all over the study's space, it cannot
     be exported.
     """
-    text = Fit.read(options.fit).code(options.language)
+    own_file = options.output and options.language == "matlab"
+    name = Path(options.output).stem if own_file else ""
+    text = Fit.read(options.fit).code(options.language, name=name)
     if options.output:
         write_text(text, options.output)
     else:

@@ -22,11 +22,32 @@ from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
+# What a rectangular surface has instead of the example's, by the text before and after.
+RECTANGLE = {
+    "a disc (or the disc around what is measured)": "a rectangle",
+    "surface_radius: 10 mm": "surface: {shape: rectangle, length_x: 60 mm, length_y: 40 mm}",
+    """\
+  # The vibrometer's table, beside this file: x and y (or r), amplitude, phase, with units in its
+  # header. Other shapes: sinc, piston, standing-wave, travelling-wave, bessel, formula.
+  profile: {kind: measured, file: vibrometer.csv, axisymmetric: true}
+""": """\
+  # A vibrometer's table beside this file, with x, y, amplitude and phase, and units in its header:
+  # {kind: measured, file: scan.csv}. Other shapes: piston, travelling-wave, formula.
+  profile: {kind: standing-wave, wavelength: 12 mm}
+""",
+    "extrapolation: #": """\
+positions: # the farthest pad centres of interest, on one side
+  x: [20 mm]
+  y: [10 mm]
+
+extrapolation: #""",
+}
 
 
 @command(
     option("name", "NAME", "of the study: a-z, 0-9, - and _"),
     option("--folder", help="where to write; default config", default="config"),
+    flag("--rectangle", "begin with a rectangular plate and its standing wave, without a table"),
 )
 def new(options: argparse.Namespace) -> None:
     """Begin a study of your own actuator.
@@ -34,20 +55,23 @@ def new(options: argparse.Namespace) -> None:
       squeezefilm new my-actuator
 
     writes config/my-actuator.yaml, a study of twenty lines that says what differs from the
-    defaults, and config/my-actuator.csv, a vibrometer's table to replace by yours. Neither is
-    written if one of them is there already. Both run as they are; `squeezefilm config` shows every
+    defaults, and config/my-actuator.csv, a vibrometer's table to replace by yours; with
+    `--rectangle` the study of a plate alone. Neither is written if one of them is there already.
+    Both run as they are; `squeezefilm config` shows every
     other key:
 
       snakemake --configfile config/my-actuator.yaml
     """
     name, folder, example = options.name, Path(options.folder), EXAMPLE.name
     config, scan = folder / f"{name}.yaml", folder / f"{name}.csv"
-    for path in (config, scan):
+    files = [config, *[scan] * (not options.rectangle)]
+    for path in files:
         if path.exists():
             raise InputError(f"{path}: is there already; choose another name, or remove it")
     what = "example; `squeezefilm new` needs a checkout of the workflow"
     text = read_text(f"{EXAMPLE}.yaml", what=what)
     for old, named in (
+        *(RECTANGLE.items() if options.rectangle else ()),
         (f"{example}.csv", f"{name}.csv"),
         (f"study: {example} ", f"study: {name} "),
         (f"results/{example}", f"results/{name}"),
@@ -56,12 +80,11 @@ def new(options: argparse.Namespace) -> None:
         text = text.replace(old, named)
     parse_config(text, path=config)  # refuses a name that is none
     write_text(text, config)
-    write_text(read_text(f"{EXAMPLE}.csv", what=what), scan)
-    print(
-        f"{config}: the study; change what is yours\n"
-        f"{scan}: an example of a vibrometer's table; replace it by yours\n"
-        f"Then: snakemake --configfile {config}"
-    )
+    print(f"{config}: the study; change what is yours")
+    if scan in files:
+        write_text(read_text(f"{EXAMPLE}.csv", what=what), scan)
+        print(f"{scan}: an example of a vibrometer's table; replace it by yours")
+    print(f"Then: snakemake --configfile {config}")
 
 
 @command(

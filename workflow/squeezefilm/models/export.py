@@ -14,6 +14,7 @@ from string import Template
 from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN, POLAR, position_form
+from squeezefilm.film.symmetry import Mirrors
 from squeezefilm.formulas import Expression, Operation, fold
 from squeezefilm.models.data import FACTOR_OF_NAME, PHYSICS_COLUMNS, POSITION_COLUMNS, RANGE_SLACK
 from squeezefilm.models.fit_file import FittedModel
@@ -37,14 +38,23 @@ OTHER_FORM = {
 """The position by a function's arguments where they have it in the other form."""
 LANGUAGES = {"c": "NAN", "javascript": "NaN", "matlab": "NaN", "python": "math.nan"}
 """And what a number that is none is called."""
+END = {"c": ";\n    ", "javascript": ";\n  ", "matlab": ";\n", "python": "\n    "}
+DECLARATION = {"c": "const double ", "javascript": "const "}
+"""How a statement ends, with the next line's indentation, and how a name of its own begins."""
 OWN_NAME_PREFIX = {"c": "{name}_", "matlab": "own_"}
 """How names begin that only the code itself uses, if not with _."""
 REAL_FUNCTIONS = {"matlab": ("sqrt", "log")}
 """Functions that are complex where they have no real value: the code has its own."""
 
 
-def source(fit: FittedModel, language: str) -> str:
+def source(fit: FittedModel, language: str, *, name: str = "") -> str:
     """The code of one of LANGUAGES for a fitted model.
+
+    Positions are brought to those that stand for all others by the study's symmetry, as the
+    library does it.
+
+    Args:
+        name: of the function in MATLAB, which is that of its file; by default the model's.
 
     Raises InputError for another language, a model's name that cannot name a function, or a model
     of physics whose file has no table of it.
@@ -54,6 +64,8 @@ def source(fit: FittedModel, language: str) -> str:
             f"{fit.file}: the model's name {fit.model!r} cannot name a function; it must be "
             "small letters, digits and _"
         )
+    if name and not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", name):
+        raise InputError(f"{name}: cannot name a function; use letters, digits and _")
     if language not in LANGUAGES:
         raise InputError(f"language {language!r}: unknown; allowed are {', '.join(LANGUAGES)}")
     model, interval, table = fit.force_model, fit.interval, fit.needed_table
@@ -68,7 +80,7 @@ def source(fit: FittedModel, language: str) -> str:
     space = interval.ranges if interval else fit.ranges
     point = _point(model, space)
     values: dict[str, object] = {
-        "name": fit.model,
+        "name": name or fit.model,
         "NAME": fit.model.upper(),
         "own": own,
         "about": "\n".join(_about(fit, table)),
@@ -82,12 +94,15 @@ def source(fit: FittedModel, language: str) -> str:
         "low": ", ".join(_number(space[name][0]) for name in point),
         "high": ", ".join(_number(space[name][1]) for name in point),
         "slack": _number(RANGE_SLACK),
+        "fold": "".join(f"{line}{END[language]}" for line in _folding(fit, language)),
         "error_constant": constant,
         "error_share": relative,
         "formula": _bracketed(model.parsed, names, own, REAL_FUNCTIONS.get(language, ())),
     }
     text = (TEMPLATES_FOLDER / f"{language}.in").read_text(encoding="utf-8")
-    code, tabulated, column = map(Template, re.split("------ .*\n", text))
+    code, sinc, tabulated, column = map(Template, re.split("------ .*\n", text))
+    used = f"{own}sinc(" in str(values["formula"])
+    values["sinc"] = sinc.substitute(own=own) if used else ""
     if table is None:
         return code.substitute(values, table="")
     columns = "\n".join(
@@ -111,6 +126,39 @@ def _factors(model: ExpressionModel) -> dict[str, str]:
     """Expressions of all factors in a function's arguments, by their columns."""
     form = POLAR if set(POLAR) <= set(model.factor_names) else CARTESIAN
     return {column: OTHER_FORM[form].get(column, column) for column in FACTOR_OF_NAME.values()}
+
+
+def _folding(fit: FittedModel, language: str) -> list[str]:
+    """Statements that bring a function's position to the one that stands for it."""
+    symmetry, arguments = fit.symmetry, fit.force_model.factor_names
+    polar, cartesian = (set(form) <= set(arguments) for form in (POLAR, CARTESIAN))
+    if symmetry is None or not (polar or cartesian):
+        return []
+    other = OTHER_FORM[POLAR if polar else CARTESIAN]
+    r, phi = (other.get(name, name) for name in POLAR)
+    if isinstance(symmetry, Mirrors):
+        mirrored = {
+            name for name, on in zip(CARTESIAN, (symmetry.x, symmetry.y), strict=True) if on
+        }
+        if cartesian:
+            return [f"{name} = fabs({name})" for name in CARTESIAN if name in mirrored]
+        x, y = (f"fabs({other[name]})" if name in mirrored else other[name] for name in CARTESIAN)
+        return [f"phi_deg = (atan2({y}, {x}) / {RADIANS_PER_DEGREE})"]
+    start, width = _number(symmetry.start_deg), _number(symmetry.width_deg)
+    period = _number(symmetry.width_deg * (2 if symmetry.mirror else 1))
+    angle = f"({phi} - {start})"
+    folded = f"({angle} - {period} * floor({angle} / {period}))"
+    if symmetry.mirror:
+        folded = f"({width} - fabs({folded} - {width}))"
+    if polar:  # at the centre every direction is the same
+        return [f"phi_deg = phi_deg + (phi_r_m > 0) * ({start} + {folded} - phi_deg)"]
+    declared = DECLARATION.get(language, "")
+    return [
+        f"{declared}folded_r_m = {r}",
+        f"{declared}folded_rad = ({start} + {folded}) * {RADIANS_PER_DEGREE}",
+        "x_m = folded_r_m * cos(folded_rad)",
+        "y_m = folded_r_m * sin(folded_rad)",
+    ]
 
 
 def _point(model: ExpressionModel, space: Mapping[str, tuple[float, float]]) -> dict[str, str]:
@@ -172,8 +220,7 @@ def _about(fit: FittedModel, table: LimitTable | None) -> list[str]:
     if re.fullmatch(r"[0-9a-f]{64}", digest):
         lines.append(f"Forces (SHA-256): {digest}")
     if fit.symmetry is not None and set(model.factor_names) & set(POSITION_COLUMNS):
-        text = f"{fit.symmetry.text} Bring a position there before you call."
-        lines += textwrap.wrap(text, 90)
+        lines += textwrap.wrap(f"{fit.symmetry.text} The code does this.", 90)
     if table is not None:
         error = table.largest_relative_error
         lines.append(f"The expansion is tabulated; its largest relative error is {error:.1e}.")
