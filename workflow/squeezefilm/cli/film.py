@@ -23,6 +23,7 @@ from squeezefilm.cli.options import (
     points_or_scenes,
     shown,
     study_column,
+    table_output,
     write_rows,
 )
 from squeezefilm.errors import InputError, RunError, prefix_errors
@@ -35,7 +36,7 @@ from squeezefilm.tables import read_scenes, write_table
 
 @command(
     SCENES,
-    option("--output", "FORCES.csv", "table of forces to write"),
+    table_output("--output", "FORCES.csv", "table of forces to write"),
     *SOLVER,
     flag("--dry-run", "show how scenes would be solved, and solve nothing"),
     flag("--derivatives", "derivatives of the force too, by each quantity of a scene"),

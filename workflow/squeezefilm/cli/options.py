@@ -18,7 +18,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.formatting import in_lines, json_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.tables import write_table
+from squeezefilm.tables import table_name, write_table
 from squeezefilm.units import error_text, to_its_error
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
@@ -48,6 +48,11 @@ def command(*options: OptionAdder) -> Callable[[Run], SimpleNamespace]:
 def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> OptionAdder:
     """An option, or what stands without one."""
     return lambda parser: [parser.add_argument(name, metavar=metavar, help=help, **how)]
+
+
+def table_output(name: str, metavar: str, help: str, **how: Any) -> OptionAdder:
+    """An option for a table to write, whose name is checked before anything is solved."""
+    return option(name, metavar, help, type=table_name, **how)
 
 
 def flag(name: str, help: str) -> OptionAdder:
@@ -82,7 +87,7 @@ SOLVER, FILM = (CONFIG, TOLERANCE_OPTION, METHOD, DEVICE, JSON), (CONFIG, DEVICE
 FIT = option("fit", "FIT.json", "the fitted model")
 FORCES = option("forces", "FORCES.csv", "simulated forces")
 SCENES = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
-OUTPUT = option("--output", "TABLE.csv", "table to write; without it the table is shown")
+OUTPUT = table_output("--output", "TABLE.csv", "table to write; without it the table is shown")
 SHOWN = (OUTPUT, JSON)
 
 

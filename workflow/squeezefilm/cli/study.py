@@ -5,7 +5,16 @@ import sys
 from pathlib import Path
 
 from squeezefilm.api.models import Fit
-from squeezefilm.cli.options import FIT, FORCES, STUDY, command, option, print_table, shown
+from squeezefilm.cli.options import (
+    FIT,
+    FORCES,
+    STUDY,
+    command,
+    option,
+    print_table,
+    shown,
+    table_output,
+)
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import prefix_errors
 from squeezefilm.files import digest
@@ -98,7 +107,7 @@ def fit(options: argparse.Namespace) -> None:
     FIT,
     FORCES,
     STUDY,
-    option("--output", "ERRORS.csv", "error of each point", required=True),
+    table_output("--output", "ERRORS.csv", "error of each point", required=True),
 )
 def validate(options: argparse.Namespace) -> None:
     """Compare a fitted model with simulated forces: errors point by point, and their summary.
@@ -118,7 +127,7 @@ def validate(options: argparse.Namespace) -> None:
     option("--forces", "FORCES.csv", "what it was fitted to", required=True),
     STUDY,
     option("--existing", "SCENES.csv", "points to add to"),
-    option("--output", "DESIGNS.csv", "designs to write", required=True),
+    table_output("--output", "DESIGNS.csv", "designs to write", required=True),
 )
 def optimal(options: argparse.Namespace) -> None:
     """D-optimal designs with proof of optimality, for a fitted model and your points.
