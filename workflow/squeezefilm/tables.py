@@ -469,6 +469,20 @@ def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str]
         write(table)
 
 
+def table_name(path: Path | str) -> str:
+    """Return the name of a table to write.
+
+    Raises InputError for a name that says that something else is in the file.
+    """
+    suffix = Path(path).suffix
+    if suffix.lower() in OTHER_FORMATS:
+        raise InputError(
+            f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "
+            f"not as {suffix}"
+        )
+    return str(path)
+
+
 @contextmanager
 def table_writer(
     path: Path | str, *, given: Collection[str] = ()
@@ -483,12 +497,7 @@ def table_writer(
     Raises InputError for a name that says that something else is in the file, ValueError for a
     column without a meaning in columns.csv.
     """
-    path = Path(path)
-    if path.suffix.lower() in OTHER_FORMATS:
-        raise InputError(
-            f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "
-            f"not as {path.suffix}"
-        )
+    path = Path(table_name(path))
     pieces = _parquet_pieces if path.suffix == PARQUET else _csv_pieces
 
     def write(piece: pd.DataFrame) -> None:

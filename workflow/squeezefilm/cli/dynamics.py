@@ -21,6 +21,7 @@ from squeezefilm.cli.options import (
     points_or_scenes,
     shown,
     study_column,
+    table_output,
     write_rows,
 )
 from squeezefilm.dynamics.levitation import levitation_table, levitations, valid_range_text
@@ -41,7 +42,9 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 @command(
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1:1:10N"),
     option("--mass", "QUANTITY", "levitated mass, e.g. 50g, for the resonance"),
-    option("--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"),
+    table_output(
+        "--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"
+    ),
     *SOLVER_OPTIONS,
     points("h0"),
 )
@@ -127,9 +130,9 @@ def _levitation_line(row: dict[str, Any]) -> str:
 
 @command(
     SCENES_ARGUMENT,
-    option("--output", "RESPONSE.csv", "table to write, a row per scene"),
-    option("--gains", "GAINS.csv", "table to write, a row per scene and frequency"),
-    option(
+    table_output("--output", "RESPONSE.csv", "table to write, a row per scene"),
+    table_output("--gains", "GAINS.csv", "table to write, a row per scene and frequency"),
+    table_output(
         "--steps",
         "STEPS.csv",
         "table to write of the mean force after start and stop, a row per scene and time",

@@ -23,6 +23,7 @@ from squeezefilm.cli.options import (
     points_or_scenes,
     shown,
     study_column,
+    table_output,
     write_rows,
 )
 from squeezefilm.errors import InputError, RunError, prefix_errors
@@ -38,7 +39,7 @@ BUDGET_BOUNDS = ("modelling_error_lower_percent", "modelling_error_upper_percent
 
 @command(
     SCENES_ARGUMENT,
-    option("--output", "FORCES.csv", "table of forces to write"),
+    table_output("--output", "FORCES.csv", "table of forces to write"),
     *SOLVER_OPTIONS,
     flag("--dry-run", "show how scenes would be solved, and solve nothing"),
     flag("--derivatives", "derivatives of the force too, by each quantity of a scene"),

@@ -18,7 +18,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.formatting import in_lines, json_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.tables import write_table
+from squeezefilm.tables import table_name, write_table
 from squeezefilm.units import error_text, to_its_error
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
@@ -48,6 +48,11 @@ def command(*options: OptionAdder) -> Callable[[CommandFunction], SimpleNamespac
 def option(name: str, metavar: str | None = None, help: str = "", **how: Any) -> OptionAdder:
     """An option, or what stands without one."""
     return lambda parser: [parser.add_argument(name, metavar=metavar, help=help, **how)]
+
+
+def table_output(name: str, metavar: str, help: str, **how: Any) -> OptionAdder:
+    """An option for a table to write, whose name is checked before anything is solved."""
+    return option(name, metavar, help, type=table_name, **how)
 
 
 def flag(name: str, help: str) -> OptionAdder:
@@ -85,7 +90,9 @@ FILM_OPTIONS = (CONFIG_OPTION, DEVICE_OPTION, JSON_OPTION)
 FIT_ARGUMENT = option("fit", "FIT.json", "the fitted model")
 FORCES_ARGUMENT = option("forces", "FORCES.csv", "simulated forces")
 SCENES_ARGUMENT = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
-OUTPUT_OPTION = option("--output", "TABLE.csv", "table to write; without it the table is shown")
+OUTPUT_OPTION = table_output(
+    "--output", "TABLE.csv", "table to write; without it the table is shown"
+)
 RESULT_OPTIONS = (OUTPUT_OPTION, JSON_OPTION)
 
 

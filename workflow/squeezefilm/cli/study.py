@@ -12,6 +12,7 @@ from squeezefilm.cli.options import (
     option,
     print_table,
     shown,
+    table_output,
 )
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import prefix_errors
@@ -107,7 +108,7 @@ def fit(options: argparse.Namespace) -> None:
     FIT_ARGUMENT,
     FORCES_ARGUMENT,
     STUDY_OPTION,
-    option("--output", "ERRORS.csv", "error of each point", required=True),
+    table_output("--output", "ERRORS.csv", "error of each point", required=True),
 )
 def validate(options: argparse.Namespace) -> None:
     """Compare a fitted model with simulated forces: errors point by point, and their summary.
@@ -130,7 +131,7 @@ def validate(options: argparse.Namespace) -> None:
     option("--forces", "FORCES.csv", "what it was fitted to", required=True),
     STUDY_OPTION,
     option("--existing", "SCENES.csv", "points to add to"),
-    option("--output", "DESIGNS.csv", "designs to write", required=True),
+    table_output("--output", "DESIGNS.csv", "designs to write", required=True),
 )
 def optimal(options: argparse.Namespace) -> None:
     """D-optimal designs with proof of optimality, for a fitted model and your points.

@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from squeezefilm.cli.options import OUTPUT_OPTION, command, option, write_rows
+from squeezefilm.cli.options import OUTPUT_OPTION, command, option, table_output, write_rows
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.lazy import pd
@@ -146,7 +146,7 @@ def recommend(options: argparse.Namespace) -> None:
     RESULTS_ARGUMENT,
     STUDY_OPTION,
     option("--reference", "FOLDER", "made by `squeezefilm reference`", required=True, type=Path),
-    option("--output", "CHECK.csv", "the table, a row each quantity"),
+    table_output("--output", "CHECK.csv", "the table, a row each quantity"),
 )
 def check(options: argparse.Namespace) -> int:
     """Compare the results of a finished study with a small reference.
