@@ -122,7 +122,31 @@ def test_a_point_without_a_gap_is_counted_and_not_drawn():
     (axes,) = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("load (N)", "gap $h_0$ (µm)")
     assert axes.containers[0].lines[0].get_ydata() == pytest.approx([5, 4, 3])
-    assert "Without a result: 1 of 4 points." in figure.texts[0].get_text()
+    assert "Without a result: 1 of 4 points; status has the reason." in figure.texts[0].get_text()
+    assert axes.lines[-1].get_xdata().tolist() == [4.0]
+
+
+def test_a_levitation_is_drawn_with_its_modelling_error_stiffness_and_resonance():
+    table = points(x_m=0.0, y_m=0.0, load_n=[1.0, 2.0, 3.0, 4.0], h0_m=[6e-6, 5e-6, 4e-6, 3e-6])
+    table = table.drop(columns=["force_n", "force_error_n"]).assign(
+        h0_error_m=1e-9,
+        h0_modelling_error_lower_m=-5e-7,
+        h0_modelling_error_upper_m=-3e-7,
+        stiffness_n_per_m=[1e4, 2e4, 3e4, 4e4],
+        stiffness_error_n_per_m=10.0,
+        resonance_hz=[500.0, 600.0, None, None],
+        resonance_error_hz=5.0,
+    )
+    figure = curve(table)
+    gap, stiffness, resonance = figure.axes
+    (band,) = gap.collections[-1].get_paths()
+    assert band.vertices[:, 1].min() == pytest.approx(2.5)
+    assert band.vertices[:, 1].max() == pytest.approx(5.7)
+    assert stiffness.get_ylabel() == "static stiffness (N/m)"
+    assert resonance.get_ylabel() == "resonance (Hz)"
+    note = figure.texts[0].get_text()
+    assert "Bars: numerical error, at most 0.001 µm. Bands: modelling error." in note
+    assert len(curve(table.assign(resonance_hz=None)).axes) == 2
 
 
 def test_the_table_of_a_profile_is_drawn(tmp_path):

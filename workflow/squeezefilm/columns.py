@@ -43,6 +43,8 @@ class Column(NamedTuple):
 
     def shown(self, values: Any) -> Any:
         """Values in the shown unit."""
+        if self.shown_unit == self.unit:
+            return values
         return values / unit_sizes(self.unit)[self.shown_unit]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from squeezefilm.columns import COLUMNS
+from squeezefilm.columns import COLUMNS, error_column
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN, POLAR, cartesian
 from squeezefilm.film.validity import OK
@@ -25,16 +25,29 @@ MOST_LINES = len(MARKERS)
 
 @dataclass(frozen=True)
 class Result:
-    """A column that is drawn, those of errors of which a bar is the sum, and its factors."""
+    """A column that is drawn, those of errors of which a bar is the sum, and its factors.
+
+    Attributes:
+        bounds: columns of the lower and the upper bound of its modelling error.
+        beside: columns that are drawn in panels below, where the table has values of them.
+    """
 
     column: str
     errors: tuple[str, ...]
     factors: tuple[str, ...]
+    bounds: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
 
 
 POSITION = (*CARTESIAN, *POLAR)
 RESULTS = {
-    "load_n": Result("h0_m", ("h0_error_m", "h0_measurement_noise_m"), ("load_n", "hv_m")),
+    "load_n": Result(
+        "h0_m",
+        ("h0_error_m", "h0_measurement_noise_m"),
+        ("load_n", "hv_m"),
+        ("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
+        ("stiffness_n_per_m", "resonance_hz"),
+    ),
     "hv_error_95_m": Result("hv_m", ("hv_error_95_m",), ("force_n", "h0_m")),
     "force_n": Result(
         "force_n",
@@ -70,12 +83,12 @@ def curve(table: pd.DataFrame) -> Figure:
     if varied in ([*CARTESIAN], [*POLAR]):
         figure, *notes = _map(known, result, varied)
     else:
-        figure, *notes = _lines(known, result, counts, varied)
+        figure, *notes = _lines(table, known, result, counts, varied)
     figure.axes[0].set_title(", ".join(title), fontsize=7)
     if not known["within"].all():
         notes.append("Hollow: outside the limits of validity.")
     if without := len(table) - len(known):
-        notes.append(f"Without a result: {without} of {len(table)} points.")
+        notes.append(f"Without a result: {without} of {len(table)} points; status has the reason.")
     style.add_note(figure, *notes)
     return figure
 
@@ -90,7 +103,11 @@ def _label(name: str) -> str:
 
 
 def _lines(
-    known: pd.DataFrame, result: Result, counts: dict[str, int], varied: list[str]
+    table: pd.DataFrame,
+    known: pd.DataFrame,
+    result: Result,
+    counts: dict[str, int],
+    varied: list[str],
 ) -> tuple[Figure, str]:
     """The result over the factor with most values, a line for each combination of the others."""
     along = max(counts, key=counts.__getitem__)
@@ -99,26 +116,54 @@ def _lines(
     if counts[along] < 2 or len(lines) > MOST_LINES:
         what = f"{len(lines)} lines over {counts[along]} points"
         raise InputError(f"{what}: a curve has 2 points or more, and at most {MOST_LINES} lines")
-    figure, axes = style.subplots(height_in=3.0)
-    axes.set(xlabel=_label(along), ylabel=_label(result.column))
-    axes.grid(True)
+    beside = [name for name in result.beside if name in known and known[name].notna().any()]
+    panels = [result.column, *beside]
+    figure, all_axes = style.subplots(
+        len(panels), 1, height_in=3.0 + 1.6 * len(beside), sharex=True, squeeze=False
+    )
+    for axes, name in zip(all_axes[:, 0], panels, strict=True):
+        axes.set_ylabel(_label(name))
+        axes.grid(True)
+    axes.set_xlabel(_label(along))
+    top = all_axes[0, 0]
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, len(lines)))
-    column = COLUMNS[result.column]
+    bounds = [name for name in result.bounds if name in known]
     for (_, rows), colour, marker in zip(lines, colours, cycle(MARKERS)):
-        text = ", ".join(_equation(name, rows[name].iloc[0]) for name in others)
         rows = rows.sort_values(along)
-        at, value = COLUMNS[along].shown(rows[along]), column.shown(rows[result.column])
-        look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 3, "label": text}
-        axes.errorbar(at, value, column.shown(rows["error"]), **look)
-        outside = ~rows["within"]
-        look |= {"linestyle": "", "markerfacecolor": "white", "label": "", "zorder": 3}
-        axes.plot(at[outside], value[outside], **look)
+        at = COLUMNS[along].shown(rows[along])
+        look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 3}
+        label = ", ".join(_equation(name, rows[name].iloc[0]) for name in others)
+        for axes, name in zip(all_axes[:, 0], panels, strict=True):
+            column = COLUMNS[name]
+            error = rows["error"] if name == result.column else rows[error_column(name)]
+            value = column.shown(rows[name])
+            axes.errorbar(at, value, column.shown(error), **look, label=label)
+            outside = ~rows["within"]
+            hollow = look | {"linestyle": "", "markerfacecolor": "white", "zorder": 3}
+            axes.plot(at[outside], value[outside], **hollow)
+            label = ""
+        if bounds:
+            low, high = (
+                COLUMNS[result.column].shown(rows[result.column] + rows[name]) for name in bounds
+            )
+            top.fill_between(at, low, high, color=colour, alpha=0.2, linewidth=0)
+    missing = COLUMNS[along].shown(table.loc[table[result.column].isna(), along].unique())
+    if len(missing):
+        below = {"transform": top.get_xaxis_transform(), "clip_on": False}
+        top.plot(missing, np.zeros(len(missing)), "x", color="0.3", **below)
     if others:
         figure.legend(loc="outside upper center", ncols=3)
+    return figure, _bars_text(known, result) + (" Bands: modelling error." if bounds else "")
+
+
+def _bars_text(known: pd.DataFrame, result: Result) -> str:
+    """What the bars of the result are, and how long at most."""
     predicted = any("95" in name for name in result.errors if name in known)
-    what = "prediction error (95 %)" if predicted else "numerical error and scan"
+    scanned = any(known[name].any() for name in result.errors if "noise" in name and name in known)
+    own = "numerical error and scan" if scanned else "numerical error"
+    column = COLUMNS[result.column]
     largest = f"{column.shown(known['error'].max()):.2g} {column.shown_unit}"
-    return figure, f"Bars: {what}, at most {largest}."
+    return f"Bars: {'prediction error (95 %)' if predicted else own}, at most {largest}."
 
 
 def _map(known: pd.DataFrame, result: Result, position: list[str]) -> tuple[Figure, str]:
