@@ -157,7 +157,7 @@ def _lines(
 
 
 def _bars_text(known: pd.DataFrame, result: Result) -> str:
-    """What the bars of the result are, and how long at most."""
+    """Describe the bars of the result, and their largest length."""
     predicted = any("95" in name for name in result.errors if name in known)
     scanned = any(known[name].any() for name in result.errors if "noise" in name and name in known)
     own = "numerical error and scan" if scanned else "numerical error"
