@@ -131,7 +131,7 @@ def turn_slope(fields: Fields) -> None:
 )
 def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
     monkeypatch.setattr(packing, "profile_fields", spoil_fields(change))
-    monkeypatch.setattr(PadPositions, "once", lambda self, find, *of: find(self, *of))  # not kept
+    monkeypatch.setattr(PadPositions, "cached", lambda self, find, *of: find(self, *of))  # not kept
     assert red() == expected
 
 

@@ -19,7 +19,7 @@ class Terminal(io.StringIO):
 @pytest.mark.parametrize("stream", [io.StringIO, Terminal])
 @pytest.mark.parametrize("command", ["simulate", "error-budget", "levitate"])
 def test_a_command_on_one_scene_shows_how_far_it_is(monkeypatch, command, stream):
-    monkeypatch.setattr(parallel, "SILENCE_S", 0.002)
+    monkeypatch.setattr(parallel, "PROGRESS_INTERVAL_S", 0.002)
     monkeypatch.setattr(sys, "stderr", stream())
     words = {"levitate": ["--load", "0.1 N", "--hv", "1um"]}
     given = words.get(command, ["--h0", "5um", "--hv", "2um"])
@@ -40,7 +40,7 @@ def test_quick_work_shows_nothing(monkeypatch, capsys):
 
 
 def test_work_within_other_work_is_shown_in_order(monkeypatch, capsys):
-    monkeypatch.setattr(parallel, "SILENCE_S", 0.01)
+    monkeypatch.setattr(parallel, "PROGRESS_INTERVAL_S", 0.01)
     with (
         parallel.showing_progress("squeezefilm"),
         parallel.progress_of(4, unit="load", name="levitate") as loads,

@@ -111,7 +111,7 @@ def progress_of(total: int, *, unit: str, name: str) -> Iterator[Progress]:
 
 @contextmanager
 def showing_progress(command: str, *, to: TextIO | None = None) -> Iterator[None]:
-    """Show on stderr how far a command is, each time that SILENCE_S have gone by.
+    """Show on stderr how far a command is, each time that PROGRESS_INTERVAL_S have gone by.
 
     A terminal has one line that changes; elsewhere each time has its own.
 
