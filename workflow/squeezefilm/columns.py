@@ -42,8 +42,8 @@ class Column(NamedTuple):
         return f"{words} ${self.symbol}$" if self.symbol else words
 
     def shown(self, values: Any) -> Any:
-        """Values in the shown unit."""
-        if self.shown_unit == self.unit:
+        """Values in the shown unit, or in the column's own."""
+        if not self.shown_unit:
             return values
         return values / unit_sizes(self.unit)[self.shown_unit]
 

@@ -284,16 +284,16 @@ def _csv_rows(
 
 
 def _renamed(header: Sequence[str], columns: Iterable[str]) -> Iterator[tuple[int, str, float]]:
-    """The places of columns that a header names in words or with another unit.
+    """Columns that a header names in words or with another unit.
 
-    Yields their own names and the size of the unit.
+    Yields their numbers in the header, their own names, and the size of the unit.
     """
     columns = list(columns)
     asked = {*columns_as_in(columns, ()), *columns_as_in(columns, CARTESIAN)}
-    for place, name in enumerate(header):
+    for column_index, name in enumerate(header):
         own, size = _column(name)
         if name not in asked and own in asked - {*header} and size:
-            yield place, own, size
+            yield column_index, own, size
 
 
 def points_in_memory(
@@ -309,11 +309,11 @@ def points_in_memory(
     Raises InputError naming the column that is missing, not known or without its unit.
     """
     names = list(map(str, points))
-    renamed = {names[place]: (own, size) for place, own, size in _renamed(names, FACTOR_COLUMNS)}
+    renamed = {names[k]: (own, size) for k, own, size in _renamed(names, FACTOR_COLUMNS)}
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
         scaled = {
-            str(name): [float(f"{number_in(cell) * size:.15g}") for cell in table[name]]
+            name: [float(f"{number_in(cell) * size:.15g}") for cell in table[name]]
             for name, (_, size) in renamed.items()
         }
         points = table.assign(**scaled).rename(

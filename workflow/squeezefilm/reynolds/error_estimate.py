@@ -24,8 +24,8 @@ UNKNOWN_RATIO = 0.4
 # small where one turns: the least fall of films with thin layers.
 THIN_LAYER_RATIO = 0.5
 # Of a gas with inertia, or that warms, changes creep or fall suddenly, so that none tells the next;
-# and where waves steepen grids agree by chance in all moments: this share of the size counts, at
-# all tolerances. Errors beyond what iterations left were up to three quarters of the size.
+# and where waves steepen grids agree by chance in all moments: this fraction of the size counts,
+# at all tolerances. Errors beyond what iterations left were up to three quarters of the size.
 VELOCITY_SIZE_FRACTION = 0.4
 # Round-off: error of the mean gauge pressure relative to the largest gauge pressure.
 ROUND_OFF = 1e-14
@@ -66,9 +66,9 @@ def estimate(
     size, size_before = results["size"], before[1]
     velocities = with_velocities(terms)
     size_fraction = SIZE_FRACTION if tolerance >= LOOSE_FROM else 0.0
-    moment = np.maximum(
-        results["moment"], (VELOCITY_SIZE_FRACTION if velocities else size_fraction) * size
-    )
+    if velocities:
+        size_fraction = VELOCITY_SIZE_FRACTION
+    moment = np.maximum(results["moment"], size_fraction * size)
     ratio, known = np.full(len(results), UNKNOWN_RATIO), ~np.isnan(size_before)
     if known.any() and not velocities:
         # That of the moments, but no less than their sizes': chance may make moments small, or a
@@ -101,9 +101,9 @@ def _ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:
     return np.asarray(np.divide(change, before, out=none, where=before > 0))
 
 
-def error_per_change(fall: np.ndarray | float) -> np.ndarray:
+def error_per_change(ratio: np.ndarray | float) -> np.ndarray:
     """Return the remaining error in units of the last change, for a convergence ratio."""
-    q = np.minimum(fall, LARGEST_RATIO)
+    q = np.minimum(ratio, LARGEST_RATIO)
     return np.asarray(RATIO_FACTOR * q / (1 - q))
 
 

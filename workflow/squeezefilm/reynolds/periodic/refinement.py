@@ -96,9 +96,8 @@ class Refinement:
         left *= ITERATION_FRACTION_OF_VELOCITIES if velocities else ITERATION_FRACTION_OF_ONE
         left *= KEPT_STATE_ITERATION_FRACTION if self.keep_states else 1.0
         tolerances = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
-        if (
-            guess is not None and not velocities
-        ):  # so that the finer grid does not take the state over as it is
+        if guess is not None and not velocities:
+            # So that the finer grid does not take the state over as it is.
             tolerances = [CONTINUATION_FACTOR * left] * len(grids)
         batch = Batch(
             self.plan.scenes, rows, terms, grids, tolerances, guess, every_grid=self.keep_states

@@ -99,7 +99,8 @@ def _equation(name: str, value: float) -> str:
 
 
 def _label(name: str) -> str:
-    return f"{COLUMNS[name].title} ({COLUMNS[name].shown_unit})"
+    column = COLUMNS[name]
+    return f"{column.title} ({column.shown_unit or column.unit})"
 
 
 def _lines(
