@@ -125,6 +125,31 @@ def test_what_a_smooth_shape_misses_is_no_noise(scene, shape):
         assert row["scan_error_fraction"] < 0.15
 
 
+def test_waves_along_one_side_with_a_slope_along_the_other_are_covered(scene):
+    """Modes that follow the waves left the slope out: 4 of 8 intervals held at one of these pads."""
+    surface, device = Rectangle(0.06, 0.04), choose_device()
+    wave = "cos(2*pi*x/0.024) * (1 + 0.15*y/0.02)"
+    true = made_profile(surface, kind="formula", expression=wave)
+    columns = np.meshgrid(np.linspace(-0.03, 0.03, 31), np.linspace(-0.02, 0.02, 21))
+    x_m, y_m = (column.ravel() for column in columns)
+    pads = [
+        replace(scene, x_m=x_m, y_m=y_m)
+        for x_m, y_m in product((-0.02, 0, 0.02), (-0.013, 0, 0.013))
+    ]
+    forces = solve([on(pad, true) for pad in pads], tolerance=1e-4, device=device)
+    exact_n = np.array([force.force_n for force in forces])
+    held = []
+    for seed in range(8):
+        noise = 0.015 * np.random.default_rng(seed).standard_normal(len(x_m))
+        amplitude_m = 1e-6 * (true.amplitude(x_m=x_m, y_m=y_m) + noise + 0j)
+        lines = np.arange(len(x_m)) + 2
+        scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
+        smooth = smoothed(scan, surface=surface, axisymmetric=False)
+        errors = scan_errors([on(pad, smooth.profile) for pad in pads], smooth, device=device)
+        held.append(np.abs(errors["force_n"] - exact_n) <= errors["scan_error_n"])
+    assert np.mean(held) >= 0.9
+
+
 @pytest.mark.parametrize("times", [2, 3])
 def test_rows_that_stand_repeatedly_tell_nothing_more(times):
     """Every row twice was overfitted: rows of a place predict each other."""

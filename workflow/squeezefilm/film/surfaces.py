@@ -66,14 +66,17 @@ class Disc:
         r_m, phi = np.meshgrid(r_m, 2 * pi * np.arange(angles) / angles, indexing="ij")
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
 
-    def orders_up_to(self, degree: int, *, axisymmetric: bool, wave_ratio: float = 1.0) -> Orders:
-        """Zernike's modes (n, m) of degree n ≤ ``degree``; with m = 0 alone if ``axisymmetric``.
+    def orders_up_to(
+        self, degree: int, *, degrees_more: int = 0, axisymmetric: bool, wave_ratio: float = 1.0
+    ) -> Orders:
+        """Zernike's modes (n, m) of degree n ≤ ``degree`` and so many more.
 
-        n ≥ |m| and n − |m| is even. They span all polynomials in x, y of the degree.
+        With m = 0 alone if ``axisymmetric``. n ≥ |m| and n − |m| is even. They span all
+        polynomials in x, y of the degree.
         """
         return tuple(
             (n, m)
-            for n in range(degree + 1)
+            for n in range(degree + degrees_more + 1)
             for m in range(-n, n + 1, 2)
             if m == 0 or not axisymmetric
         )
@@ -147,23 +150,28 @@ class Rectangle:
         return x * self.half_m[0], y * self.half_m[1], np.outer(cell_fraction, cell_fraction)
 
     def orders_up_to(
-        self, degree: int, *, axisymmetric: bool = False, wave_ratio: float = 1.0
+        self,
+        degree: int,
+        *,
+        degrees_more: int = 0,
+        axisymmetric: bool = False,
+        wave_ratio: float = 1.0,
     ) -> Orders:
         """Modes (i, j) within the ellipse of ``degree`` along one side and no more along the other.
 
-        ``wave_ratio`` is that of the waves per metre (WAVE_RATIOS).
+        ``wave_ratio`` is that of the waves per metre (WAVE_RATIOS). Both half axes are longer by
+        ``degrees_more``.
         """
         sides = np.array([self.length_x_m, self.length_y_m])
         sides[np.argmin(sides)] *= wave_ratio
-        along_x, along_y = sides.max() / sides
-        sizes = {
-            (i, j): hypot(i * along_x, j * along_y)
-            for i in range(degree + 1)
-            for j in range(degree + 1)
-        }
-        return tuple(
-            sorted((mode for mode in sizes if sizes[mode] <= degree), key=sizes.__getitem__)
-        )
+        half_axes = np.maximum(degree * sides / sides.max() + degrees_more, 1e-9)
+        every = [
+            divmod(n, degree + degrees_more + 1) for n in range((degree + degrees_more + 1) ** 2)
+        ]
+        # Rounded, so that those of a degree come first among those of the next.
+        sizes = np.hypot(*(np.array(every) / half_axes).T).round(9)
+        order = np.argsort(sizes, kind="stable")
+        return tuple(every[n] for n in order[: np.sum(sizes <= 1)])
 
     def modes_at(self, orders: Orders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Values of P_i(ξ) P_j(η), shape (*x_m.shape, modes).

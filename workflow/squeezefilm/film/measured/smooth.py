@@ -61,6 +61,8 @@ MOST_REFITS = 20
 OVERSHOOT_RATIO = 1.05
 # Draws of noise by which the bias of the maximum is estimated.
 PEAK_DRAWS, PEAK_SEED = 200, 1
+# A place may be the largest if it is lower by no more than this many standard errors.
+RIVAL_DEVIATIONS = 2.0
 UNSIGNED_WARNING = (
     "the scan has no phase or sign: all amplitudes are taken to one side, and over a node line the "
     "force is that of another surface, which no error here contains"
@@ -277,6 +279,15 @@ class Points:
         """Values of modes at the points, shape (points, modes)."""
         return self.surface.modes_at(orders, self.x_m, self.y_m)
 
+    def orders_up_to(self, degree: int, *, degrees_more: int = 0) -> Orders:
+        """The family's modes up to a degree, and so many degrees more along every side."""
+        return self.surface.orders_up_to(
+            degree,
+            degrees_more=degrees_more,
+            axisymmetric=self.axisymmetric,
+            wave_ratio=self.wave_ratio,
+        )
+
     @cached_property
     def orders(self) -> dict[int, Orders]:
         """The modes up to each degree that so many points allow.
@@ -284,12 +295,7 @@ class Points:
         Those of a degree come before those of the next.
         """
         degrees = range(0, LARGEST_DEGREE + 1, 2 if self.axisymmetric else 1)
-        every = {
-            n: self.surface.orders_up_to(
-                n, axisymmetric=self.axisymmetric, wave_ratio=self.wave_ratio
-            )
-            for n in degrees
-        }
+        every = {n: self.orders_up_to(n) for n in degrees}
         enough = len(self.x_m) / POINTS_PER_MODE
         return {n: orders for n, orders in every.items() if len(orders) <= enough}
 
@@ -339,33 +345,61 @@ def _best_of_family(points: Points, measured: np.ndarray) -> Fit:
     along = orthogonal.T @ measured
     # More modes are never better determined: where the most are, one condition number will do.
     sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
-    leverages = np.cumsum(orthogonal**2, axis=1)
     scores: dict[int, float] = {}
     for degree, orders in points.orders.items():
         count = len(orders)
-        leverage = leverages[:, count - 1]
         determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
-        if not determined or leverage.max() > 1 - 1e-6:
+        score = _leave_one_out(orthogonal[:, :count], measured)
+        if not determined or not np.isfinite(score):
             break
-        residual = measured - orthogonal[:, :count] @ along[:count]
-        scores[degree] = float(np.sqrt(np.mean(np.abs(residual / (1 - leverage)) ** 2)))
+        scores[degree] = score
     if not scores:
         raise InputError("the points do not determine a profile")
     best = min(scores, key=scores.__getitem__)
-    enough = len(measured) / POINTS_PER_MODE_MORE
-    more = [higher for higher in scores if best < higher <= best + DEGREES_MORE]
-    degree = max([best, *(higher for higher in more if len(points.orders[higher]) <= enough)])
-    count = len(points.orders[degree])
-    root = np.linalg.inv(triangle[:count, :count])
-    coefficients, misfit_m = root @ along[:count], np.zeros(count, dtype=along.dtype)
+    more, orders, orthogonal, triangle = _with_degrees_more(points, best)
+    degree, root = best + more, np.linalg.inv(triangle)
+    coefficients = root @ (orthogonal.T @ measured)
+    misfit_m = np.zeros_like(coefficients)
     if DEGREES_MORE <= degree < min(best + DEGREES_MORE, LARGEST_DEGREE):
         # The change by the last degrees, by so much less as errors at held-out points fall on half
         # the way to them.
-        fewer = len(points.orders[degree - DEGREES_MORE])
-        lower = np.linalg.solve(triangle[:fewer, :fewer], along[:fewer])
-        fall = math.sqrt(scores[degree] / scores[degree - DEGREES_MORE])
-        misfit_m = min(fall, 1.0) * (coefficients - np.pad(lower, (0, count - fewer)))
-    return Fit(degree, points.orders[degree], coefficients, root, scores[best], misfit_m)
+        lower_orders = points.orders[degree - DEGREES_MORE]
+        lower = np.linalg.lstsq(points.modes(lower_orders), measured, rcond=None)[0]
+        fall = math.sqrt(_leave_one_out(orthogonal, measured) / scores[degree - DEGREES_MORE])
+        change = coefficients.copy()
+        change[[orders.index(order) for order in lower_orders]] -= lower
+        misfit_m = min(fall, 1.0) * change
+    return Fit(degree, orders, coefficients, root, scores[best], misfit_m)
+
+
+def _leave_one_out(orthogonal: np.ndarray, measured: np.ndarray) -> float:
+    """Rms error at points left out one by one, infinite where a point alone determines a mode.
+
+    Args:
+        orthogonal: modes made orthonormal at the points, shape (points, modes).
+    """
+    left = 1 - np.sum(orthogonal**2, axis=1)
+    if left.min() < 1e-6:
+        return math.inf
+    residual = measured - orthogonal @ (orthogonal.T @ measured)
+    return float(np.sqrt(np.mean(np.abs(residual / left) ** 2)))
+
+
+def _with_degrees_more(points: Points, best: int) -> tuple[int, Orders, np.ndarray, np.ndarray]:
+    """Up to DEGREES_MORE above the best degree: how many, their modes and their QR decomposition.
+
+    Along every side of the surface: waves along one side choose a family with few modes along the
+    other, where the profile may have a slope that is as small as the noise.
+    """
+    enough = len(points.x_m) / POINTS_PER_MODE_MORE
+    for more in range(min(DEGREES_MORE, LARGEST_DEGREE - best), 0, -1):
+        orders = points.orders_up_to(best, degrees_more=more)
+        if len(orders) <= enough and len(orders) > len(points.orders[best]):
+            q, r = np.linalg.qr(points.modes(orders))
+            if np.linalg.cond(r) <= LARGEST_CONDITION and np.sum(q**2, axis=1).max() <= 1 - 1e-6:
+                return more, orders, q, r
+    orders = points.orders[best]
+    return 0, orders, *np.linalg.qr(points.modes(orders))
 
 
 def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
@@ -539,15 +573,26 @@ def _largest_at(coefficients: np.ndarray, modes: np.ndarray) -> np.ndarray:
 
 
 def _bias_of_largest(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
-    """Return the bias of the largest magnitude by noise, from the effect of more noise."""
+    """Return the bias of the largest magnitude by noise.
+
+    More noise adds less than this noise did where several places are the largest but for noise: of
+    those the noisiest is the largest now. Were they all equal, noise would add its own largest. The
+    bias is taken halfway.
+    """
     random, shape = np.random.default_rng(PEAK_SEED), (PEAK_DRAWS, len(fit.orders))
     noise = noise_m * random.standard_normal(shape)
     if np.iscomplexobj(fit.coefficients):
         noise = noise + 1j * noise_m * random.standard_normal(shape)
     # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
     change = np.concatenate([noise, -noise]) @ fit.root.T
+    values = fit.coefficients @ modes
+    largest = np.abs(values).max()
     with_noise = _largest_at(fit.coefficients + change, modes).mean()
-    return max(float(with_noise - _largest_at(fit.coefficients, modes)), 0.0)
+    error_m = noise_m * np.linalg.norm(fit.root.T @ modes, axis=0)
+    rivals = np.abs(values) + RIVAL_DEVIATIONS * error_m >= largest
+    phases = values[rivals].conj() / np.abs(values[rivals])
+    among_equals = ((change @ modes[:, rivals]) * phases).real.max(axis=1).mean()
+    return max(float(with_noise - largest + among_equals) / 2, 0.0)
 
 
 def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
