@@ -126,7 +126,7 @@ def test_what_a_smooth_shape_misses_is_no_noise(scene, shape):
 
 
 def test_waves_along_one_side_with_a_slope_along_the_other_are_covered(scene):
-    """Modes that follow the waves left the slope out: 4 of 8 intervals held at one of these pads."""
+    """Modes that follow the waves left the slope out: a quarter of the intervals failed."""
     surface, device = Rectangle(0.06, 0.04), choose_device()
     wave = "cos(2*pi*x/0.024) * (1 + 0.15*y/0.02)"
     true = made_profile(surface, kind="formula", expression=wave)

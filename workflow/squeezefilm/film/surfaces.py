@@ -5,7 +5,7 @@ are 1 at its edge: on a disc over its radius, on a rectangle each over half its 
 """
 
 from dataclasses import dataclass, field
-from math import cos, hypot, pi, radians, sin
+from math import cos, pi, radians, sin
 from typing import ClassVar, Literal
 
 import numpy as np

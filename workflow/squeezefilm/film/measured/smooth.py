@@ -342,7 +342,6 @@ def _best_of_family(points: Points, measured: np.ndarray) -> Fit:
     Raises InputError where the points determine no profile.
     """
     orthogonal, triangle = points.decomposed
-    along = orthogonal.T @ measured
     # More modes are never better determined: where the most are, one condition number will do.
     sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
     scores: dict[int, float] = {}
