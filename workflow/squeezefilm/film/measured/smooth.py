@@ -1,9 +1,9 @@
 """Amplitudes measured by a scanning vibrometer, made into a smooth profile with known errors.
 
 The profile is the least-squares sum of the surface's modes (surfaces.py). Leave-one-out
-cross-validation says up to which degree they describe the points best; two degrees more are taken,
-so that what the profile neglects is small beside what noise does to it (undersmoothing: Wasserman,
-All of Nonparametric Statistics, 2006, 5.7). Where there are too few points for these, the last two
+cross-validation says up to which degree they describe the points best; two degrees more are taken
+along every side, so that what the profile neglects is small beside what noise does to it
+(undersmoothing: Wasserman, All of Nonparametric Statistics, 2006, 5.7). Where there are too few points for these, the last two
 degrees estimate the misfit, an error besides the noise.
 
 Points far from the rest are excluded and the rest is fitted again. The film equation needs the
@@ -14,8 +14,9 @@ from the residuals.
 Where the scan has phases, what moves a quarter of a period from the rest is fitted likewise. If
 forces depend on it the profile is complex: both are fitted together, by the same modes.
 
-The largest of a noisy profile is too large on average, by what profiles with more noise of the same
-size tell; that much is taken off the maximum to which the profile is scaled.
+The largest of a noisy profile is too large on average. The bias is estimated from profiles with
+more noise of the same size and from noise among equal maxima, and is taken off the maximum to which
+the profile is scaled.
 """
 
 from __future__ import annotations
