@@ -130,7 +130,8 @@ def test_results_kept_by_clean_are_made_anew_after_an_edit(tmp_path):
         "rule force:\n output: 'results/mine/force.txt'\n params: hz={}\n"
         " shell: 'echo {{params.hz}} >{{output}}'\n"
     )
-    environment = {**os.environ, "POCL_CACHE_DIR": "/kernels", "XDG_CACHE_HOME": "/caches"}
+    caches = {name: str(tmp_path / name) for name in ("POCL_CACHE_DIR", "XDG_CACHE_HOME")}
+    environment = {**os.environ, **caches}
 
     def run(*command):
         subprocess.run(command, cwd=tmp_path, env=environment, check=True, capture_output=True)

@@ -3,8 +3,8 @@
 The profile is the least-squares sum of the surface's modes (surfaces.py). Leave-one-out
 cross-validation says up to which degree they describe the points best; two degrees more are taken
 along every side, so that what the profile neglects is small beside what noise does to it
-(undersmoothing: Wasserman, All of Nonparametric Statistics, 2006, 5.7). Where there are too few points for these, the last two
-degrees estimate the misfit, an error besides the noise.
+(undersmoothing: Wasserman, All of Nonparametric Statistics, 2006, 5.7). Where there are too few
+points for these, the last two degrees estimate the misfit, an error besides the noise.
 
 Points far from the rest are excluded and the rest is fitted again. The film equation needs the
 profile's curvature, so that a smooth global basis serves it better than splines with their knots.
