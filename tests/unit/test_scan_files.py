@@ -8,6 +8,7 @@ import pytest
 import pyuff
 from scipy.io import savemat
 
+import squeezefilm as sf
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import Scan
@@ -619,3 +620,21 @@ def test_a_function_without_an_amplitude_is_named_and_excluded(tmp_path, value):
     assert scan.notes[-1] == said
     assert (scan.missing, len(scan.x_m)) == (1, len(X) - 1)
     assert np.abs(scan.amplitude_m).max() < 1.3e-6
+
+
+def test_a_scan_that_was_replaced_is_read_again(tmp_path):
+    """In one session of Python the force stayed that of the old file."""
+    path = tmp_path / "scan.csv"
+    profile = {"kind": "measured", "file": str(path)}
+    film = sf.Film.of(
+        actuator={"frequency": FREQUENCY_HZ, "surface_radius": RADIUS_M, "profile": profile},
+        pad={"length_x": "4 mm", "length_y": "4 mm"},
+    )
+    path.write_text(text("x_mm,y_mm,amplitude_um", X, Y, U))
+    first = film.scan
+    assert film.scan is first
+    path.write_text(text("x_mm,y_mm,amplitude_um", X, Y, 2 * U))
+    assert film.scan.peak_m == pytest.approx(2 * first.peak_m)
+    path.unlink()
+    with pytest.raises(InputError, match="there is no such scan"):
+        assert film.scan
