@@ -80,11 +80,35 @@ def abaqus_report() -> bytes:
     return "".join(lines).encode()
 
 
+def abaqus_prints() -> dict[str, bytes]:
+    """Tables that Abaqus separates by blanks, with blanks in names: probed values, a .dat file."""
+    places = list(enumerate(zip(X / 1e3, Y / 1e3, U * 1e-6, strict=True), start=1))
+    parts = [f"   DISC-1 {node:9d} {x:16.8E} {y:16.8E} 0. {u:16.8E}" for node, (x, y, u) in places]
+    nodes = [f"{node:8d}       {x:16.8E} {y:16.8E} {u:16.8E}" for node, (x, y, u) in places]
+    tables = {
+        "Abaqus, probed values": [
+            *("Probe Values Report", "Source", "-------", "   Variable: U, U3"),
+            "   Part Instance    Node ID     X [m]      Y [m]      Z [m]      U, U3 [m]",
+            *("-" * 80, *parts),
+        ],
+        "Abaqus, blanks between and in names": [
+            "Part Instance Node ID X [m] Y [m] Z [m] U, U3 [m]",
+            *parts,
+        ],
+        "Abaqus, printed file": [
+            *("   Abaqus 2023", "  THE FOLLOWING TABLE IS PRINTED FOR ALL NODES"),
+            *("    NODE FOOT-   COOR1 [m]    COOR2 [m]    U3 [m]", "         NOTE"),
+            *(*nodes, "", " MAXIMUM     0.0  0.0  1.0E-06", " AT NODE       1    1     5"),
+        ],
+    }
+    return {name: "\n".join(lines).encode() for name, lines in tables.items()}
+
+
 TURNED = U * np.exp(0.7j)
 SPEED = U * 2 * np.pi * FREQUENCY_HZ * 1e-3  # mm/s
 IN_G = abs(SPEED) * 2 * np.pi * FREQUENCY_HZ / 1e3 / 9.80665
 COMMAS = text("x_mm;y_mm;amplitude_µm;phase_deg", X, Y, abs(U), PHASE, comma=True)
-FORMS: dict[str, bytes] = {
+FORMS: dict[str, bytes] = abaqus_prints() | {
     "plain": PLAIN.encode(),
     "semicolons and decimal commas": COMMAS.encode(),
     "latin-1": COMMAS.encode("latin-1"),
@@ -361,6 +385,10 @@ WRONG = {
         "amplitude_um; the columns are x, y, phase; not understood: 'ampltude'; and no unit is "
         "known of 'x'; write it into the header, as in x [mm]",
     ),
+    "names between blanks": (
+        with_header("X Mess Wert Y Mess Wert Amplitude Phase").replace(",", " "),
+        "the header has 8 names between blanks, and the rows below have not so many cells; put",
+    ),
     "two coordinates": (
         with_header("x_mm,X Pos [mm],y_mm,phase_deg"),
         "'x' stands twice: 'x_mm' and 'X Pos [mm]'",
@@ -568,6 +596,21 @@ def test_a_universal_file_is_read_at_the_frequency(tmp_path):
     assert scan.notes == ("read at 43300 Hz",)
 
 
+def test_of_several_references_one_is_asked_for(tmp_path):
+    """Each node has a response to a shaker at node 1, and one to another at node 5."""
+    path, other = universal(tmp_path / "scan.unv"), tmp_path / "other.unv"
+    functions = universal(other, unit=3.0, ref_node=5, ref_dir=-3).read_text().split("    -1\n")
+    path.write_text(path.read_text() + "    -1\n".join(["", *functions[5:]]))
+    count = len(X)
+    message = rf"references are 1\+Z \({count} functions\), 5-Z .*rows: reference = 1\+Z"
+    with pytest.raises(InputError, match=message):
+        read_scan(path, frequency_hz=FREQUENCY_HZ)
+    for rows in ("reference = 1", "Reference=1+Z"):
+        same(read_scan(path, frequency_hz=FREQUENCY_HZ, rows=rows), digits=1e-4)
+    with pytest.raises(InputError, match=r"'2' is not one of them: its references are 1\+Z"):
+        read_scan(path, frequency_hz=FREQUENCY_HZ, rows="reference = 2")
+
+
 def test_only_what_is_needed_of_a_universal_file_is_read(tmp_path):
     """A coherence beside each response, and a set that no reader understands, were errors."""
     path = universal(tmp_path / "scan.unv")
@@ -685,6 +728,11 @@ def test_named_arrays_are_a_table(ending, tmp_path):
         ("scan.npy", b"", "the arrays cannot be read"),
         ("scan.bin", bytes(200), "no table of text"),
         ("scan.vtu", b"<?xml version='1.0'?>", "as CSV .in ParaView"),
+        ("scan.vtk", b"# vtk DataFile Version 3.0\n", "as CSV .in ParaView"),
+        ("disc.pch", b"$SUBTITLE=DISC\n$LABEL   = \n", "Nastran.*as a universal file"),
+        ("disc.f06", b"1\n   N A S T R A N\n", "Nastran.*x, y and T3, with units"),
+        ("scan.tdms", b"TDSm", "as text .* or CSV"),
+        ("scan.opju", b"CPYUA 4.3", "from Origin as text or CSV"),
     ],
 )
 def test_a_file_that_is_no_table_is_named_with_what_to_export(name, start, message, tmp_path):

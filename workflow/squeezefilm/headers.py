@@ -22,7 +22,7 @@ UNIT_NAMES = {
 """Other names of units, without accents."""
 PER_SECOND = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
-BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,\[(]+"), re.compile(r"[\s_\-.:()\[\]/]+")
+BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,\[(]+"), re.compile(r"[\s,_\-.:()\[\]/]+")
 
 
 def folded(text: str) -> str:

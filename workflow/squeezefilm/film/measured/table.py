@@ -64,6 +64,8 @@ SCAN_FORM = (
 BLANKS, WIDE = " ", "  "
 """Separators: any blanks, and in a header whose names have blanks two or more of them."""
 SEPARATORS = ("\t", ";", ",", WIDE, BLANKS)
+BETWEEN_NAMES = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instance|Name|FOOT-)\b)")
+"""Blanks between names in a header, none before a unit in brackets or within ``U, U3``."""
 JAPANESE_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
 # Among which the line that names columns is sought, and by how many quantities it is known.
 FIRST_LINES, FEWEST_NAMED = 100, 2
@@ -78,12 +80,27 @@ OTHER_FORMATS = {
     b"%PDF": "export the points as text or CSV",
     b"<?xml": "export the points as CSV (in ParaView: Save Data)",
     b"{": "write the points as CSV",
-    b"$TITLE": "a punch file has no positions: export a universal file, or a table with positions",
+    b"CDF": "export the points as text or CSV",
+    b"\x1f\x8b": "unpack it first",
+    b"TDSm": "export the channels as text (.lvm) or CSV, a column each",
+    b"CPY": "export the worksheet from Origin as text or CSV",
+    b"# vtk": "export the points as CSV (in ParaView: Save Data)",
+    b"    1C": "export positions and displacements of the nodes as CSV",
+    b"<": "export the points as CSV",
+    b"[{": "write the points as CSV",
 }
-"""How files begin that are no text, and what to do with them."""
-MOST_LOOKED_AT = 1000
+"""How files begin that are no text, or no table, and what to do with them."""
+NASTRAN = re.compile(r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T")
+NASTRAN_REMEDY = (
+    "no table with positions, but Nastran's print or punch file; export the grid points' positions "
+    "and displacements as a universal file (.unv) or as one table: x, y and T3, with units"
+)
+MOST_LOOKED_AT, MOST_SEARCHED = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
-BESIDE_ROWS, TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*|[-=*_]{3,}"), 5
+BESIDE_ROWS, TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*"), 5
+RULE = re.compile(r"[-=*_\s]{3,}")
+# A row of numbers, or one that begins with a word, such as a part's name.
+PLAIN_ROW, NAMED_ROW = re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"), re.compile(r".*[\s,;][-+]?\d")
 # So many rows at a place that differ in time are a time series.
 INSTANTS = 8
 
@@ -310,6 +327,8 @@ def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
         if content.startswith(start):
             raise InputError(f"no table of text; {remedy}")
     text, encoding = _decoded(content)
+    if NASTRAN.search(text, 0, MOST_SEARCHED):
+        raise InputError(NASTRAN_REMEDY)
     if text.count("\0", 0, MOST_LOOKED_AT) > MOST_LOOKED_AT / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
@@ -327,7 +346,7 @@ def _cells(
     rows = {
         number: _split(line, separator)
         for number, line in enumerate(lines[first:], first + 1)
-        if line.strip(" \t,;") and not COMMENT.match(line)
+        if line.strip(" \t,;") and not COMMENT.match(line) and not RULE.fullmatch(line)
     }
     start = pd.Series({number: cells[0] for number, cells in rows.items()}, dtype=object)
     words = start.str.fullmatch(BESIDE_ROWS).astype(bool) & ~start.map(is_missing).astype(bool)
@@ -416,9 +435,13 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[st
     for index in (*plain[:FIRST_LINES], *comments[-FIRST_LINES:]):
         line = COMMENT.sub("", lines[index], count=1)
         rows = [lines[row] for row in plain if row > index][:TITLE_LINES]
-        below = next((row for row in rows if not BESIDE_ROWS.match(row.strip())), "".join(rows[:1]))
+        below = next(
+            (row for kind in (PLAIN_ROW, NAMED_ROW) for row in rows if kind.match(row.strip())), ""
+        )
         for separator in SEPARATORS:
-            cells, between = _split(line, separator), separator.replace(WIDE, BLANKS)
+            between = separator.replace(WIDE, BLANKS)
+            names = separator == BLANKS and '"' not in line
+            cells = BETWEEN_NAMES.split(line.strip()) if names else _split(line, separator)
             count = len({column.quantity for column in named_columns(cells)})
             if not count:
                 continue
@@ -429,6 +452,12 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[st
             if count >= FEWEST_NAMED - (alike and numbers and index in plain):
                 found.setdefault((numbers, alike, count), (index, cells, between))
     if found:
-        return found[max(found)]
+        index, cells, between = found[max(found)]
+        if between == BLANKS and not max(found)[1]:
+            raise InputError(
+                f"line {index + 1}: the header has {len(cells)} names between blanks, and the rows "
+                "below have not so many cells; put commas, tabs or two blanks between the names"
+            )
+        return index, cells, between
     first = lines[plain[0]].strip()[:60]
     raise InputError(f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}")
