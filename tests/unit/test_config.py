@@ -74,6 +74,11 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     (SINC, f"{WAVE}, surface: 1", "unknown key 'surface'; allowed are crest, direction, kind"),
     ("  length_x: ", "  contour: 1\n  length_x: ", "pad: unknown key 'contour'"),
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
+    (
+        SINC,
+        "kind: bessel, nodal_diameters: 0, wave_number: 0.38 1/mm",
+        "write '380 rad/m', or '2387",
+    ),
     ("study: paper", "study: ../paper", "study: '../paper' should match pattern"),
     ("", "study: other\n", "line 3: the key 'study' stands twice"),
     ("", "a: &b [c]\nd: *b\n", "line 1: an alias of this value is not allowed"),

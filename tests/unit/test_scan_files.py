@@ -8,6 +8,7 @@ import pytest
 import pyuff
 from scipy.io import savemat
 
+import squeezefilm as sf
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import Scan
@@ -79,10 +80,35 @@ def abaqus_report() -> bytes:
     return "".join(lines).encode()
 
 
+def abaqus_prints() -> dict[str, bytes]:
+    """Tables that Abaqus separates by blanks, with blanks in names: probed values, a .dat file."""
+    places = list(enumerate(zip(X / 1e3, Y / 1e3, U * 1e-6, strict=True), start=1))
+    parts = [f"   DISC-1 {node:9d} {x:16.8E} {y:16.8E} 0. {u:16.8E}" for node, (x, y, u) in places]
+    nodes = [f"{node:8d}       {x:16.8E} {y:16.8E} {u:16.8E}" for node, (x, y, u) in places]
+    tables = {
+        "Abaqus, probed values": [
+            *("Probe Values Report", "Source", "-------", "   Variable: U, U3"),
+            "   Part Instance    Node ID     X [m]      Y [m]      Z [m]      U, U3 [m]",
+            *("-" * 80, *parts),
+        ],
+        "Abaqus, blanks between and in names": [
+            "Part Instance Node ID X [m] Y [m] Z [m] U, U3 [m]",
+            *parts,
+        ],
+        "Abaqus, printed file": [
+            *("   Abaqus 2023", "  THE FOLLOWING TABLE IS PRINTED FOR ALL NODES"),
+            *("    NODE FOOT-   COOR1 [m]    COOR2 [m]    U3 [m]", "         NOTE"),
+            *(*nodes, "", " MAXIMUM     0.0  0.0  1.0E-06", " AT NODE       1    1     5"),
+        ],
+    }
+    return {name: "\n".join(lines).encode() for name, lines in tables.items()}
+
+
 TURNED = U * np.exp(0.7j)
 SPEED = U * 2 * np.pi * FREQUENCY_HZ * 1e-3  # mm/s
+IN_G = abs(SPEED) * 2 * np.pi * FREQUENCY_HZ / 1e3 / 9.80665
 COMMAS = text("x_mm;y_mm;amplitude_µm;phase_deg", X, Y, abs(U), PHASE, comma=True)
-FORMS: dict[str, bytes] = {
+FORMS: dict[str, bytes] = abaqus_prints() | {
     "plain": PLAIN.encode(),
     "semicolons and decimal commas": COMMAS.encode(),
     "latin-1": COMMAS.encode("latin-1"),
@@ -236,6 +262,47 @@ FORMS: dict[str, bytes] = {
     "velocity": text(
         "x_mm,y_mm,Velocity [mm/s],Phase [rad]", X, Y, abs(SPEED), np.radians(PHASE)
     ).encode(),
+    "a velocity's letter": text("x_mm,y_mm,v_mm_s,phase_deg", X, Y, abs(SPEED), PHASE).encode(),
+    "a velocity's letter and unit": text(
+        "x/mm,y/mm,v/(m s⁻¹),phase/°", X, Y, abs(SPEED) / 1e3, PHASE
+    ).encode(),
+    "an acceleration in g": text("x_mm,y_mm,a [g],phase_deg", X, Y, IN_G, PHASE).encode(),
+    "a displacement's letter": with_header("x_mm,y_mm,u (µm),phase_deg").encode(),
+    "decibels with a reference": text(
+        "x_mm,y_mm,Level [dB re 1 nm],phase_deg", X, Y, 20 * np.log10(1e3 * abs(U)), PHASE
+    ).encode(),
+    "decibels of a velocity": text(
+        "X (mm),Y (mm),Velocity (dB re 1e-3 m/s),Phase (deg)",
+        X,
+        Y,
+        20 * np.log10(abs(SPEED)),
+        PHASE,
+    ).encode(),
+    "a level in decibels beside the amplitude": text(
+        "x_mm,y_mm,Pegel [dB],amplitude_um,phase_deg", X, Y, X, abs(U), PHASE
+    ).encode(),
+    "signs": b"x_mm,y_mm,amplitude_um,Sign (+/-)\n"
+    + "".join(
+        f"{x:.9g},{y:.9g},{abs(u):.9g},{'-' if u < 0 else '+'}\n"
+        for x, y, u in zip(X, Y, U, strict=True)
+    ).encode(),
+    "typeset minus signs": text("x_mm,y_mm,amplitude_um", X, Y, U).replace("-", "−").encode(),
+    "slashes before units": COMMAS.replace(
+        "x_mm;y_mm;amplitude_µm;phase_deg", "Pos X/mm;Pos Y/mm;Amplitude/µm;Phase/°"
+    ).encode(),
+    "LabVIEW, positions beside X_Value": text(
+        "X_Value,Pos X [mm],Pos Y [mm],Amplitude [um],Phase [deg]",
+        *(np.arange(len(X)), X, Y, abs(U), PHASE),
+    ).encode(),
+    "units of which one is unknown, of no account": text(
+        "X,Y,Amplitude,Phase,Coherence\nmm,mm,µm,deg,p.u.", X, Y, abs(U), PHASE, 0 * X
+    ).encode(),
+    "COMSOL, abs and arg": text(
+        "% Length unit:   mm\n% x         y          abs(w) (µm)          arg(w) (rad)",
+        *(X, Y, abs(U), np.radians(PHASE)),
+    )
+    .replace(",", "      ")
+    .encode(),
 }
 
 
@@ -254,6 +321,11 @@ def test_a_scan_is_read_in_every_form(form, tmp_path):
     path = tmp_path / "scan.csv"
     path.write_bytes(FORMS[form])
     same(read_scan(path, frequency_hz=FREQUENCY_HZ))
+
+
+def read(path: Path, content: str, **how: Any) -> Scan:
+    path.write_text(content, encoding="utf-8")
+    return read_scan(path, frequency_hz=FREQUENCY_HZ, **how)
 
 
 def notes(path: Path, content: str) -> str:
@@ -290,7 +362,37 @@ WRONG = {
         text("x_mm;y_mm;amplitude_um", X, Y, U, comma=True).replace(",", ".", 1),
         "one of them must be the decimal sign",
     ),
-    "decibels": (with_header("x_mm,y_mm,Amplitude [dB],phase_deg"), "decibels are not supported"),
+    "decibels": (
+        with_header("x_mm,y_mm,Amplitude [dB],phase_deg"),
+        "write one, as in Amplitude [dB re 1 um] (only the shape counts",
+    ),
+    "a level": (with_header("x_mm,y_mm,Niveau,phase_deg"), "as in Niveau [dB re 1 um]"),
+    "a velocity in metres": (
+        with_header("x_mm,y_mm,Velocity [um],phase_deg"),
+        "'Velocity [um]' is velocity by its name and displacement by its unit",
+    ),
+    "a velocity's letter": (with_header("x_mm,y_mm,v,phase_deg"), "as in v [mm/s]"),
+    "a motion over a voltage": (
+        with_header("x_mm,y_mm,Amplitude [µm/V],phase_deg"),
+        "multiply it by the input, or write Amplitude [um] (only the shape counts",
+    ),
+    "an unknown unit in a second line": (
+        with_header("X,Y,Amplitude,Phase\nmm,furlong,µm,deg"),
+        "the unit 'furlong' of 'Y [furlong]' is not known; write another, as in Y [mm]. Lengths",
+    ),
+    "two wants": (
+        with_header("x,y_mm,ampltude,phase_deg"),
+        "amplitude_um; the columns are x, y, phase; not understood: 'ampltude'; and no unit is "
+        "known of 'x'; write it into the header, as in x [mm]",
+    ),
+    "names between blanks": (
+        with_header("X Mess Wert Y Mess Wert Amplitude Phase").replace(",", " "),
+        "the header has 8 names between blanks, and the rows below have not so many cells; put",
+    ),
+    "two coordinates": (
+        with_header("x_mm,X Pos [mm],y_mm,phase_deg"),
+        "'x' stands twice: 'x_mm' and 'X Pos [mm]'",
+    ),
     "no header": (PLAIN.split("\n", 1)[1], "line 1: no header names the columns"),
 }
 
@@ -304,6 +406,81 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
         read_scan(path, frequency_hz=FREQUENCY_HZ)
     assert message in str(refusal.value)
     assert "scan.csv: line" in str(refusal.value)
+
+
+def test_a_unit_and_the_frequency_are_asked_for_together(tmp_path):
+    path = tmp_path / "scan.csv"
+    path.write_text(with_header("x,y_mm,velocity_mm_s,phase_deg"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"no unit is known of 'x'.*; and velocities .*frequency"):
+        read_scan(path)
+
+
+SIGN_LEVEL_STATUS = {
+    "English": ("Sign", "Level", "Status"),
+    "German": ("Vorzeichen", "Pegel", "Zustand"),
+    "French": ("Signe", "Niveau", "État"),
+    "Spanish": ("Signo", "Nivel", "Estado"),
+    "Italian": ("Segno", "Livello", "Stato"),
+    "Portuguese": ("Sinal", "Nível", "Qualidade"),
+    "Dutch": ("Teken", "Niveau", "Toestand"),
+    "Japanese": ("符号", "レベル", "状態"),
+}
+
+
+@pytest.mark.parametrize("language", SIGN_LEVEL_STATUS)
+def test_sign_level_and_status_are_known_in_eight_languages(language, tmp_path):
+    """None of them is taken for an amplitude, and the level is not needed beside it."""
+    header = "x_mm,y_mm,{1} [dB],amplitude_um,{0},{2}".format(*SIGN_LEVEL_STATUS[language])
+    content = text(header, X, Y, X, abs(U), np.sign(U), X**0)
+    same(read(tmp_path / "scan.csv", content))
+    bare = text(header.replace(" [dB],amplitude_um", ""), X, Y, abs(U), np.sign(U), X**0)
+    with pytest.raises(InputError, match=r"write one, as in .* \[dB re 1 um\]"):
+        read(tmp_path / "scan.csv", bare)
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "bad"),
+    [
+        ("Status", "OK", "A/D Overrange"),
+        ("Scan Status", "Optimal", "Not Measured"),
+        ("Zustand", "gültig", "ungültig"),
+        ("Valid", "1", "0"),
+        ("Overrange", "", "x"),
+        ("Validité", "oui", "non"),
+        ("状態", "良", "不良"),
+    ],
+)
+def test_rows_that_a_status_calls_invalid_are_excluded(name, good, bad, tmp_path):
+    """Rows 3 and 5 have an amplitude a hundred times too large, row 5 a word for it."""
+    lines = text("x_mm,y_mm,amplitude_um,sign", X, Y, abs(U), np.sign(U)).splitlines()
+    rows = [f"{line},{good}" for line in lines[1:]]
+    whole = read(tmp_path / "whole.csv", "\n".join([f"{lines[0]},{name}", *rows]))
+    same(whole)
+    for at, amplitude in ((3, "100"), (5, "overload")):
+        x, y, _, sign, _ = rows[at].split(",")
+        rows[at] = f"{x},{y},{amplitude},{sign},{bad}"
+    scan = read(tmp_path / "scan.csv", "\n".join([f"{lines[0]},{name}", *rows]))
+    assert len(scan.x_m) == len(X) - 2
+    assert abs(scan.amplitude_m).max() < 1.3e-6
+    (note,) = scan.notes
+    assert note.startswith(f"2 rows invalid by column '{name}' (")
+    assert note.endswith("2) excluded (lines 5, 7)")
+
+
+def test_an_unclear_status_is_asked_for(tmp_path):
+    lines = PLAIN.splitlines()
+    words = ["ok", "doubtful"] + ["ok"] * (len(lines) - 3)
+    content = "\n".join([f"{lines[0]},Status", *map(",".join, zip(lines[1:], words, strict=True))])
+    with pytest.raises(InputError, match=r"has doubtful \(1 rows\).*rows: Status = doubtful"):
+        read(tmp_path / "scan.csv", content)
+    assert len(read(tmp_path / "scan.csv", content, rows="Status = ok").x_m) == len(X) - 1
+
+
+def test_a_position_alone_is_one_on_a_line(tmp_path):
+    r = np.linspace(-9.9, 9.9, 41)
+    scan = read(tmp_path / "scan.csv", text("Pos/mm,Amplitude/µm", r, np.sinc(0.1098 * r)))
+    assert scan.radial
+    assert scan.x_m == pytest.approx(r / 1e3)
 
 
 def test_another_coordinate_that_is_not_understood_is_asked_for(tmp_path):
@@ -332,11 +509,6 @@ def measured_at(name: str, values: list[float], factors: list[float]) -> str:
     x, y = (np.tile(each, len(values)) for each in (X, Y))
     u = np.concatenate([factor * U for factor in factors])
     return text(f"{name},x_mm,y_mm,amplitude_um,sign", column, x, y, abs(u), np.sign(u))
-
-
-def read(path: Path, content: str, **how: Any) -> Scan:
-    path.write_text(content, encoding="utf-8")
-    return read_scan(path, frequency_hz=FREQUENCY_HZ, **how)
 
 
 def test_of_several_measurements_at_a_place_one_is_asked_for(tmp_path):
@@ -422,6 +594,21 @@ def test_a_universal_file_is_read_at_the_frequency(tmp_path):
     scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
     same(scan, digits=1e-4)
     assert scan.notes == ("read at 43300 Hz",)
+
+
+def test_of_several_references_one_is_asked_for(tmp_path):
+    """Each node has a response to a shaker at node 1, and one to another at node 5."""
+    path, other = universal(tmp_path / "scan.unv"), tmp_path / "other.unv"
+    functions = universal(other, unit=3.0, ref_node=5, ref_dir=-3).read_text().split("    -1\n")
+    path.write_text(path.read_text() + "    -1\n".join(["", *functions[5:]]))
+    count = len(X)
+    message = rf"references are 1\+Z \({count} functions\), 5-Z .*rows: reference = 1\+Z"
+    with pytest.raises(InputError, match=message):
+        read_scan(path, frequency_hz=FREQUENCY_HZ)
+    for rows in ("reference = 1", "Reference=1+Z"):
+        same(read_scan(path, frequency_hz=FREQUENCY_HZ, rows=rows), digits=1e-4)
+    with pytest.raises(InputError, match=r"'2' is not one of them: its references are 1\+Z"):
+        read_scan(path, frequency_hz=FREQUENCY_HZ, rows="reference = 2")
 
 
 def test_only_what_is_needed_of_a_universal_file_is_read(tmp_path):
@@ -541,6 +728,11 @@ def test_named_arrays_are_a_table(ending, tmp_path):
         ("scan.npy", b"", "the arrays cannot be read"),
         ("scan.bin", bytes(200), "no table of text"),
         ("scan.vtu", b"<?xml version='1.0'?>", "as CSV .in ParaView"),
+        ("scan.vtk", b"# vtk DataFile Version 3.0\n", "as CSV .in ParaView"),
+        ("disc.pch", b"$SUBTITLE=DISC\n$LABEL   = \n", "Nastran.*as a universal file"),
+        ("disc.f06", b"1\n   N A S T R A N\n", "Nastran.*x, y and T3, with units"),
+        ("scan.tdms", b"TDSm", "as text .* or CSV"),
+        ("scan.opju", b"CPYUA 4.3", "from Origin as text or CSV"),
     ],
 )
 def test_a_file_that_is_no_table_is_named_with_what_to_export(name, start, message, tmp_path):
@@ -585,7 +777,7 @@ def test_a_universal_file_that_says_something_else_is_refused(tmp_path, changes,
         read_scan(path, frequency_hz=FREQUENCY_HZ)
 
 
-@pytest.mark.parametrize("nothing", ["nan", ""])
+@pytest.mark.parametrize("nothing", ["nan", "", "nan+nanj", "NaN + NaNi", "-nan(ind)", "#WERT!"])
 def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothing):
     """Profile and noise are those of the scan without these rows; `simulate` has the note."""
     x, y, u = points(noise=0.02)
@@ -619,3 +811,21 @@ def test_a_function_without_an_amplitude_is_named_and_excluded(tmp_path, value):
     assert scan.notes[-1] == said
     assert (scan.missing, len(scan.x_m)) == (1, len(X) - 1)
     assert np.abs(scan.amplitude_m).max() < 1.3e-6
+
+
+def test_a_scan_that_was_replaced_is_read_again(tmp_path):
+    """In one session of Python the force stayed that of the old file."""
+    path = tmp_path / "scan.csv"
+    profile = {"kind": "measured", "file": str(path)}
+    film = sf.Film.of(
+        actuator={"frequency": FREQUENCY_HZ, "surface_radius": RADIUS_M, "profile": profile},
+        pad={"length_x": "4 mm", "length_y": "4 mm"},
+    )
+    path.write_text(text("x_mm,y_mm,amplitude_um", X, Y, U))
+    first = film.scan
+    assert film.scan is first
+    path.write_text(text("x_mm,y_mm,amplitude_um", X, Y, 2 * U))
+    assert film.scan.peak_m == pytest.approx(2 * first.peak_m)
+    path.unlink()
+    with pytest.raises(InputError, match="there is no such scan"):
+        assert film.scan

@@ -20,7 +20,9 @@ UNIT_NAMES = {
     for name in names.split()
 }
 """Other names of units, without accents."""
-BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,\[(]+"), re.compile(r"[\s_\-.:()\[\]/]+")
+PER_SECOND = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
+"""The end of m/s, mm_s, m/sec^2, m s-1."""
+BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,\[(]+"), re.compile(r"[\s,_\-.:()\[\]/]+")
 
 
 def folded(text: str) -> str:
@@ -31,19 +33,24 @@ def folded(text: str) -> str:
 
 def unit_in(text: str) -> str:
     """A unit with its brackets taken off, in one spelling: ``(Degrees)`` is ``deg``."""
-    unit = re.sub(r"/s(?:ec)?\^?2$", "/s²", folded(text).strip(" []()"))
-    unit = re.sub(r"/sec$", "/s", unit)
+    unit = re.sub("[_ ](?:per|pro|par|por)[_ ]", "/", folded(text).strip(" []()"))
+    unit = PER_SECOND.sub(lambda end: "/s²" if "2" in end.groups() else "/s", unit)
     return UNIT_NAMES.get(unit, unit)
 
 
 def words_and_unit(cell: str, units: Collection[str]) -> Iterator[tuple[list[str], str]]:
     """The ways to read a header's cell, the likeliest first: its words, and its unit or ``""``.
 
-    First come known units, then none, then the last word as a unit that is not known.
+    First come known units, then none, then what is in brackets, or the last word, as a unit that is
+    not known.
     """
     name = folded(cell.partition("@")[0]).rstrip(" _")
     ends = [(name[: at.start()], unit_in(name[at.end() :])) for at in BREAK.finditer(name)]
     # Decibels are known, to be named in a message: the file does not tell what 0 dB is.
-    known = [end for end in ends if end[1] in units or "db" in end[1]]
-    for words, unit in (*known, (name, ""), *ends[-1:]):
+    known = [end for end in ends if end[1] in units or end[1].startswith("db")]
+    bracket = [
+        (name[: at.start()], unit_in(name[at.end() :]))
+        for at in re.finditer(r"\s*[\[(](?=[^\[(]*[\])]$)", name)
+    ]
+    for words, unit in (*known, (name, ""), *bracket, *ends[-1:]):
         yield [word for word in BETWEEN_WORDS.split(words) if word], unit

@@ -1,8 +1,10 @@
 """A film in a study's configuration: gas, actuator, pad, and how they are solved."""
 
+import inspect
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -109,11 +111,12 @@ class FilmSections(Section):
         path = self.scan_path
         if path is None:
             return None
-        from squeezefilm.film.measured.smooth import read_smoothed, smoothed_scan
+        from squeezefilm.film.measured.smooth import read_smoothed
 
         kept = Path(os.environ.get(SMOOTHED_VARIABLE, ""))
         if again or not kept.is_file():
-            return smoothed_scan(path, **self.smoothing)
+            changed = (path.stat().st_mtime_ns, path.stat().st_size) if path.is_file() else ()
+            return _smoothed_scan(path, changed, **self.smoothing)
         return read_smoothed(kept, path, **self.smoothing)
 
     def read_profile(self) -> Profile:
@@ -184,6 +187,16 @@ class FilmSections(Section):
         if "rectangle" in actuator:  # by its key, as all others are but for their units
             actuator["surface"] = actuator.pop("rectangle")
         return values
+
+
+@lru_cache(maxsize=16)
+def _smoothed_scan(path: Path, _changed: tuple[int, ...], **settings: Any) -> "SmoothedScan":
+    """The smooth profile of a scan's file, made once a process unless the file changes."""
+    from squeezefilm.film.measured.smooth import smoothed_scan
+
+    # Its own cache does not look at the file.
+    result: SmoothedScan = inspect.unwrap(smoothed_scan)(path, **settings)
+    return result
 
 
 def _written(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:

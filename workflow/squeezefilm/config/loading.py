@@ -26,7 +26,7 @@ from squeezefilm.files import read_text, write_text
 from squeezefilm.film.profiles import Sinc, StandingWave
 from squeezefilm.film.scene import Actuator
 from squeezefilm.sections import KeyPath, key_of
-from squeezefilm.units import DECIMAL, examples
+from squeezefilm.units import DECIMAL, examples, in_unit
 
 Sections = TypeVar("Sections", bound=FilmSections)
 
@@ -226,6 +226,11 @@ def _about_value(error: Any, key_path: KeyPath, part: Schema) -> str:
     if "properties" in part:
         return f"{where}: {value} is no section; its keys are {', '.join(part['properties'])}"
     unit = part.get("unit")
+    if unit == "rad/m" and isinstance(wrong, str) and (number := in_unit(wrong, "1/m")):
+        return (
+            f"{where}: {value} is in radians or in waves per length; write '{number:.6g} rad/m', "
+            f"or '{2 * math.pi * number:.6g} rad/m' for {number:.6g} waves per metre"
+        )
     like = f" {unit}, as a number or with its unit, like {examples(unit)}" if unit else ""
     words = allowed(part)
     return f"{text}; allowed: {words}{like}" if words else text

@@ -1,8 +1,9 @@
 """The columns of a scan's table: what its header's words mean, in which unit.
 
 The words stand in words.csv, so that a program or a language is lines there: those that name a
-quantity together, and those that may stand beside it. Words of a motion alone are its amplitude,
-with a direction its part along z, with a quantity (``Velocity Real``) that.
+quantity together, those that may stand beside it, and those of a cell that tell whether a row is
+valid. Words of a motion alone are its amplitude, with a direction its part along z, with a quantity
+(``Velocity Real``) that.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ LENGTHS_M |= {"in": 0.0254, "mil": 25.4e-6}
 # Units of motions, and by which power of the angular frequency they are larger than a displacement.
 PER_SECOND = {"": 0, "/s": 1, "/s²": 2}
 MOTIONS = {name + end: size for end in PER_SECOND for name, size in LENGTHS_M.items()}
+MOTIONS |= {"g": 9.80665, "mg": 9.80665e-3}
+POWERS = {name + end: power for end, power in PER_SECOND.items() for name in LENGTHS_M}
+POWERS |= {"g": 2, "mg": 2}
 ANGLES_RAD = {name: math.radians(degrees) for name, degrees in unit_sizes("deg").items()}
 ANGLES_RAD |= {"cycles": 2 * math.pi}
 FREQUENCIES_HZ = {name.lower(): size for name, size in unit_sizes("Hz").items()}
@@ -35,22 +39,35 @@ SHAPES = dict.fromkeys(("amplitude", "real", "imaginary"), MOTIONS) | {"phase": 
 UNIT_SIZES = PLACES | SHAPES | {"sign": {"": 1.0}}
 """What a scan is read from, each with its units, in small letters, and their sizes."""
 KNOWN = UNIT_SIZES | {"normal": MOTIONS, "frequency": FREQUENCIES_HZ, "time": unit_sizes("s")}
-"""The same, with the amplitude along z and what rows of a place may differ by."""
+KNOWN |= {"line": LENGTHS_M} | {name: {} for name in ("level", "status", "valid", "invalid")}
+"""The same, with the amplitude along z, what rows of a place may differ by, a place on a line, a
+motion in decibels, and whether a row is valid."""
 UNITS = {*MOTIONS, *ANGLES_RAD, *FREQUENCIES_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
-USUAL_UNITS |= dict.fromkeys(("amplitude", "real", "imaginary"), "um")
+USUAL_MOTIONS = ("um", "mm/s", "m/s²")
+MOTION_NAMES = ("displacement", "velocity", "acceleration")
 AT_FREQUENCY = re.compile(r"@.*freq[^=]*=\s*([\d.eE+]+)\s*(\w*)")
 """How a program writes the frequency at which a column was solved."""
+
+DECIBELS_RE = re.compile(
+    r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*)"
+)
+"""Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``."""
+OVER_INPUT = re.compile(r"\(?(.+?)\)?/(?:v|vrms|n|a|pa|w)")
+"""The unit of a frequency response, such as m/V."""
 
 _ROWS = csv.reader(
     read_text(Path(__file__).with_name("words.csv"), what="list of words").splitlines()[1:]
 )
-WORDS = {meaning: words.split(";") for meaning, words in _ROWS}
+WORDS = {meaning: folded(words).split(";") for meaning, words in _ROWS}
 NAMES = {
     frozenset(words.split()): quantity for quantity in KNOWN for words in WORDS.get(quantity, ())
 }
-MOTION, COMPONENT = {*WORDS["motion"], *WORDS["normal"]}, {*WORDS["component"]}
+MOTIONS_NAMED = [{*WORDS[name]} for name in MOTION_NAMES]
+MOTION, COMPONENT = {*WORDS["normal"]}.union(*MOTIONS_NAMED), {*WORDS["component"]}
 DIRECTION, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
+# The motion that a letter alone is, by the power of the angular frequency, if its unit fits.
+LETTERS = {"u": 0, "v": 1, "a": 2}
 # The amplitude of a harmonic motion over its effective value and its extent from peak to peak.
 AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5}
 RATIOS = [
@@ -63,7 +80,10 @@ class Column:
     """A quantity, the unit it is in ("" if none is named), its place in a row, and its name.
 
     ``size`` is the unit's in SI units and radians; None of one that the quantity has not.
-    ``ratio`` is the amplitude over what the column has: √2 for effective values.
+    ``ratio`` is the amplitude over what the column has: √2 for effective values. ``power`` is that
+    of the angular frequency by which a motion in the unit is larger than a displacement, and
+    ``named_power`` the same by the column's words, None if they do not say. In ``decibels`` the
+    size is the reference's.
     """
 
     quantity: str
@@ -72,11 +92,14 @@ class Column:
     place: int
     name: str
     ratio: float = 1.0
+    power: int = 0
+    named_power: int | None = None
+    decibels: bool = False
 
     @property
-    def power(self) -> int:
-        """The power of the angular frequency by which a motion in the unit is too large."""
-        return PER_SECOND[re.sub(r"^[^/]*", "", self.unit)]
+    def usual_unit(self) -> str:
+        """The unit that a message suggests."""
+        return USUAL_UNITS.get(self.quantity, USUAL_MOTIONS[self.named_power or 0])
 
     @property
     def frequency_hz(self) -> float | None:
@@ -88,7 +111,7 @@ class Column:
 
 def meaning(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
-    core = {*words} - IGNORED_WORDS or {*words[:1]}
+    core = {*words} - IGNORED_WORDS or {*words} & {*WORDS["line"]} or {*words[:1]}
     if quantity := NAMES.get(frozenset(words)) or NAMES.get(frozenset(core)):
         return quantity
     if quantity := NAMES.get(frozenset(core - COMPONENT)):
@@ -99,16 +122,32 @@ def meaning(words: Sequence[str]) -> str | None:
     if rest and rest <= DIRECTION:
         return "normal"
     quantity = NAMES.get(rest) if rest else "amplitude"
-    return quantity if quantity in SHAPES else None
+    return quantity if quantity in {*SHAPES, "level"} else None
 
 
 def column_of(name: str, place: int = 0) -> Column | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
     for words, unit in words_and_unit(name, UNITS):
         words, ratio = _without_ratio(words)
-        if quantity := meaning(words):
-            return Column(quantity, unit, KNOWN[quantity].get(unit), place, name, ratio)
+        quantity = meaning(words)
+        if quantity is None:
+            continue
+        named = next((at for at, some in enumerate(MOTIONS_NAMED) if some & {*words}), None)
+        size, power, decibels = KNOWN[quantity].get(unit), POWERS.get(unit, 0), False
+        if unit.startswith("db") and quantity in ("amplitude", "normal", "level"):
+            quantity = "normal" if quantity == "normal" else "amplitude"
+            (size, power), decibels = _reference(unit), True
+        return Column(quantity, unit, size, place, name, ratio, power, named, decibels)
     return None
+
+
+def _reference(unit: str) -> tuple[float | None, int]:
+    """The size of the motion that is 0 dB, None if the unit does not tell, and its power of ω."""
+    match = DECIBELS_RE.fullmatch(unit)
+    named = unit_in(match[2]) if match else ""
+    if match is None or named not in MOTIONS:
+        return None, 0
+    return float(match[1] or 1) * MOTIONS[named], POWERS[named]
 
 
 def _without_ratio(words: list[str]) -> tuple[list[str], float]:
@@ -135,7 +174,7 @@ def chosen_columns(
     Raises:
         InputError: for a quantity that stands twice.
     """
-    named = named_columns(header)
+    named = _with_unclear(named_columns(header), header)
     usable = {column.quantity for column in named if column.size}
     if "imaginary" in usable and "phase" not in usable:
         wanted = {*wanted} - {"amplitude"}
@@ -151,29 +190,106 @@ def chosen_columns(
     named = [column for column in named if column.quantity in wanted]
     named, notes = _at_frequency(named, frequency_hz)
     columns: dict[str, Column] = {}
-    for column in sorted(named, key=lambda each: each.size is None):
+    for column in sorted(named, key=lambda each: (_is_value(each), each.size is None)):
         first = columns.setdefault(column.quantity, column)
-        if column.size and first is not column:
+        alike = _is_value(first) == _is_value(column) and (column.size or not first.size)
+        if first is not column and alike:
             raise InputError(
                 f"the column {column.quantity!r} stands twice: {first.name!r} and "
                 f"{column.name!r}; leave one of them out"
             )
-    return columns, notes
+    return dict(sorted(columns.items(), key=lambda each: each[1].place)), notes
 
 
-def check_units(columns: Collection[Column]) -> None:
-    """Reject columns without a unit that is known, all at once."""
+def _is_value(column: Column) -> bool:
+    """Tell whether a coordinate is LabVIEW's X_Value, which gives way to ``Pos X``."""
+    return column.quantity in PLACES and "value" in column.name.lower()
+
+
+def _with_unclear(named: list[Column], header: Sequence[str]) -> list[Column]:
+    """Columns with those whose words tell what they are only where no other column is it.
+
+    These are a position without a direction, and letters and levels as the motion.
+    """
+    known = {column.quantity for column in named}
+    if not known & {*PLACES}:
+        named = [replace(each, quantity="x") if each.quantity == "line" else each for each in named]
+    if known & {"amplitude", "normal", "real", "imaginary"}:
+        return named
+    letters = [each for at, name in enumerate(header) if (each := _letter(name, at))]
+    levels = [
+        replace(each, quantity="amplitude", unit="db", decibels=True)
+        for each in named
+        if each.quantity == "level"
+    ]
+    return named + (letters or levels)
+
+
+def _letter(name: str, place: int) -> Column | None:
+    """The motion that a cell names by a letter, and its unit if it has one: ``v [m/s]``."""
+    for words, unit in words_and_unit(name, UNITS):
+        power = LETTERS.get(words[0]) if len(words) == 1 else None
+        if power is not None and (not unit or POWERS.get(unit) == power):
+            return Column("amplitude", unit, MOTIONS.get(unit), place, name, 1.0, power, power)
+    return None
+
+
+def unit_problems(columns: Collection[Column]) -> list[str]:
+    """Problems of the columns' units, all at once, each with what is allowed."""
     lacking = [column for column in columns if not column.size]
-    names = ", ".join(repr(each.name) for each in lacking)
-    written = ", ".join(f"{each.name} [{USUAL_UNITS[each.quantity]}]" for each in lacking)
-    if any("db" in each.unit for each in lacking):
-        raise InputError(f"decibels are not supported; export {names} on a linear scale")
-    if lacking:
-        raise InputError(
-            f"no unit is known of {names}; write it into the header, as in {written}. "
-            f"Lengths are in {', '.join(LENGTHS_M)}, motions also over s or s², angles in "
-            f"{', '.join(ANGLES_RAD)}"
+    levels = [column for column in lacking if column.decibels]
+    responses = [
+        column
+        for column in lacking
+        if (match := OVER_INPUT.fullmatch(column.unit)) and match[1] in MOTIONS
+    ]
+    unknown = [each for each in lacking if each.unit and each not in (*levels, *responses)]
+    bare = [column for column in lacking if not column.unit and column not in levels]
+    problems = [
+        f"{each.name!r} is {MOTION_NAMES[each.named_power]} by its name and "
+        f"{MOTION_NAMES[each.power]} by its unit; correct one of them"
+        for each in columns
+        if each.size and each.named_power not in (None, each.power)
+    ]
+    reference = "only the shape counts, so that any constant factor is right"
+    if levels:
+        problems.append(
+            f"decibels of {_quoted(levels)} have no reference; write one, as in "
+            f"{_written(levels, 'dB re 1 ')} ({reference})"
         )
+    if responses:
+        problems.append(
+            f"{_quoted(responses)} is a motion over an input; multiply it by the input, or write "
+            f"{_written(responses)} ({reference})"
+        )
+    if unknown:
+        units = ", ".join(repr(each.unit) for each in unknown)
+        problems.append(
+            f"the unit {units} of {_quoted(unknown)} is not known; write another, as in "
+            f"{_written(unknown)}"
+        )
+    if bare:
+        problems.append(
+            f"no unit is known of {_quoted(bare)}; write it into the header, as in {_written(bare)}"
+        )
+    if unknown or bare:
+        problems[-1] += (
+            f". Lengths are in {', '.join(LENGTHS_M)}, motions also over s or s² and in g, angles "
+            f"in {', '.join(ANGLES_RAD)}"
+        )
+    return problems
+
+
+def _quoted(columns: Collection[Column]) -> str:
+    return ", ".join(repr(each.name) for each in columns)
+
+
+def _written(columns: Collection[Column], before: str = "") -> str:
+    """Columns as they should be called, with a unit in place of their own."""
+    stems = [re.sub(r"\s*[\[(][^\[(]*[\])]\s*$", "", each.name) for each in columns]
+    return ", ".join(
+        f"{stem} [{before}{each.usual_unit}]" for stem, each in zip(stems, columns, strict=True)
+    )
 
 
 def _at_frequency(
@@ -193,11 +309,20 @@ def _at_frequency(
 
 
 def with_units(header: Sequence[str], cells: Sequence[str]) -> list[str]:
-    """A header with the units of the line below it; itself if that line has no units alone."""
+    """A header with the units of the line below it; itself if that line is not of units.
+
+    It is one if some cells are known units, and none a number: one that is not known is named in a
+    message if its column is needed.
+    """
     units = list(map(unit_in, cells))
-    if not {*units} & UNITS or not {*units} <= {*UNITS, "", "-"} or len(cells) > len(header):
+    if not {*units} & UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
         return list(header)
     units += [""] * (len(header) - len(units))
     return [
-        f"{name} [{unit}]" * bool(unit) or name for name, unit in zip(header, units, strict=True)
+        f"{name} [{unit}]" if unit in UNITS or (unit.strip("-") and column_of(name)) else name
+        for name, unit in zip(header, units, strict=True)
     ]
+
+
+def _is_number(cell: str) -> bool:
+    return bool(re.match(r"\s*[-+(]?[.,]?\d", cell))

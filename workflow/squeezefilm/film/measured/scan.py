@@ -18,6 +18,7 @@ FEWEST_POINTS, POINTS_NAMED = 8, 6
 SAME_POSITION_M = 1e-6
 # From the frequency, in distances between lines; of a file with one line as a share of it.
 FARTHEST_LINE, FARTHEST_FRACTION = 0.6, 0.01
+WITHOUT_FREQUENCY = "velocities and spectra need the actuator's frequency"
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def missing_points(places: Sequence[int], *, what: str) -> list[str]:
 
 def angular_frequency(frequency_hz: float | None) -> float:
     if frequency_hz is None:
-        raise InputError("velocities and spectra need the actuator's frequency")
+        raise InputError(WITHOUT_FREQUENCY)
     return 2 * math.pi * frequency_hz
 
 

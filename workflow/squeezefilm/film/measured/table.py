@@ -31,26 +31,28 @@ import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, array_lines
+from squeezefilm.film.measured.cells import is_missing, normalised, parsed, si_values, values_in
 from squeezefilm.film.measured.columns import (
     UNIT_SIZES,
     UNITS,
     WORDS,
     Column,
-    check_units,
     chosen_columns,
     column_of,
     named_columns,
+    unit_problems,
     with_units,
 )
 from squeezefilm.film.measured.scan import (
-    LARGEST_VALUE,
     SAME_POSITION_M,
+    WITHOUT_FREQUENCY,
     Scan,
     angular_frequency,
     listed,
     missing_points,
     nearest_line,
 )
+from squeezefilm.film.measured.validity import valid_rows
 from squeezefilm.headers import unit_in
 from squeezefilm.lazy import pd
 
@@ -62,13 +64,14 @@ SCAN_FORM = (
 BLANKS, WIDE = " ", "  "
 """Separators: any blanks, and in a header whose names have blanks two or more of them."""
 SEPARATORS = ("\t", ";", ",", WIDE, BLANKS)
+BETWEEN_NAMES = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instance|Name|FOOT-)\b)")
+"""Blanks between names in a header, none before a unit in brackets or within ``U, U3``."""
 JAPANESE_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
 # Among which the line that names columns is sought, and by how many quantities it is known.
 FIRST_LINES, FEWEST_NAMED = 100, 2
 COMMENT = re.compile(r"\s*[#%!][#%!\s]*")
 LENGTH_UNIT = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
 """How a program says, above the header, in which unit places are."""
-COMPLEX = r"\(?[\s\d.,eE+-]*\d\s*[ij]\)?"
 OTHER_FORMATS = {
     b"PK": "save a spreadsheet as CSV, with any separator",
     b"\xd0\xcf\x11\xe0": "export a Polytec file (.svd) as universal file or as text, and save a "
@@ -77,13 +80,27 @@ OTHER_FORMATS = {
     b"%PDF": "export the points as text or CSV",
     b"<?xml": "export the points as CSV (in ParaView: Save Data)",
     b"{": "write the points as CSV",
-    b"$TITLE": "a punch file has no positions: export a universal file, or a table with positions",
+    b"CDF": "export the points as text or CSV",
+    b"\x1f\x8b": "unpack it first",
+    b"TDSm": "export the channels as text (.lvm) or CSV, a column each",
+    b"CPY": "export the worksheet from Origin as text or CSV",
+    b"# vtk": "export the points as CSV (in ParaView: Save Data)",
+    b"    1C": "export positions and displacements of the nodes as CSV",
+    b"<": "export the points as CSV",
+    b"[{": "write the points as CSV",
 }
-"""How files begin that are no text, and what to do with them."""
-MOST_LOOKED_AT = 1000
-MISSING = ("", "nan", "na", "n/a", "#n/a", "#nv", "#div/0!", "not available", "-", "--")
+"""How files begin that are no text, or no table, and what to do with them."""
+NASTRAN = re.compile(r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T")
+NASTRAN_REMEDY = (
+    "no table with positions, but Nastran's print or punch file; export the grid points' positions "
+    "and displacements as a universal file (.unv) or as one table: x, y and T3, with units"
+)
+MOST_LOOKED_AT, MOST_SEARCHED = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
-BESIDE_ROWS, TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*|[-=*_]{3,}"), 5
+BESIDE_ROWS, TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*"), 5
+RULE = re.compile(r"[-=*_\s]{3,}")
+# A row of numbers, or one that begins with a word, such as a part's name.
+PLAIN_ROW, NAMED_ROW = re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"), re.compile(r".*[\s,;][-+]?\d")
 # So many rows at a place that differ in time are a time series.
 INSTANTS = 8
 
@@ -123,29 +140,37 @@ def read_points(
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.place for column in columns.values()}
         ignored = [repr(name) for at, name in enumerate(header) if at not in taken]
-        others = [f"ignored columns: {', '.join(ignored)}"] * bool(ignored)
-        for problem, wrong in complete(columns).items():
-            if wrong:
-                beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
-                raise InputError(f"{problem}; the columns are {', '.join(columns)}{beside}")
-        check_units(columns.values())
+        beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
+        problems = [
+            f"{problem}; the columns are {', '.join(columns)}{beside}"
+            for problem, wrong in complete(columns).items()
+            if wrong
+        ][:1]
+        problems += unit_problems(columns.values())
+        if any(column.power for column in motion) and frequency_hz is None:
+            problems.append(WITHOUT_FREQUENCY)
+        if problems:
+            raise InputError("; and ".join(problems))
     needed = max(taken) + 1
     cells, beside_rows = _cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
-    notes += [*others, *at_frequency, *beside_rows]
+    notes += [*at_frequency, *beside_rows]
+    settings = [
+        column_of(name, at) or Column("", "", None, at, name)
+        for at, name in enumerate(header)
+        if at not in taken
+    ]
+    cells, settings = _asked_rows(cells, settings, rows or "")
+    cells, states, invalid = valid_rows(cells, settings)
+    others = [repr(each.name) for each in settings if each not in states]
+    notes += [*[f"ignored columns: {', '.join(others)}"] * bool(others), *invalid]
     amplitudes = cells[[column.place for column in motion]]
-    lacking = cells.index[amplitudes.map(str.lower).isin(MISSING).any(axis=1)]
+    lacking = cells.index[amplitudes.map(is_missing).any(axis=1)]
     cells = cells.drop(lacking)
-    table = pd.DataFrame({name: _numbers(cells, column) for name, column in columns.items()})
+    table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
     if rows is not None:
-        settings = [
-            column_of(name, at) or Column("", "", None, at, name) for at, name in enumerate(header)
-        ]
-        settings = [column for column in settings if column.place not in taken]
-        table, chosen = _one_measurement(
-            table, cells, settings, rows=rows, frequency_hz=frequency_hz
-        )
+        table, chosen = _one_measurement(table, cells, settings, frequency_hz=frequency_hz)
         notes += chosen
     for column in motion:
         if column.power:
@@ -158,26 +183,11 @@ def read_points(
     return table, lacking.tolist(), [*notes, *missing_points(lacking.tolist(), what="line")]
 
 
-def _one_measurement(
-    table: pd.DataFrame,
-    cells: pd.DataFrame,
-    others: Sequence[Column],
-    *,
-    rows: str,
-    frequency_hz: float | None,
-) -> tuple[pd.DataFrame, list[str]]:
-    """The rows of one measurement at each place, and notes on which these are.
-
-    Args:
-        table: quantities, whose places may stand repeatedly.
-        cells, others: all cells of the same rows, and the columns that are no such quantities.
-        rows, frequency_hz: as in ``read_scan``.
-
-    Raises:
-        InputError: for rows that are not there, a time series, and for several measurements at a
-            place, with the column that tells them apart.
-    """
-    notes, asked = [], set()
+def _asked_rows(
+    cells: pd.DataFrame, others: Sequence[Column], rows: str
+) -> tuple[pd.DataFrame, list[Column]]:
+    """The rows of one measurement, as in ``read_scan``, and the columns that they do not set."""
+    free = list(others)
     for condition in filter(None, map(str.strip, rows.split(";"))):
         name, _, value = (part.strip() for part in condition.rpartition("="))
         names = {other.name.lower(): other for other in others}
@@ -186,14 +196,36 @@ def _one_measurement(
                 known = ", ".join(repr(other.name) for other in others)
                 raise InputError(f"needs COLUMN = VALUE, the column one of {known}")
             column = names[name.lower()]
-            values = _plain(cells.loc[table.index, column.place])
-            table = table[values == _plain(pd.Series([value]))[0]]
-            if table.empty:
-                raise InputError(f"no row has this value; {_values_in(values)}")
-        asked.add(column.place)
+            values = normalised(cells[column.place])
+            cells = cells[values == normalised(pd.Series([value]))[0]]
+            if cells.empty:
+                raise InputError(f"no row has this value; {values_in(values)}")
+        free = [other for other in free if other is not column]
+    return cells, free
+
+
+def _one_measurement(
+    table: pd.DataFrame,
+    cells: pd.DataFrame,
+    others: Sequence[Column],
+    *,
+    frequency_hz: float | None,
+) -> tuple[pd.DataFrame, list[str]]:
+    """The rows of one measurement at each place, and notes on which these are.
+
+    Args:
+        table: quantities, whose places may stand repeatedly.
+        cells, others: all cells of the same rows, and the columns that are no such quantities.
+        frequency_hz: as in ``read_scan``.
+
+    Raises:
+        InputError: for a time series, and for several measurements at a place, with the column that
+            tells them apart.
+    """
+    notes = []
     for column in others:
-        if column.quantity == "frequency" and column.size and column.place not in asked:
-            values_hz = _number(cells.loc[table.index, column.place]) * column.size
+        if column.quantity == "frequency" and column.size:
+            values_hz = parsed(cells.loc[table.index, column.place]) * column.size
             if not _recurs(table, values_hz):
                 continue
             if frequency_hz is None:
@@ -207,7 +239,7 @@ def _one_measurement(
     if not place.duplicated().any():
         return table, notes
     for column in others:
-        values = _plain(cells.loc[table.index, column.place])
+        values = normalised(cells.loc[table.index, column.place])
         differing = values.groupby(place).nunique()[place[place.duplicated()].unique()]
         if differing.median() < 2:
             continue
@@ -222,29 +254,10 @@ def _one_measurement(
             axis *= len({"x", "y", "r", "phi"} & {*table}) < 2
             raise InputError(
                 f"places have several rows each, which column {column.name!r} tells apart: "
-                f"{_values_in(values)}; take one by actuator.profile.rows: {column.name} = "
+                f"{values_in(values)}; take one by actuator.profile.rows: {column.name} = "
                 f"{values.iloc[0]}{axis}"
             )
     return table, notes
-
-
-def _number(cells: pd.Series) -> pd.Series:
-    """Numbers of cells, with decimal points or commas, also ``1.2D-06``; NaN of others."""
-    plain = cells.str.replace(",", ".").str.replace(r"(?<=\d)[dD](?=[-+]?\d)", "e", regex=True)
-    return pd.to_numeric(plain, errors="coerce").astype(float)
-
-
-def _plain(cells: pd.Series) -> pd.Series:
-    """Cells in small letters, numbers in one spelling."""
-    numbers = _number(cells)
-    return cells.str.strip().str.lower().where(numbers.isna(), numbers.map("{:.9g}".format))
-
-
-def _values_in(values: pd.Series) -> str:
-    """The values of a column in words, the first of many."""
-    counts = values.value_counts(sort=False)
-    named = [f"{value} ({count} rows)" for value, count in counts.items()]
-    return f"it has {listed(named)}"
 
 
 def _position_keys(table: pd.DataFrame) -> pd.Series:
@@ -314,6 +327,8 @@ def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
         if content.startswith(start):
             raise InputError(f"no table of text; {remedy}")
     text, encoding = _decoded(content)
+    if NASTRAN.search(text, 0, MOST_SEARCHED):
+        raise InputError(NASTRAN_REMEDY)
     if text.count("\0", 0, MOST_LOOKED_AT) > MOST_LOOKED_AT / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
@@ -331,10 +346,10 @@ def _cells(
     rows = {
         number: _split(line, separator)
         for number, line in enumerate(lines[first:], first + 1)
-        if line.strip(" \t,;") and not COMMENT.match(line)
+        if line.strip(" \t,;") and not COMMENT.match(line) and not RULE.fullmatch(line)
     }
     start = pd.Series({number: cells[0] for number, cells in rows.items()}, dtype=object)
-    words = start.str.fullmatch(BESIDE_ROWS).astype(bool) & ~start.str.lower().isin(MISSING)
+    words = start.str.fullmatch(BESIDE_ROWS).astype(bool) & ~start.map(is_missing).astype(bool)
     inside = start.index[~words]
     whole = not inside.empty and not words.loc[inside[0] : inside[-1]].any()
     beside = start.index[words].tolist() if whole else []
@@ -420,59 +435,29 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[st
     for index in (*plain[:FIRST_LINES], *comments[-FIRST_LINES:]):
         line = COMMENT.sub("", lines[index], count=1)
         rows = [lines[row] for row in plain if row > index][:TITLE_LINES]
-        below = next((row for row in rows if not BESIDE_ROWS.match(row.strip())), "".join(rows[:1]))
+        below = next(
+            (row for kind in (PLAIN_ROW, NAMED_ROW) for row in rows if kind.match(row.strip())), ""
+        )
         for separator in SEPARATORS:
-            cells, between = _split(line, separator), separator.replace(WIDE, BLANKS)
+            between = separator.replace(WIDE, BLANKS)
+            names = separator == BLANKS and '"' not in line
+            cells = BETWEEN_NAMES.split(line.strip()) if names else _split(line, separator)
             count = len({column.quantity for column in named_columns(cells)})
             if not count:
                 continue
             row = _split(below, between)
             alike = len(cells) == len(row)
-            values = _number(pd.Series([cell for cell in row if cell], dtype=object))
+            values = parsed(pd.Series([cell for cell in row if cell], dtype=object))
             numbers = len(values) > 1 and not values.isna().any()
             if count >= FEWEST_NAMED - (alike and numbers and index in plain):
                 found.setdefault((numbers, alike, count), (index, cells, between))
     if found:
-        return found[max(found)]
+        index, cells, between = found[max(found)]
+        if between == BLANKS and not max(found)[1]:
+            raise InputError(
+                f"line {index + 1}: the header has {len(cells)} names between blanks, and the rows "
+                "below have not so many cells; put commas, tabs or two blanks between the names"
+            )
+        return index, cells, between
     first = lines[plain[0]].strip()[:60]
     raise InputError(f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}")
-
-
-def _numbers(table: pd.DataFrame, column: Column) -> pd.Series:
-    """A column's values in SI units; raises InputError naming the line of one that is none."""
-    cells, name = _without_thousands(table[column.place]), column.quantity
-    comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
-    if comma.any() and point.any():
-        line, cell = next(cells[point].items())
-        raise InputError(
-            f"line {line}: {name} has a point in {cell!r}, and a comma in other rows; one of them "
-            "must be the decimal sign"
-        )
-    values = _number(cells)
-    parts = cells.str.fullmatch(COMPLEX) & (name == "amplitude")
-    if parts.any():
-        values = values.astype(complex)
-        values[parts] = cells[parts].map(_complex)
-    for line, cell in cells[~(values.abs() <= LARGEST_VALUE)][:1].items():
-        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
-    return values * (column.size or 1.0)
-
-
-def _without_thousands(cells: pd.Series) -> pd.Series:
-    """Cells without blanks and signs between thousands, where a cell with both signs tells them."""
-    cells = cells.str.replace(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", regex=True)
-    for decimal, between in ((",", "."), (".", ",")):
-        whole = rf"[-+]?\d{{1,3}}(?:\{between}\d{{3}})+"
-        told = cells.str.fullmatch(rf"{whole}(?:\{decimal}\d+|\{between}\d{{3}})").any()
-        elsewhere = cells.str.replace(whole, "", regex=True).str.contains(between, regex=False)
-        if told and not elsewhere.any():
-            return cells.str.replace(between, "", regex=False)
-    return cells
-
-
-def _complex(cell: str) -> complex:
-    """A number such as ``1.2-0.3i``; NaN where a cell has none."""
-    try:
-        return complex("".join(cell.strip("()").split()).replace(",", ".").replace("i", "j"))
-    except ValueError:
-        return complex("nan")

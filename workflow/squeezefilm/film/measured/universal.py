@@ -8,6 +8,8 @@ those of data set 15 or 2411, in the units of data set 164. Only these sets are 
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
@@ -32,6 +34,8 @@ POWER, COHERENCES = (2, 3, 9), (6, 21, 26)
 # By which power of the angular frequency a motion is larger than a displacement.
 MOTION_PER_M = {DISPLACEMENT: 0, VELOCITY: 1, ACCELERATION: 2}
 NORMAL = 3
+AXES = {number: f"{'+-'[number < 0]}{'XYZ'[abs(number) - 1]}" for number in (-3, -2, -1, 1, 2, 3)}
+REFERENCE = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
 # A mode is at most so far from the actuator's frequency, as a share, and by this factor nearer than
 # any other.
 FARTHEST_MODE, NEARER = 0.1, 3
@@ -41,7 +45,8 @@ def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     """The scan in a universal file; a point's line is its function's or node's number.
 
     Args:
-        rows: ``mode = NUMBER``, which mode shape is taken.
+        rows: ``mode = NUMBER``, which mode shape is taken, or ``reference = NODE`` of the
+            functions, with its direction if the node has several: ``5+Z``.
     """
     with needing("scans", what="a universal file (or export the scan as text)"):
         import pyuff
@@ -53,7 +58,9 @@ def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"not a universal file that pyuff reads: {error}") from None
     shape_set = SHAPE if SHAPE in kinds_of_sets else RESULTS
-    shapes = shape_set in kinds_of_sets and (rows or FUNCTION not in kinds_of_sets)
+    reference = REFERENCE.fullmatch(rows)
+    of_mode = bool(rows) and not reference
+    shapes = shape_set in kinds_of_sets and (of_mode or FUNCTION not in kinds_of_sets)
     sets: list[dict[str, Any]] = []
     for number, kind in enumerate(kinds_of_sets):
         if kind in (*NODES, UNITS, shape_set if shapes else FUNCTION):
@@ -74,11 +81,13 @@ def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
         modes = [each for each in sets if each.get("type") == SHAPE]
         modes += [_as_mode(each) for each in sets if each.get("type") == RESULTS]
         return _mode_shape(path, modes, places, frequency_hz, rows)
-    if rows:
+    if of_mode:
         raise InputError(
-            "actuator.profile.rows is of tables and, as in 'mode = 2', of mode shapes (data set 55)"
+            "actuator.profile.rows is of tables, or, of a universal file, 'mode = 2' (data sets 55 "
+            "and 2414) or 'reference = 5' (data set 58)"
         )
-    return _at_frequency(path, sets, places, frequency_hz)
+    wanted = reference[1] if reference else ""
+    return _at_frequency(path, sets, places, frequency_hz, reference=wanted)
 
 
 def _as_mode(results: dict[str, Any]) -> dict[str, Any]:
@@ -145,12 +154,15 @@ def _at_frequency(
     sets: Sequence[dict[str, Any]],
     places: dict[int, complex],
     frequency_hz: float,
+    *,
+    reference: str,
 ) -> Scan:
-    """The shape that functions have at the actuator's frequency."""
+    """The shape that functions have at the actuator's frequency, of one reference."""
     omega = angular_frequency(frequency_hz)
     every = [each for each in sets if each.get("type") == FUNCTION]
     functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL] or every
     functions, aside = _of_motion(functions, places)
+    functions = _of_reference(functions, reference)
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
     check_problems(
@@ -199,6 +211,21 @@ def _of_motion(
         else:
             kept.append(function)
     return kept, [f"{count} {name} ignored" for name, count in aside.items() if count]
+
+
+def _of_reference(functions: Sequence[dict[str, Any]], reference: str) -> list[dict[str, Any]]:
+    """The functions with the reference that is asked for, or all of them."""
+    names = [f"{int(each['ref_node'])}{AXES.get(int(each['ref_dir']), '')}" for each in functions]
+    counts = Counter(names)
+    listing = ", ".join(f"{name} ({count} functions)" for name, count in counts.items())
+    asked = [name for name in counts if reference in (name, name.rstrip("+-XYZR"))]
+    ways = f"its references are {listing}; take one by actuator.profile.rows: reference = "
+    nodes = {int(each["rsp_node"]) for each in functions}
+    if reference and len(asked) != 1:
+        raise InputError(f"{reference!r} is not one of them: {ways}{min(counts, default='')}")
+    if not reference and len(counts) > 1 and len(nodes) < len(functions):
+        raise InputError(f"a node has several functions; {ways}{names[0]}")
+    return [each for each, name in zip(functions, names, strict=True) if name in (asked or counts)]
 
 
 def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | float, float]:

@@ -1,0 +1,95 @@
+"""The cells of a scan's table: numbers as people and programs write them, and missing ones.
+
+Decimal points or commas, signs between thousands, exponents of Fortran (``1.2D-06``), complex
+numbers (``1.2-0.3i``), signs alone (``+``), decibels.
+"""
+
+from __future__ import annotations
+
+import re
+
+from squeezefilm.errors import InputError
+from squeezefilm.film.measured.columns import Column
+from squeezefilm.film.measured.scan import LARGEST_VALUE, listed
+from squeezefilm.lazy import pd
+
+COMPLEX = r"\(?[\s\d.,eE+-]*\d\s*[ij]\)?"
+MISSING = re.compile(
+    r"|-|--|na|n\.?/?a\.?|k\.a\.|null|none|not available"
+    r"|#(?:n/a|nv|n/d|div/0!|value!|wert!|valeur!)"
+    r"|(?:.*[-+( ])?nan(?:\(\w*\))?(?:\s*[-+].*|\*?[ij])?\)?|-?1\.#\w+",
+    re.IGNORECASE,
+)
+# Cells of a column of signs.
+SIGNS = {"+": "1", "-": "-1", "\u2212": "-1", "+1": "1", "1": "1", "-1": "-1"}
+
+
+def is_missing(cell: str) -> bool:
+    return bool(MISSING.fullmatch(cell.strip()))
+
+
+def parsed(cells: pd.Series) -> pd.Series:
+    """Numbers of cells, with decimal points or commas, also ``1.2D-06``; NaN of others."""
+    points = (
+        cells.str.replace(",", ".")
+        .str.replace("\u2212", "-")
+        .str.replace(r"(?<=\d)[dD](?=[-+]?\d)", "e", regex=True)
+    )
+    return pd.to_numeric(points, errors="coerce").astype(float)
+
+
+def normalised(cells: pd.Series) -> pd.Series:
+    """Cells in small letters, numbers in one spelling."""
+    numbers = parsed(cells)
+    return cells.str.strip().str.lower().where(numbers.isna(), numbers.map("{:.9g}".format))
+
+
+def values_in(values: pd.Series) -> str:
+    """The values of a column in words, the first of many."""
+    counts = values.value_counts(sort=False)
+    named = [f"{value} ({count} rows)" for value, count in counts.items()]
+    return f"it has {listed(named)}"
+
+
+def si_values(table: pd.DataFrame, column: Column) -> pd.Series:
+    """A column's values in SI units; raises InputError naming the line of one that is none."""
+    cells, name = _without_thousands(table[column.place]), column.quantity
+    comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
+    if comma.any() and point.any():
+        line, cell = next(cells[point].items())
+        raise InputError(
+            f"line {line}: {name} has a point in {cell!r}, and a comma in other rows; one of them "
+            "must be the decimal sign"
+        )
+    if name == "sign" and cells.isin(list(SIGNS)).all():
+        cells = cells.map(SIGNS)
+    values = parsed(cells)
+    parts = cells.str.fullmatch(COMPLEX) & (name == "amplitude")
+    if parts.any():
+        values = values.astype(complex)
+        values[parts] = cells[parts].map(_complex)
+    for line, cell in cells[~(values.abs() <= LARGEST_VALUE)][:1].items():
+        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
+    if column.decibels:
+        values = 10 ** (values / 20)
+    return values * (column.size or 1.0)
+
+
+def _without_thousands(cells: pd.Series) -> pd.Series:
+    """Cells without blanks and signs between thousands, where a cell with both signs tells them."""
+    cells = cells.str.replace(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", regex=True)
+    for decimal, between in ((",", "."), (".", ",")):
+        whole = rf"[-+]?\d{{1,3}}(?:\{between}\d{{3}})+"
+        told = cells.str.fullmatch(rf"{whole}(?:\{decimal}\d+|\{between}\d{{3}})").any()
+        elsewhere = cells.str.replace(whole, "", regex=True).str.contains(between, regex=False)
+        if told and not elsewhere.any():
+            return cells.str.replace(between, "", regex=False)
+    return cells
+
+
+def _complex(cell: str) -> complex:
+    """A number such as ``1.2-0.3i``; NaN where a cell has none."""
+    try:
+        return complex("".join(cell.strip("()").split()).replace(",", ".").replace("i", "j"))
+    except ValueError:
+        return complex("nan")
