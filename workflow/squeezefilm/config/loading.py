@@ -23,6 +23,7 @@ from squeezefilm.config.keys import Schema, allowed, key_path_of, part_at, unit_
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Sinc, StandingWave
 from squeezefilm.film.scene import Actuator
 from squeezefilm.sections import KeyPath, key_of
@@ -256,20 +257,33 @@ def effective_text(config: Study, *, folder: Path | None = None) -> str:
 
 USUAL_MAGNITUDES = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
 """Range of a study's frequencies and lengths, and the unit that people give them in."""
-OF_PAPER = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
-"""The actuator whose claims, tables and figures a study with ``paper: true`` makes."""
+PAPERS_ACTUATOR = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
+PAPERS_PAD = Pad(10e-3, 10e-3)
+"""The film whose claims, tables and figures a study with ``paper: true`` makes."""
+PAPERS_EQUATION = {"rarefaction": "none", "polytropic_exponent": 1, "inertia": "none"}
+PAPERS_EQUATION |= {"thermal": "none"}
+
+
+def changes_of_paper(config: Study) -> Iterator[str]:
+    """Yield what makes the film of a study another than the paper's, by its keys."""
+    for name, papers in (("actuator", PAPERS_ACTUATOR), ("pad", PAPERS_PAD)):
+        if getattr(config, name) != papers:
+            yield f"another {name}"
+    for key, value in PAPERS_EQUATION.items():
+        if (own := getattr(config.gas, key)) != value:
+            yield f"gas.{key} {own}"
 
 
 def notes_on(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
     Numbers without a unit that lie outside USUAL_MAGNITUDES, a study of the paper with another
-    actuator, a standing wave without a model that repeats along it.
+    film, a standing wave without a model that repeats along it.
     """
-    if config.paper and config.actuator != OF_PAPER:
+    if config.paper and (changes := list(changes_of_paper(config))):
         yield (
-            "paper: true is of the paper's actuator (43.27 kHz, sinc of 109.8 1/m, 10 mm); here "
-            "its claims compare numbers of another; leave paper out"
+            f"paper: true, but {', '.join(changes)}: its pages name a variant of the paper; leave "
+            "paper out where the paper's claims are not to be compared"
         )
     if isinstance(config.actuator.profile, StandingWave) and not config.models:
         yield (
