@@ -245,6 +245,11 @@ def cores_for(searches):
     return max(1, min(4, searches // 4, (workflow.cores or 8) // 2))
 
 
+def growing(limit):
+    """A limit of memory or of minutes; a job that it ended has more at each further attempt."""
+    return lambda wildcards, attempt: limit * attempt
+
+
 def listed(file, category, *, caption, **labels):
     """A page or a figure as the report lists it."""
     place = f"../report/captions/{caption}.rst"
