@@ -1,5 +1,6 @@
 """A table is read as it is written, or refused with a message that names the file and the place."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -138,6 +139,15 @@ def test_all_invalid_rows_are_named_at_once(rows, lines, tmp_path, capsys):
     told = capsys.readouterr().err.removeprefix("squeezefilm: error: ").splitlines()
     assert [line.split(": ")[0] for line in told] == [str(path)] * len(lines)
     assert [int(line.split("line ")[1].split(":")[0]) for line in told] == [*lines]
+
+
+def test_parquet_without_its_package_ends_before_anything_is_solved(monkeypatch, tmp_path, capsys):
+    """Forces of points were solved first, and lost."""
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setattr("squeezefilm.cli.film.film_of_options", pytest.fail)
+    words = ["simulate", "--h0=5um", "--hv=1um,2um", "--output", str(tmp_path / "curve.parquet")]
+    assert main(words) == 2
+    assert "needs pyarrow: pip install 'squeezefilm[parquet]'" in capsys.readouterr().err
 
 
 def test_of_many_invalid_rows_the_first_are_named_and_the_rest_counted(scenes):

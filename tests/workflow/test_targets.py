@@ -109,6 +109,18 @@ def test_make_reads_the_study_before_snakemake_does(target, make, tmp_path):
     assert "Traceback" not in done.stderr
 
 
+def test_a_sweep_without_pyarrow_ends_before_any_job(repository, tmp_path):
+    """The kernels were compiled and the plan made first."""
+    folder = copy_checkout(repository, tmp_path / "checkout")
+    (folder / "none/pyarrow.py").parent.mkdir()
+    (folder / "none/pyarrow.py").write_text("raise ModuleNotFoundError(name='pyarrow')\n")
+    without = {"PYTHONPATH": str(folder / "none")}
+    done = snakemake(folder, "sweep", *QUICK, environment=without)
+    assert done.returncode == 2, done.stdout
+    assert "squeezefilm: error: a table in Parquet needs pyarrow: pip install" in done.stdout
+    assert "Compile" not in done.stdout
+
+
 ENDED_TWICE = """
 rule all:
     output: "done"

@@ -28,6 +28,7 @@ try:
     from squeezefilm.errors import InputError
     from squeezefilm.provenance import SOURCES, code_digest
     from squeezefilm.config.loading import load_config, write_effective, written_study
+    from squeezefilm.tables import check_parquet
     import squeezefilm_workflow
 except ImportError as error:
     refuse(
@@ -300,6 +301,9 @@ wildcard_constraints:
 
 onstart:
     try:
+        # Tables of a sweep are in Parquet; the package for it is no part of the environment.
+        if "sweep" in map(str, workflow.dag_settings.targets):
+            check_parquet()
         remove_parts(Path("results") / STUDY)
         write_effective(CONFIG, Path("results") / STUDY)
     except InputError as error:

@@ -473,12 +473,21 @@ def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str]
         write(table)
 
 
+def check_parquet() -> None:
+    """Raise InputError where the package is missing that reads and writes Parquet."""
+    with needing("parquet", what="a table in Parquet"):
+        import pyarrow  # noqa: F401
+
+
 def table_name(path: Path | str) -> str:
     """Return the name of a table to write.
 
-    Raises InputError for a name that says that something else is in the file.
+    Raises InputError for a name that says that something else is in the file, and for Parquet
+    without the package that writes it: before anything is computed.
     """
     suffix = Path(path).suffix
+    if suffix == PARQUET:
+        check_parquet()
     if suffix.lower() in OTHER_FORMATS:
         raise InputError(
             f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "
