@@ -49,6 +49,25 @@ def test_an_option_in_capitals_is_answered_with_the_small_one(capsys):
     assert "did you mean '--x'?" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        ("simulate --gap 5um --hv 2um", "'--gap'; did you mean '--h0'?"),
+        ("simulate --hO=5um --hv 2um", "'--hO=5um'; did you mean '--h0'?"),
+        ("simulate --h0 5um --amplitude 2um", "'--amplitude'; did you mean '--hv'?"),
+        ("simulate --h0 5um --hv 2um --out a.csv", "'--out'; did you mean '--output'?"),
+        ("simulate --position 1mm --h0 5um", "'--position'; did you mean '--x' or '--y'?"),
+        ("levitate --weight 1N --hv 2um", "'--weight'; did you mean '--load' or '--mass'?"),
+        ("amplitude-for FIT.json --load 1N", "'--load'; did you mean '--force'?"),
+    ],
+)
+def test_an_option_by_another_name_is_answered_with_its_own(words, hint, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(words.split())
+    assert end.value.code == 2
+    assert f"takes no {hint} `squeezefilm" in capsys.readouterr().err
+
+
 def part(path: Path, *ids: str, status: str = "ok") -> Path:
     rows = [
         dict.fromkeys(FORCE_COLUMNS, 1) | {"point_id": name, "status": status, "force_n": 0.5}

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import yaml
 
+import squeezefilm as sf
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import (
     effective_text,
@@ -150,15 +151,30 @@ def test_numbers_that_may_lack_their_unit_are_noted(tmp_path, capsys):
     ]
 
 
-def test_a_study_of_the_paper_with_another_actuator_is_noted(repository, tmp_path, capsys):
-    """Claims of the paper were compared with another actuator's numbers, without a word."""
+def test_a_variant_of_the_paper_is_named_by_what_differs(repository, tmp_path, capsys):
+    """Claims of the paper were compared with another film's numbers, without a word."""
     text = (repository / "config/paper.yaml").read_text(encoding="utf-8")
     (path := tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
     assert main(["config", str(path)]) == 0
     assert capsys.readouterr().err == ""
-    path.write_text(text.replace("43.27 kHz", "30 kHz"), encoding="utf-8")
+    text = text.replace("43.27 kHz", "30 kHz").replace("inertia: none", "inertia: auto")
+    path.write_text(text, encoding="utf-8")
     assert main(["config", str(path)]) == 0
-    assert "note: paper: true is of the paper's actuator" in capsys.readouterr().err
+    note = "note: paper: true, but another actuator, gas.inertia auto: its pages name a variant"
+    assert note in capsys.readouterr().err
+
+
+def test_a_film_alone_is_shown_and_read_and_is_no_study(tmp_path, capsys):
+    """It was told to lack three sections, which no command for forces needs."""
+    (path := tmp_path / "film.yaml").write_text(SHORT.partition("screen:")[0], encoding="utf-8")
+    assert main(["config", str(path)]) == 0
+    shown, told = capsys.readouterr()
+    assert "length_y: 0.016 # m\n" in shown
+    assert "screen:" not in shown
+    assert told.startswith(f"note: {path}: a film without a study: `squeezefilm simulate`")
+    assert sf.Film.read(path).config.pad.length_y_m == 0.016
+    with pytest.raises(InputError, match=r"`sf\.Film\.read` take it"):
+        sf.load(path)
 
 
 def test_the_origin_of_a_scan_is_a_place_in_its_file(tmp_path):

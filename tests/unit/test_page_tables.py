@@ -25,10 +25,14 @@ def heads(markdown):
 
 def test_the_claims_have_their_verdict_beside_them():
     claim = {"claim_id": "a", "claim": "force", "paper": "1", "ours": "2", "unit": "N"}
-    claims = pd.DataFrame([claim | {"verdict": "differs because", "explanation": "long"}])
+    claim |= {"kind": "result", "verdict": "differs because", "explanation": "long"}
+    claims = pd.DataFrame([claim, claim | {"kind": "setting", "verdict": "agrees exactly"}])
     page = render("claims.md", claims=claims, **verdicts(claims))
-    assert heads(page)[0][:2] == ["claim", "verdict"]
+    assert [head[:2] for head in heads(page)] == 2 * [["claim", "verdict"]]
     assert '<td class="bad">differs' in body_of(page)
+    count = "0 of the 1 results of the paper that this study decides agree; 1 of 1 settings"
+    assert count in page
+    assert page.index("differs because") < page.index("## Settings") < page.index("agrees exactly")
 
 
 def test_assumptions_are_told_by_difference_with_their_verdict_first(monkeypatch):

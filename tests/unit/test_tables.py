@@ -1,11 +1,13 @@
 """A table is read as it is written, or refused with a message that names the file and the place."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from squeezefilm.cli.main import main
 from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
 from squeezefilm.tables import (
@@ -120,6 +122,37 @@ def test_a_wrong_table_is_refused(case, scenes):
 def forces(**changes: object) -> pd.DataFrame:
     row: dict[str, object] = dict.fromkeys(FORCE_COLUMNS, 0) | {"point_id": "1", "status": "ok"}
     return pd.DataFrame([row, {**row, "point_id": "2", **changes}])
+
+
+@pytest.mark.parametrize(
+    ("rows", "lines"),
+    [
+        ("5,2,0\nabc,2,0\n5,,0\n5,2,0", (3, 4)),
+        ("5,2,0\n-5,2,0\n5,7,0\n5,2,20", (3, 4, 5)),
+        ("5,2\n5,2,0\n5,2,0,1", (2, 4)),
+    ],
+)
+def test_all_invalid_rows_are_named_at_once(rows, lines, tmp_path, capsys):
+    path = tmp_path / "scenes.csv"
+    path.write_text(f"h0_um,hv_um,x_mm\n{rows}\n", encoding="utf-8")
+    assert main(["simulate", str(path), "--output", str(tmp_path / "forces.csv")]) == 2
+    told = capsys.readouterr().err.removeprefix("squeezefilm: error: ").splitlines()
+    assert [line.split(": ")[0] for line in told] == [str(path)] * len(lines)
+    assert [int(line.split("line ")[1].split(":")[0]) for line in told] == [*lines]
+
+
+def test_parquet_without_its_package_ends_before_anything_is_solved(monkeypatch, tmp_path, capsys):
+    """Forces of points were solved first, and lost."""
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setattr("squeezefilm.cli.film.film_of_options", pytest.fail)
+    words = ["simulate", "--h0=5um", "--hv=1um,2um", "--output", str(tmp_path / "curve.parquet")]
+    assert main(words) == 2
+    assert "needs pyarrow: pip install 'squeezefilm[parquet]'" in capsys.readouterr().err
+
+
+def test_of_many_invalid_rows_the_first_are_named_and_the_rest_counted(scenes):
+    with pytest.raises(InputError, match=r"line 21: .*\nand 30 more$"):
+        read_scenes(scenes("h0_m,hv_m\n" + 50 * "x,1e-6\n"))
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])

@@ -109,6 +109,27 @@ def test_make_reads_the_study_before_snakemake_does(target, make, tmp_path):
     assert "Traceback" not in done.stderr
 
 
+def test_a_sweep_without_pyarrow_ends_before_any_job(repository, tmp_path):
+    """The kernels were compiled and the plan made first."""
+    folder = copy_checkout(repository, tmp_path / "checkout")
+    (folder / "none/pyarrow.py").parent.mkdir()
+    (folder / "none/pyarrow.py").write_text("raise ModuleNotFoundError(name='pyarrow')\n")
+    without = {"PYTHONPATH": str(folder / "none")}
+    done = snakemake(folder, "sweep", *QUICK, environment=without)
+    assert done.returncode == 2, done.stdout
+    assert "squeezefilm: error: a table in Parquet needs pyarrow: pip install" in done.stdout
+    assert "Compile" not in done.stdout
+
+
+ENDED_TWICE = """
+rule all:
+    output: "done"
+    shell:
+        "echo {resources.runtime} {resources.mem_mb} >> limits;"
+        "test $(wc -l < limits) = 3 && touch {output}"
+"""
+
+
 def test_profiles_are_as_quiet_and_as_careful_as_the_default(repository):
     read = {
         name: yaml.safe_load((repository / f"profiles/{name}/config.yaml").read_text("utf-8"))
@@ -119,6 +140,23 @@ def test_profiles_are_as_quiet_and_as_careful_as_the_default(repository):
         assert {key: read[name].get(key) for key in kept} == {
             key: read["default"][key] for key in kept
         }
+
+
+@pytest.mark.parametrize("profile", ["generic", "slurm"])
+def test_limits_of_a_job_grow_with_each_attempt(profile, repository, tmp_path):
+    """A job that its time limit ended was submitted again with the same limit, and ended again."""
+    text = (repository / f"profiles/{profile}/config.yaml").read_text(encoding="utf-8")
+    values = yaml.safe_load(text)
+    kept = {key: values[key] for key in ("default-resources", "retries", "cores")}
+    (tmp_path / "profile").mkdir()
+    (tmp_path / "profile/config.yaml").write_text(yaml.safe_dump(kept), encoding="utf-8")
+    (tmp_path / "Snakefile").write_text(ENDED_TWICE, encoding="utf-8")
+    done = snakemake(tmp_path, "--workflow-profile", "profile")
+    assert done.returncode == 0, done.stdout
+    assert (tmp_path / "limits").read_text().split() == ["10", "1000", "20", "2000", "30", "3000"]
+    rules = "".join(path.read_text("utf-8") for path in repository.glob("workflow/rules/*.smk"))
+    limits = re.findall(r"(?:runtime|mem_mb)=(\w+)", rules)
+    assert {*limits} == {"growing"}
 
 
 def test_a_compared_file_that_was_deleted_is_made_again_by_the_check(repository, tmp_path):

@@ -28,6 +28,7 @@ try:
     from squeezefilm.errors import InputError
     from squeezefilm.provenance import SOURCES, code_digest
     from squeezefilm.config.loading import load_config, write_effective, written_study
+    from squeezefilm.tables import check_parquet
     import squeezefilm_workflow
 except ImportError as error:
     refuse(
@@ -245,6 +246,11 @@ def cores_for(searches):
     return max(1, min(4, searches // 4, (workflow.cores or 8) // 2))
 
 
+def growing(limit):
+    """A limit of memory or of minutes; a job that it ended has more at each further attempt."""
+    return lambda wildcards, attempt: limit * attempt
+
+
 def listed(file, category, *, caption, **labels):
     """A page or a figure as the report lists it."""
     place = f"../report/captions/{caption}.rst"
@@ -295,6 +301,9 @@ wildcard_constraints:
 
 onstart:
     try:
+        # Tables of a sweep are in Parquet; the package for it is no part of the environment.
+        if "sweep" in map(str, workflow.dag_settings.targets):
+            check_parquet()
         remove_parts(Path("results") / STUDY)
         write_effective(CONFIG, Path("results") / STUDY)
     except InputError as error:

@@ -15,8 +15,8 @@ if SCAN:
         conda:
             "../../envs/workflow.yaml"
         resources:
-            mem_mb=4000,
-            runtime=30,
+            mem_mb=growing(4000),
+            runtime=growing(30),
         params:
             code=code_of("solver", "smooth"),
             study=sections("actuator"),
@@ -39,8 +39,8 @@ if SCAN:
         conda:
             "../../envs/workflow.yaml"
         resources:
-            mem_mb=2000,
-            runtime=30,
+            mem_mb=growing(2000),
+            runtime=growing(30),
         params:
             code=code_of("solver", "profile"),
             study=sections("solver", "screen", "positions", *FILM),

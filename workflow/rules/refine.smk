@@ -53,8 +53,8 @@ rule refine_model:
     conda:
         "../../envs/workflow.yaml"
     resources:
-        mem_mb=2000,
-        runtime=60,
+        mem_mb=growing(2000),
+        runtime=growing(60),
     params:
         code=code_of("models", "refine"),
         study=sections("solver", "screen", "positions", "fit", "models", "refine", *FILM),

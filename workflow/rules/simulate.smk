@@ -49,8 +49,8 @@ rule simulate_plan:
     conda:
         "../../envs/workflow.yaml"
     resources:
-        mem_mb=lambda wildcards, attempt: 2000 * attempt,
-        runtime=lambda wildcards, attempt: 30 * attempt,
+        mem_mb=growing(2000),
+        runtime=growing(30),
     params:
         code=lambda wildcards: code_of(stage_of_plan(wildcards.plan), "simulate"),
         study=lambda wildcards: sections("solver", "outputs", *FILM, *PLANS[wildcards.plan][0]),

@@ -17,8 +17,8 @@ rule work_precision:
         "../../envs/workflow.yaml"
     threads: ALONE
     resources:
-        mem_mb=2000,
-        runtime=30,
+        mem_mb=growing(2000),
+        runtime=growing(30),
     params:
         code=code_of("verification", "work_precision"),
         study=sections("solver", "numerics"),
@@ -38,8 +38,8 @@ rule stability:
     conda:
         "../../envs/workflow.yaml"
     resources:
-        mem_mb=2000,
-        runtime=30,
+        mem_mb=growing(2000),
+        runtime=growing(30),
     params:
         code=code_of("verification", "stability"),
         study=sections("solver", "numerics"),
@@ -62,7 +62,7 @@ rule ablation:
         "../../envs/workflow.yaml"
     threads: ALONE
     resources:
-        mem_mb=2000,
+        mem_mb=growing(2000),
     params:
         code=code_of("verification", "ablation"),
         study=sections("solver", "numerics", *FILM),
@@ -82,8 +82,8 @@ rule published:
     conda:
         "../../envs/workflow.yaml"
     resources:
-        mem_mb=2000,
-        runtime=30,
+        mem_mb=growing(2000),
+        runtime=growing(30),
     params:
         code=code_of("verification", "published"),
         study=sections("solver", "numerics"),

@@ -28,17 +28,35 @@ def check_problems(source: object, problems: Mapping[str, object]) -> None:
             raise InputError(f"{source}: {problem}")
 
 
+MOST_NAMED = 20
+"""Rows of a table that one message names, at most."""
+
+
+def reject_rows(problems: Sequence[str], *, count: int | None = None) -> None:
+    """Raise an InputError with a line for each problem, if there is one.
+
+    Args:
+        count: number of problems, where those given are only the first of them.
+    """
+    more = (len(problems) if count is None else count) - MOST_NAMED
+    if problems:
+        lines = [*problems[:MOST_NAMED], *([f"and {more} more"] if more > 0 else [])]
+        raise InputError("\n".join(lines))
+
+
 @contextmanager
 def prefix_errors(source: object) -> Iterator[None]:
-    """Put a place, such as a file's name, before the message of an InputError from within.
+    """Put a place, such as a file's name, before each line of an InputError from within.
 
-    Without a place, None, the message stays; so does one that begins with the place.
+    Without a place, None, the message stays; so does a line that begins with the place.
     """
     try:
         yield
     except InputError as error:
-        named = not source or str(error).startswith(f"{source}: ")
-        raise InputError(str(error) if named else f"{source}: {error}") from None
+        start = f"{source}: " if source else ""
+        lines = str(error).splitlines()
+        named = [line if line.startswith(start) else start + line for line in lines]
+        raise InputError("\n".join(named)) from None
 
 
 @contextmanager

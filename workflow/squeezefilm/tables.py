@@ -18,7 +18,14 @@ from typing import Any, Literal
 import numpy as np
 
 from squeezefilm.columns import TEXT_COLUMNS, unregistered
-from squeezefilm.errors import InputError, RunError, needing, prefix_errors
+from squeezefilm.errors import (
+    MOST_NAMED,
+    InputError,
+    RunError,
+    needing,
+    prefix_errors,
+    reject_rows,
+)
 from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.film.positions import CARTESIAN, POLAR, columns_as_in, with_position
 from squeezefilm.headers import folded, words_and_unit
@@ -49,10 +56,6 @@ FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
 OPTIONAL_COLUMNS = {*SOLUTION_COLUMNS} - {"force_n", "force_error_n", "status", "absent_terms"}
 """Columns of forces that a table may lack."""
-MOST_NAMED = 100
-"""Points without a force, at most, in a message."""
-
-
 _WORDS_OF = {
     "h0_m": ("h0", "gap"),
     "hv_m": ("hv", "amplitude", "disp ampl"),
@@ -198,27 +201,26 @@ def _read(
     source, statuses = f"{path}: {word}", table.get("status")
     wanted = [name for name in columns_as_in(columns, table) if name in table]
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
+    problems: list[tuple[int, str]] = []
     for name in [each for each in columns_as_in(numbers, wanted) if each in wanted]:
-        values = table[name].map(number_in).to_numpy(dtype=float)
-        for row in np.flatnonzero(~np.isfinite(values))[:1]:
-            problem = f"{name} is {table[name].tolist()[row]!r}, not a finite number"
-            why = "" if statuses is None else f"; its status is {statuses.tolist()[row]!r}"
-            raise InputError(f"{source} {lines[row]}: {problem}{why}")
-        for row in np.flatnonzero((values <= 0) & (name in UNCERTAINTY_COLUMNS))[:1]:
-            raise InputError(
-                f"{source} {lines[row]}: {name} is {values[row]:g}; it must be above 0"
-            )
+        cells, values = table[name].tolist(), table[name].map(number_in).to_numpy(dtype=float)
+        for row in np.flatnonzero(~np.isfinite(values)).tolist():
+            problem = f"{name} is {cells[row]!r}, not a finite number"
+            why = "" if statuses is None else f"; its status is {statuses.iloc[row]!r}"
+            problems.append((row, problem + why))
+        for row in np.flatnonzero((values <= 0) & (name in UNCERTAINTY_COLUMNS)).tolist():
+            problems.append((row, f"{name} is {values[row]:g}; it must be above 0"))
         table[name] = values
     if "point_id" not in table:
         table.insert(0, "point_id", [f"{word} {line}" for line in lines])
     ids = table["point_id"] = table["point_id"].astype("str")
-    for row in np.flatnonzero(ids.isna() | (ids == ""))[:1]:
-        raise InputError(f"{source} {lines[row]}: point_id is empty")
-    for row in np.flatnonzero(ids.duplicated())[:1]:
-        first = lines[np.flatnonzero(ids == ids.iloc[row])[0]]
-        raise InputError(
-            f"{source} {lines[row]}: point_id {ids.iloc[row]!r} stands in {word} {first} already"
-        )
+    empty = ids.isna() | (ids == "")
+    problems += [(row, "point_id is empty") for row in np.flatnonzero(empty).tolist()]
+    first = dict(zip(reversed(ids.tolist()), reversed(lines), strict=True))
+    for row in np.flatnonzero(ids.duplicated() & ~empty).tolist():
+        name = ids.iloc[row]
+        problems.append((row, f"point_id {name!r} stands in {word} {first[name]} already"))
+    reject_rows([f"{source} {lines[row]}: {problem}" for row, problem in sorted(problems)])
     if POLAR[0] in columns:
         table = with_position(table)
     return table if path.suffix == PARQUET else table.iloc[chunk_rows(*chunk, len(table))]
@@ -266,11 +268,13 @@ def _csv_rows(
     if not rows:
         raise InputError(f"{path}: the table is empty; it needs {required}")
     (_, header), *rows = rows
-    for line, cells in rows:
-        if len(cells) != len(header):
-            raise InputError(
-                f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
-            )
+    reject_rows(
+        [
+            f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
+            for line, cells in rows
+            if len(cells) != len(header)
+        ]
+    )
     lines = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
     if separator != ",":
@@ -469,12 +473,21 @@ def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str]
         write(table)
 
 
+def check_parquet() -> None:
+    """Raise InputError where the package is missing that reads and writes Parquet."""
+    with needing("parquet", what="a table in Parquet"):
+        import pyarrow  # noqa: F401
+
+
 def table_name(path: Path | str) -> str:
     """Return the name of a table to write.
 
-    Raises InputError for a name that says that something else is in the file.
+    Raises InputError for a name that says that something else is in the file, and for Parquet
+    without the package that writes it: before anything is computed.
     """
     suffix = Path(path).suffix
+    if suffix == PARQUET:
+        check_parquet()
     if suffix.lower() in OTHER_FORMATS:
         raise InputError(
             f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "

@@ -13,7 +13,7 @@ import numpy as np
 
 from squeezefilm.api.forces import Force, forces_of, forces_table
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.loading import config_of
+from squeezefilm.config.loading import config_of, load_film
 from squeezefilm.errors import InputError, RunError, needing
 from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.film.scene import Scene, Scenes
@@ -176,6 +176,17 @@ class Film:
             if keys is not None
         }
         return Film(config_of(sections, path=Path("film"), model=FilmSections))
+
+    @staticmethod
+    def read(path: Path | str) -> Film:
+        """Read the film of a file, which need not be a study: its plans are not checked.
+
+        Raises InputError as ``of`` does, with file and line.
+
+        Example:
+            >>> sf.Film.read("config/levitation.yaml").force(h0="5 um", hv="2 um")
+        """
+        return Film(load_film(path))
 
     @property
     def device(self) -> Device:

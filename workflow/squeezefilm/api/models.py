@@ -321,7 +321,7 @@ class Study(Film):
 
 
 def load(path: Path | str) -> Study:
-    """The study that a configuration file describes.
+    """The study that a configuration file describes; ``Film.read`` reads a film alone.
 
     Raises InputError naming the file, the key, what is wrong with it and what is allowed.
 

@@ -48,6 +48,22 @@ NO_PLUGINS = "PYDANTIC_DISABLE_PLUGINS", "__all__"
 # of PyOpenCL alone starts thirty.
 NEW_OBJECTS = 50_000
 NEGATIVE_NUMBER, OPTION = re.compile(r"-\.?\d"), re.compile(r"--[\w-]+")
+OTHER_NAMES = {
+    "h0": "gap mean-gap height thickness h ho",
+    "hv": "amplitude amp a",
+    "x": "position pos x-position",
+    "y": "position pos y-position",
+    "phi-r": "r radius distance",
+    "phi": "angle direction",
+    "load": "force weight f",
+    "mass": "weight m",
+    "force": "load mass target f",
+    "output": "out o file save",
+    "outputs": "quantities quantity stiffness damping",
+    "config": "study configfile yaml c",
+    "tolerance": "accuracy error rtol",
+}
+"""What people call options, by the names that options have here, without dashes."""
 NAME_WIDTH, WIDTH = 18, 100
 
 
@@ -118,10 +134,14 @@ def _run(arguments: Sequence[str], *, groups: Groups) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     actions = [action for add in command.options for action in add(parser)]
-    options, unknown = parser.parse_known_args(with_negative_values(arguments[1:]))
+    words = with_negative_values(arguments[1:])
+    known = ["--help", *(name for action in actions for name in action.option_strings)]
+    # By another name first: argparse would find `--out` ambiguous, or miss a required option.
+    unknown = [word for word in words if word.startswith("-") and _meant(word, known)]
+    if not unknown:
+        options, unknown = parser.parse_known_args(words)
     if unknown:
-        known = ["--help", *(name for action in actions for name in action.option_strings)]
-        hint = _nearest(unknown[0].partition("=")[0], known)
+        hint = _meant(unknown[0], known) or _nearest(unknown[0].partition("=")[0], known)
         what = f"takes no {unknown[0]!r}; {hint}`{parser.prog} --help` explains what it takes"
         parser.error(what)
     with showing_progress(parser.prog):
@@ -154,6 +174,21 @@ def _explain(arguments: Sequence[str], commands: Iterable[str], *, overview: str
         parser.error(f"there is no command {arguments[0]!r}; {hint}`squeezefilm --help` names all")
     parser.parse_args(arguments)
     parser.error("which command? `squeezefilm --help` names them")
+
+
+def _meant(word: str, known: Sequence[str]) -> str:
+    """The options that a word names otherwise, as a hint; empty where it is one, or short for one.
+
+    Args:
+        known: the command's own options.
+    """
+    stem = word.partition("=")[0]
+    if stem in known or len([name for name in known if name.startswith(stem)]) == 1:
+        return ""
+    called = stem.lstrip("-").lower().replace("_", "-")
+    own = [f"--{name}" for name, others in OTHER_NAMES.items() if called in others.split()]
+    near = " or ".join(repr(name) for name in own if name in known)
+    return f"did you mean {near}? " if near else ""
 
 
 def _nearest(word: str, known: Iterable[str]) -> str:

@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from squeezefilm.cli.options import command, flag, option
-from squeezefilm.config.loading import effective_text, load_config, notes_on, parse_config
+from squeezefilm.config.loading import (
+    FilmAloneError,
+    effective_text,
+    load_config,
+    load_film,
+    notes_on,
+    parse_config,
+)
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
@@ -99,14 +106,20 @@ def config(options: argparse.Namespace) -> None:
     All that is invalid for a run is reported; notes name numbers that may lack a unit and models
     that no run would fit. What is not marked was written; `default` is the library's, `derived`
     follows from what was written. The text is a study itself. A run writes it beside its results:
-    results/STUDY/study.yaml. `--schema` prints a study's JSON schema, for editors.
+    results/STUDY/study.yaml. A file with a film alone is shown too. `--schema` prints a study's
+    JSON schema, for editors.
     """
     if options.schema:
         print(json.dumps(Study.model_json_schema(), ensure_ascii=False, indent=2))
         return
     if options.study is None:
         raise InputError("give a study, STUDY.yaml")
-    study = check_study(load_config(options.study))
+    try:
+        study = check_study(load_config(options.study))
+    except FilmAloneError as film_alone:
+        print(effective_text(load_film(options.study)), end="")
+        print(f"note: {film_alone}", file=sys.stderr)
+        return
     check_models(study)
     chunk_counts(study)
     print(effective_text(study), end="")

@@ -23,6 +23,7 @@ from squeezefilm.config.keys import Schema, allowed, key_path_of, part_at, unit_
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Sinc, StandingWave
 from squeezefilm.film.scene import Actuator
 from squeezefilm.sections import KeyPath, key_of
@@ -37,14 +38,21 @@ FLOAT = re.compile(rf"(?!{INTEGER.pattern}$)(?!0\d){DECIMAL}|[-+]?\.(?:inf|nan)"
 LONGEST_INTEGER = 18
 STUDY_FILE = "study.yaml"
 """The name of the file beside a study's results."""
+PLANS = ("screen", "extrapolation")
+"""Sections that a study needs beside its film."""
 KEY_ERRORS = ("missing", "extra_forbidden", "unexpected_keyword_argument")
 TEXT_ERRORS = ("string_pattern_mismatch", "string_too_short", "string_too_long")
+
+
+class FilmAloneError(InputError):
+    """A file has a film and no plan, so that it is no study."""
 
 
 def load_config(path: Path | str) -> Study:
     """Read and validate the file of a study; what it lacks has its default.
 
-    Raises InputError naming the file, line and key, what is wrong with it and what is allowed.
+    Raises InputError naming the file, line and key, what is wrong with it and what is allowed;
+    FilmAloneError for a film without a study.
     """
     return _parsed(read_text(path, what=CONFIGURATION), path=Path(path), model=Study)
 
@@ -67,6 +75,12 @@ def parse_config(text: str, *, path: Path) -> Study:
 
 def _parsed(text: str, *, path: Path, model: type[Sections]) -> Sections:
     values, lines = _read(text, path=path)
+    if model is Study and {"actuator", "pad"} <= {*values} and not {*PLANS} & {*values}:
+        raise FilmAloneError(
+            f"{path}: a film without a study: `squeezefilm simulate`, `levitate` and, in Python, "
+            f"`sf.Film.read` take it; a study also has a name, study, and the sections "
+            f"{' and '.join(PLANS)}"
+        )
     for name in Study.model_fields.keys() - model.model_fields.keys():
         values.pop(name, None)
     return config_of(values, path=path, lines=lines, model=model)
@@ -240,8 +254,8 @@ def _close(key: str, known: Iterable[str]) -> str:
     return next(iter(difflib.get_close_matches(key, known, n=1)), "")
 
 
-def effective_text(config: Study, *, folder: Path | None = None) -> str:
-    """The whole study as YAML that reads as the same study; what was not written says so.
+def effective_text(config: FilmSections, *, folder: Path | None = None) -> str:
+    """The whole study or film as YAML that reads as the same; what was not written says so.
 
     Args:
         folder: where the text will lie, for the paths of the files that the study names; by
@@ -250,7 +264,8 @@ def effective_text(config: Study, *, folder: Path | None = None) -> str:
     sections = config.model_dump(exclude_none=True, by_alias=True)
     outline, measured = sections["pad"].get("outline", {}), sections.get("measurements", {})
     named = sections["actuator"]["profile"], outline, measured
-    for section, key in (*((model, "file") for model in named), (sections["figures"], "style")):
+    figures = sections.get("figures", {})
+    for section, key in (*((model, "file") for model in named), (figures, "style")):
         if folder is not None and key in section:
             # ".." leads elsewhere from a folder that is a link.
             file = config.path.parent.resolve() / section[key]
@@ -261,20 +276,33 @@ def effective_text(config: Study, *, folder: Path | None = None) -> str:
 
 USUAL_MAGNITUDES = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
 """Range of a study's frequencies and lengths, and the unit that people give them in."""
-OF_PAPER = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
-"""The actuator whose claims, tables and figures a study with ``paper: true`` makes."""
+PAPERS_ACTUATOR = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
+PAPERS_PAD = Pad(10e-3, 10e-3)
+"""The film whose claims, tables and figures a study with ``paper: true`` makes."""
+PAPERS_EQUATION = {"rarefaction": "none", "polytropic_exponent": 1, "inertia": "none"}
+PAPERS_EQUATION |= {"thermal": "none"}
+
+
+def changes_of_paper(config: Study) -> Iterator[str]:
+    """Yield what makes the film of a study another than the paper's, by its keys."""
+    for name, papers in (("actuator", PAPERS_ACTUATOR), ("pad", PAPERS_PAD)):
+        if getattr(config, name) != papers:
+            yield f"another {name}"
+    for key, value in PAPERS_EQUATION.items():
+        if (own := getattr(config.gas, key)) != value:
+            yield f"gas.{key} {own}"
 
 
 def notes_on(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
     Numbers without a unit that lie outside USUAL_MAGNITUDES, a study of the paper with another
-    actuator, a standing wave without a model that repeats along it.
+    film, a standing wave without a model that repeats along it.
     """
-    if config.paper and config.actuator != OF_PAPER:
+    if config.paper and (changes := list(changes_of_paper(config))):
         yield (
-            "paper: true is of the paper's actuator (43.27 kHz, sinc of 109.8 1/m, 10 mm); here "
-            "its claims compare numbers of another; leave paper out"
+            f"paper: true, but {', '.join(changes)}: its pages name a variant of the paper; leave "
+            "paper out where the paper's claims are not to be compared"
         )
     if isinstance(config.actuator.profile, StandingWave) and not config.models:
         yield (
@@ -290,7 +318,7 @@ def notes_on(config: Study) -> Iterator[str]:
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 
-def origin(config: Study, key_path: KeyPath) -> str:
+def origin(config: FilmSections, key_path: KeyPath) -> str:
     """Origin of a key's value, as a text; empty where it was written."""
     if key_path in config.written:
         return ""
@@ -298,11 +326,11 @@ def origin(config: Study, key_path: KeyPath) -> str:
     return f"derived: {words}" if words else "default"
 
 
-def _schema_part(config: Study, key_path: KeyPath) -> Schema:
+def _schema_part(config: FilmSections, key_path: KeyPath) -> Schema:
     return part_at(key_path, config.sections())
 
 
-def _lines(values: Mapping[str, Any], key_path: KeyPath, config: Study) -> Iterator[str]:
+def _lines(values: Mapping[str, Any], key_path: KeyPath, config: FilmSections) -> Iterator[str]:
     for name, value in values.items():
         here = (*key_path, name)
         start = "  " * len(key_path) + f"{_flow(name)}:"

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import check_problems
+from squeezefilm.errors import MOST_NAMED, InputError, check_problems, reject_rows
 from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
@@ -157,10 +157,16 @@ EDGE_TOLERANCE = 1e-9
 
 
 def check_scenes(scenes: Scenes) -> None:
-    """Reject scenes as ``check_scene`` does, the first of them that has no solution."""
-    unnamed = scenes.point_id.tolist() == ["1"]
-    for row in np.flatnonzero(~solvable_scenes(scenes)).tolist():
-        check_scene(scenes[row], place="operating point" if unnamed else None)
+    """Reject scenes as ``check_scene`` does, all of them that have no solution in one message."""
+    place = "operating point" if scenes.point_id.tolist() == ["1"] else None
+    invalid = np.flatnonzero(~solvable_scenes(scenes)).tolist()
+    problems = []
+    for row in invalid[:MOST_NAMED]:
+        try:
+            check_scene(scenes[row], place=place)
+        except InputError as error:
+            problems.append(str(error))
+    reject_rows(problems, count=len(invalid))
 
 
 def solvable_scenes(scenes: Scenes) -> np.ndarray:

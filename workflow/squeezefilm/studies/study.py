@@ -11,7 +11,7 @@ import numpy as np
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
-from squeezefilm.errors import InputError, prefix_errors
+from squeezefilm.errors import InputError, prefix_errors, reject_rows
 from squeezefilm.film.positions import POLAR, cartesian, columns_as_in
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
@@ -55,7 +55,7 @@ def scenes_in(
             has none; ``point_id``, or else rows are numbered from 1.
         profile: stands in for the study's own.
 
-    Raises InputError naming the point and the factor that has no physical meaning.
+    Raises InputError naming the points and the factors that have no physical meaning.
     """
     if missing := [name for name in FACTOR_COLUMNS[:2] if name not in table]:
         raise InputError(f"points need the column {missing[0]!r}")
@@ -64,8 +64,12 @@ def scenes_in(
     numbered = table.get("point_id", np.arange(1, len(centre) + 1))
     point_id = np.array(list(map(str, numbered)), dtype=object)
     if POLAR[0] in names:
-        for row in np.flatnonzero(x_m < 0)[:1]:
-            raise InputError(f"point {point_id[row]}: phi_r_m = {x_m[row]:g} must not be negative")
+        reject_rows(
+            [
+                f"point {point_id[row]}: phi_r_m = {x_m[row]:g} must not be negative"
+                for row in np.flatnonzero(x_m < 0)
+            ]
+        )
         x_m, y_m = cartesian(x_m, y_m).values()
     scenes = config.read_film(profile=profile).scenes(h0_m, hv_m, x_m, y_m)
     scenes = replace(scenes, point_id=point_id)

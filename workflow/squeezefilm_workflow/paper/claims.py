@@ -1,6 +1,7 @@
 """The paper's claims beside ours, each with a verdict by a rule that is written down.
 
-papers_claims.csv has what the paper claims, which size of a plan decides it, in which interval our
+papers_claims.csv has what the paper claims, whether that is a result or a setting that a study
+takes from the paper, which size of a plan decides it, in which interval our
 value agrees with it, how our value is shown, and what a reader should know of it: texts in which
 the names in braces are values of the results. The intervals were set from what the paper states and
 with how many digits, and reviewed; nothing was tuned to make a claim agree. The reasons in
@@ -21,7 +22,7 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import read_timings
 from squeezefilm_workflow.reporting.results import Results
 
-CLAIM_COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation")
+CLAIM_COLUMNS = ("claim_id", "kind", "claim", "paper", "ours", "unit", "verdict", "explanation")
 CLAIMS = pd.read_csv(
     Path(__file__).with_name("papers_claims.csv"),
     dtype={"paper": str},

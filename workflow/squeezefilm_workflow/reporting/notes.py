@@ -17,18 +17,26 @@ VERDICTS = {
 }
 """How the refinement of a model ended, where the model was refined."""
 CLAIM_COLUMNS_SHOWN = ("claim", "verdict", "paper", "ours", "unit")
-"""Columns of claims in a summary."""
+"""Columns of claims in a summary; ``kind`` is a column of the table too."""
 
 
 def verdicts(claims: pd.DataFrame) -> dict[str, Any]:
-    """Return how many claims a study decides and how many agree, and the claims that do not."""
+    """Return a sentence that counts the paper's claims, and those that do not agree.
+
+    Results are counted apart from settings: a setting agrees because a study takes it over.
+    """
     shown, verdict = claims[list(CLAIM_COLUMNS_SHOWN)], claims["verdict"].str
     differing, undecided = (shown[verdict.startswith(word)] for word in ("differs", "undecided"))
-    counts = {
-        "decided": len(claims) - len(undecided),
-        "agreeing": verdict.startswith("agrees").sum(),
-    }
-    return counts | {"differing": differing, "undecided": undecided}
+    agree, result = verdict.startswith("agrees"), claims["kind"] == "result"
+    small = int(result[undecided.index].sum())
+    count = (
+        f"{(agree & result).sum()} of the {result.sum() - small} results of the paper that this "
+        f"study decides agree; {(agree & ~result).sum()} of {(~result).sum()} settings are the "
+        "paper's"
+    )
+    if small:
+        count += f". The study is too small to decide the other {small} results"
+    return {"count": count, "differing": differing, "undecided": undecided}
 
 
 def percent(fraction: float) -> str:

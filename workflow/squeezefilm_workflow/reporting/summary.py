@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.columns import COLUMNS
+from squeezefilm.config.loading import changes_of_paper
 from squeezefilm.film.pad import net
 from squeezefilm.film.positions import POLAR, position_form
 from squeezefilm.film.scene import Gas
@@ -71,6 +72,7 @@ def summary_values(
         else "x and y from the surface's centre",
         "total": sum(len(table) for table in tables.values()),
         "plans": pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]),
+        "variant": ", ".join(changes_of_paper(config)),
         "settings": settings.rename_axis("setting").reset_index(name="value"),
         "tolerance": f"{config.solver.tolerance:g}",
         "largest_error": max(map(largest_error, tables.values())),
