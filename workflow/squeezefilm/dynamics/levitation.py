@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
-from math import ceil, copysign, exp, floor, inf, isfinite, log, log10, nan, sqrt
+from math import ceil, copysign, exp, floor, inf, isfinite, log, log10, nan
 from typing import Any, NamedTuple
 
 import numpy as np
