@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import partial
 from itertools import product
-from math import ceil, floor, inf, isfinite, log10, nan, sqrt
+from math import ceil, copysign, exp, floor, inf, isfinite, log, log10, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,7 +37,7 @@ from squeezefilm.quantities.model_error import (
     excluded_terms,
     resolve_auto_terms,
 )
-from squeezefilm.quantities.outputs import QUOTIENT_STEP, negative_slopes
+from squeezefilm.quantities.outputs import negative_slopes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import notes_of
@@ -51,6 +51,8 @@ LOOK_TOLERANCE = 1e-2
 # Relative error of the forces by which a gap is sought before it is refined.
 ROUGH_TOLERANCE = 1e-3
 MOST_STEPS = 40
+# Change of ln h0 in a step, and the force over the load that stands for smaller ones.
+LARGEST_MOVE, LEAST_FORCE_OVER_LOAD = 0.2, 1e-6
 # A gap is not given where its modelling error is more than this fraction of it.
 MOST_MODELLING_ERROR = 0.1
 # Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
@@ -164,16 +166,20 @@ def levitate(
     if not (isfinite(load_n) and load_n > 0):
         raise InputError(f"load: {load_n:g} N must be a positive force")
     how = {"tolerance": tolerance, "method": method, "device": device}
-    gaps_m, forces_n = _gaps_and_forces(scene, device)
+    # Terms that such a look can do without are not included.
+    gaps_m = _trial_gaps(scene)
+    looked_at = _scenes_at_gaps(scene.viscous(), *gaps_m)
+    forces_n = solve(looked_at, tolerance=LOOK_TOLERANCE, device=device).force_n
     known = np.isfinite(forces_n)
-    gaps, above = gaps_m[known], forces_n[known] >= load_n
-    # Neighbouring gaps between which the force falls to the load, rising.
+    gaps, forces = gaps_m[known], forces_n[known]
+    above = forces >= load_n
+    # Between neighbouring gaps at which the force falls to the load, rising.
     crossed = np.flatnonzero(above[:-1] & ~above[1:])
-    brackets = [(float(gaps[k]), float(gaps[k + 1])) for k in crossed]
-    if not brackets:
+    rough = [_gap_between(gaps[k : k + 2], forces[k : k + 2], load_n) for k in crossed]
+    if not rough:
         carried = "none"
         if known.any():
-            lowest, highest = forces_n[known].min(), forces_n[known].max()
+            lowest, highest = forces.min(), forces.max()
             carried = (
                 f"{lowest:.2g} to {highest:.2g} N, roughly, without inertia and thermal effects"
             )
@@ -181,8 +187,7 @@ def levitate(
             f"load: no gap from {_micrometres(gaps_m[0])} to {_micrometres(gaps_m[-1])} carries "
             f"{load_n:g} N at hv = {_micrometres(scene.hv_m)}; forces there: {carried}"
         )
-    rough = [sqrt(low * high) for low, high in brackets]
-    near = replace(scene, h0_m=rough[-1])
+    near = replace(scene, h0_m=rough[-1].gap_m)
     # Terms are decided for this gap and kept: the force must not jump while the gap is sought.
     (chosen,) = resolve_auto_terms(
         [near], model_tolerance=model_tolerance, method=method, device=device
@@ -193,7 +198,7 @@ def levitate(
     levitation = None
     while levitation is None:
         try:
-            levitation = _gap_at_load(chosen, *brackets[-1], load_n=load_n, how=how)
+            levitation = _gap_at_load(chosen, rough[-1], load_n=load_n, how=how)
         except RunError as error:
             name = next((n for n in open_ if getattr(chosen.gas, n) == "included"), None)
             if name is None:
@@ -212,7 +217,10 @@ def levitate(
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
     stretched = notes_of(levitation.scene)
     levitation = replace(
-        levitation, other_gaps_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched)
+        levitation,
+        other_gaps_m=tuple(other.gap_m for other in rough[:-1]),
+        budget=budget,
+        notes=(*notes, *stretched),
     )
     if doubts := levitation.invalidity_reasons:
         text = "; ".join([*doubts, *notes])
@@ -225,24 +233,39 @@ def valid_range_text(
 ) -> str:
     """Describe the range of gaps and loads within the limits of validity at a scene's amplitude.
 
-    With the terms that are decided for each gap, as ``levitate`` decides them: limits and forces
-    depend on them. A modelling error may be too large there nevertheless: to know it would take
-    longer than a gap.
+    With terms as ``levitate`` decides them: limits and forces depend on them. A modelling error may
+    be too large there nevertheless: to know it would take longer than a gap.
     """
-    gaps_m, _ = _gaps_and_forces(scene, device)
-    # The equation that has the widest limits.
-    widest = _scenes_at_gaps(scene.with_gas(inertia="included", thermal="none"), *gaps_m)
-    within = [k for k, there in enumerate(widest) if not exceeded_limits(there)]
-    if not within:
+    gaps_m = _trial_gaps(scene)
+    auto = [name for name in AUTO_TERMS if getattr(scene.gas, name) == "auto"]
+    # Whether the limits hold at each gap, for each choice of these terms.
+    by_choice = np.array(
+        [
+            validities(Scenes.of(_scenes_at_gaps(scene.with_gas(**chosen), *gaps_m))) == OK
+            for values in product(("none", "included"), repeat=len(auto))
+            for chosen in [dict(zip(auto, values, strict=True))]
+        ]
+    )
+    within = np.flatnonzero(by_choice.any(axis=0))
+    if not within.size:
         return NO_VALID_GAP
     # With a neighbour at either end, for slopes.
-    gaps_m = gaps_m[max(within[0] - 1, 0) : within[-1] + 2]
-    at_gaps = resolve_auto_terms(
-        _scenes_at_gaps(scene, *gaps_m),
+    part = slice(max(within[0] - 1, 0), within[-1] + 2)
+    gaps_m, by_choice = gaps_m[part], by_choice[:, part]
+    # Terms are decided where the limits depend on them; other gaps have those of the nearest.
+    limited = np.flatnonzero(by_choice.any(axis=0) & ~by_choice.all(axis=0))
+    limited = limited if limited.size else np.array([len(gaps_m) - 1])
+    decided = resolve_auto_terms(
+        _scenes_at_gaps(scene, *gaps_m[limited]),
         model_tolerance=model_tolerance,
         method=method,
         device=device,
     )
+    nearest = np.abs(np.subtract.outer(np.arange(len(gaps_m)), limited)).argmin(axis=1)
+    at_gaps = [
+        replace(decided[int(k)], h0_m=float(gap_m))
+        for k, gap_m in zip(nearest, gaps_m, strict=True)
+    ]
     rough = max(tolerance, LOOK_TOLERANCE)
     forces_n = solve(at_gaps, tolerance=rough, method=method, device=device).force_n
     with np.errstate(invalid="ignore"):
@@ -268,35 +291,28 @@ def _range_within(values: np.ndarray) -> str:
 
 
 def _gap_at_load(
-    scene: Scene, low: float, high: float, *, load_n: float, how: dict[str, Any]
+    scene: Scene, start: GapAndSteepness, *, load_n: float, how: dict[str, Any]
 ) -> Levitation:
-    """Solve force(h0) = load for one set of terms: rough forces first, then refined ones.
+    """Solve force(h0) = load for one set of terms: by rough forces first, then by refined ones.
 
-    A gap outside the limits of validity stays rough.
+    A gap outside the limits of validity stays rough, and its stiffness is not known.
     """
     tolerance = how["tolerance"]
     rough = how | {"tolerance": max(tolerance, ROUGH_TOLERANCE)}
 
-    def excess(gap_m: float, how: dict[str, Any] = rough) -> float:
+    def excess(gap_m: float, how: dict[str, Any]) -> float:
+        """Return ln(force/load)."""
         (solution,) = solve(_scenes_at_gaps(scene, gap_m), **how)
-        return float(_known_or_raise(solution.force_n - load_n, gap_m, solution.status))
+        force_n = float(_known_or_raise(solution.force_n, gap_m, solution.status))
+        return log(max(force_n / load_n, LEAST_FORCE_OVER_LOAD))
 
-    h0_m = _root(excess, low, high)
-    values, (status,) = negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **rough)
-    slope = float(_known_or_raise(values[2, 0], h0_m, status))
+    found = _root(partial(excess, how=rough), start, precision=ROUGH_TOLERANCE / 10)
     # The gap may lie anywhere here; where all of it is outside, none is given and these show why.
-    ends = (replace(scene, h0_m=(1 + off) * h0_m) for off in (-ROUGH_TOLERANCE, ROUGH_TOLERANCE))
-    if not all(map(exceeded_limits, ends)):
-        for _ in range(MOST_STEPS):
-            step_m = excess(h0_m, how) / slope
-            h0_m += step_m
-            if abs(step_m) <= tolerance * h0_m:
-                break
-            if not abs(step_m) <= QUOTIENT_STEP * h0_m:
-                raise RunError(
-                    f"load: the gap near {_micrometres(h0_m)} was not found to the tolerance"
-                )
-        values, (status,) = negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
+    ends = (1 + ROUGH_TOLERANCE * np.array([-1, 1])) * found.gap_m
+    if all(map(exceeded_limits, _scenes_at_gaps(scene, *ends))):
+        return Levitation(replace(scene, h0_m=found.gap_m), load_n, nan, nan, nan)
+    h0_m = _root(partial(excess, how=how), found, precision=tolerance).gap_m
+    values, (status,) = negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
     force_n, error_n, stiffness, stiffness_error = _known_or_raise(
         values[:, 0], h0_m, status
     ).tolist()
@@ -319,11 +335,8 @@ def _scenes_at_gaps(scene: Scene, *gaps_m: float) -> list[Scene]:
     return [replace(scene, h0_m=float(gap)) for gap in gaps_m]
 
 
-def _gaps_and_forces(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarray]:
-    """Return rising trial gaps, from near contact on, and rough forces there.
-
-    Rough forces, without the terms that such a look can do without; NaN where there is none.
-    """
+def _trial_gaps(scene: Scene) -> np.ndarray:
+    """Return rising gaps, from near contact on."""
     least = max(scene.hv_m / LARGEST_EXCURSION, GAPS_M[0])
     most = min(scene.hv_m / LEAST_EXCURSION, GAPS_M[1])
     gap = scene.pad.gap
@@ -331,35 +344,47 @@ def _gaps_and_forces(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarr
         x, y = scene.inside()
         excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
         least = max(least, float((excursion_m / LARGEST_EXCURSION - gap.rise_m(x, y)).max()))
-    gaps_m = np.geomspace(least, max(least, most), GAPS_TRIED)
-    solutions = solve(
-        _scenes_at_gaps(scene.viscous(), *gaps_m), tolerance=LOOK_TOLERANCE, device=device
-    )
-    return gaps_m, np.array([solution.force_n for solution in solutions])
+    return np.geomspace(least, max(least, most), GAPS_TRIED)
 
 
-def _root(excess: Callable[[float], float], low: float, high: float) -> float:
-    """Return roughly the root of ``excess`` between two gaps, or outside them after a change of
-    terms.
+class GapAndSteepness(NamedTuple):
+    """A gap and −d ln F/d ln h0 there."""
+
+    gap_m: float
+    steepness: float
+
+
+def _gap_between(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float) -> GapAndSteepness:
+    """Return the gap at a load between two, at which the force is above and below it."""
+    more, less = np.log(np.maximum(forces_n / load_n, LEAST_FORCE_OVER_LOAD)).tolist()
+    far = log(gaps_m[1] / gaps_m[0])
+    steepness = (more - less) / far
+    return GapAndSteepness(float(gaps_m[0]) * exp(more / steepness), steepness)
+
+
+def _root(
+    excess: Callable[[float], float], start: GapAndSteepness, *, precision: float
+) -> GapAndSteepness:
+    """Return the gap at which ``excess``, ln(force/load), is 0, to a relative precision.
+
+    By the secant method over ln h0, for forces go nearly as powers of the gap.
     """
-    excess = cache(excess)
-    for _ in range(8):
-        low = low if excess(low) >= 0 else low / 1.1
-        high = high if excess(high) <= 0 else high * 1.1
-    more, less = excess(low), excess(high)
-    ends, gap = (low, high), low
-    # The Illinois method over ln h0 (SciPy's methods take longer to import than this takes).
-    for _ in range(MOST_STEPS * (more >= 0 >= less)):
-        last, gap = gap, low * (high / low) ** (more / (more - less or 1.0))
-        value = excess(gap)
-        if value == 0 or abs(gap - last) <= ROUGH_TOLERANCE / 10 * gap:
-            return gap
-        if value > 0:
-            low, more, less = gap, value, less / (2 if last < gap else 1)
-        else:
-            high, less, more = gap, value, more / (2 if last > gap else 1)
-    low_text, high_text = map(_micrometres, ends)
-    raise RunError(f"load: the gap was not found between {low_text} and {high_text}")
+    gap_m, steepness = start
+    last_m, before = gap_m, nan
+    for _ in range(MOST_STEPS):
+        value = excess(gap_m)
+        apart = log(gap_m / last_m)
+        # Of nearer gaps the quotient shows the forces' errors.
+        if abs(apart) > ROUGH_TOLERANCE:
+            steepness = (before - value) / apart
+        last_m, before = gap_m, value
+        # Where the force rises with the gap, on towards where it falls to the load.
+        move = value / steepness if steepness > 0 else copysign(LARGEST_MOVE, value)
+        move = min(max(move, -LARGEST_MOVE), LARGEST_MOVE)
+        gap_m *= exp(move)
+        if abs(move) <= precision:
+            return GapAndSteepness(gap_m, steepness)
+    raise RunError(f"load: the gap near {_micrometres(start.gap_m)} was not found")
 
 
 def _micrometres(length_m: float) -> str:
