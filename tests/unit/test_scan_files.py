@@ -294,6 +294,40 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         "X_Value,Pos X [mm],Pos Y [mm],Amplitude [um],Phase [deg]",
         *(np.arange(len(X)), X, Y, abs(U), PHASE),
     ).encode(),
+    "LabVIEW, units above": (
+        "***End_of_Header***\t\t\t\t\t\nChannels\t4\t\t\t\t\nY_Unit_Label\tmm\tmm\tµm\tdeg\t\n"
+        "X0\t0,0\t0,0\t0,0\t0,0\t\n***End_of_Header***\t\t\t\t\t\n"
+        "X_Value\tPos X\tPos Y\tAmplitude\tPhase\tComment\n"
+        + "".join(
+            f"{at}\t{x:.9f}\t{y:.9f}\t{abs(u):.9f}\t{180.0 * (u < 0)}\n".replace(".", ",")
+            for at, (x, y, u) in enumerate(zip(X, Y, U, strict=True))
+        )
+    ).encode("latin-1"),
+    "picometres": text(
+        "Position X (pm),Position Y (pm),Amplitude (pm),Phase (°)",
+        *(np.round(X * 1e9), np.round(Y * 1e9), abs(U) * 1e6, PHASE),
+    ).encode(),
+    "Origin": text(
+        "x\ty\tAmplitude\tPhase\nmm\tmm\t\\g(m)m\tdeg\nstage\tstage\tlock-in R\tlock-in Theta",
+        *(X, Y, abs(U), PHASE),
+    )
+    .replace(",", "\t")
+    .encode(),
+    "a number sign in a name": text(
+        "M#,X (mm),Y (mm),Magnitude (Gs),Phase (deg)", np.arange(len(X)), X, Y, IN_G, PHASE
+    ).encode(),
+    "zero to peak": with_header("x_mm,y_mm,Amplitude (0-p)/µm,phase_deg").encode(),
+    "a kind of amplitude behind the unit": text(
+        "x_mm,y_mm,Velocity [mm/s RMS],phase_deg", X, Y, abs(SPEED) / np.sqrt(2), PHASE
+    ).encode(),
+    "of three directions z": text(
+        "X [mm],Y [mm],Vib X [mm/s],Vib Y [mm/s],Vib Z [mm/s],Phase X [°],Phase Z [°]",
+        *(X, Y, X, Y, abs(SPEED), X, PHASE),
+    ).encode(),
+    "parts along z": text(
+        "x_mm,y_mm,Displacement X Real [um],Displacement Z Real [um],Displacement Z Imag [um]",
+        *(X, Y, X, TURNED.real, TURNED.imag),
+    ).encode(),
     "units of which one is unknown, of no account": text(
         "X,Y,Amplitude,Phase,Coherence\nmm,mm,µm,deg,p.u.", X, Y, abs(U), PHASE, 0 * X
     ).encode(),
@@ -372,6 +406,14 @@ WRONG = {
         "'Velocity [um]' is velocity by its name and displacement by its unit",
     ),
     "a velocity's letter": (with_header("x_mm,y_mm,v,phase_deg"), "as in v [mm/s]"),
+    "several motions over a voltage": (
+        with_header("x_mm,y_mm,H1 Displacement/Voltage [m/V],H1 Displacement/Voltage Phase [deg]"),
+        "multiply it by the input, or write H1 Displacement/Voltage [um] (only the shape counts",
+    ),
+    "a phase called phi": (
+        with_header("x_mm,y_mm,amplitude_um,phi_deg"),
+        "r or phi stands beside x and y; leave it out, or call it amplitude or phase",
+    ),
     "a motion over a voltage": (
         with_header("x_mm,y_mm,Amplitude [µm/V],phase_deg"),
         "multiply it by the input, or write Amplitude [um] (only the shape counts",
@@ -731,6 +773,8 @@ def test_named_arrays_are_a_table(ending, tmp_path):
         ("scan.vtk", b"# vtk DataFile Version 3.0\n", "as CSV .in ParaView"),
         ("disc.pch", b"$SUBTITLE=DISC\n$LABEL   = \n", "Nastran.*as a universal file"),
         ("disc.f06", b"1\n   N A S T R A N\n", "Nastran.*x, y and T3, with units"),
+        ("scan.itx", b"IGOR\rWAVES/D x_mm\r", "save the waves as delimited text"),
+        ("grid.txt", b"% Model: disc.mph\n% Grid\n1 2 3\n", "data format Spreadsheet"),
         ("scan.tdms", b"TDSm", "as text .* or CSV"),
         ("scan.opju", b"CPYUA 4.3", "from Origin as text or CSV"),
     ],

@@ -68,7 +68,8 @@ def si_values(table: pd.DataFrame, column: Column) -> pd.Series:
     if parts.any():
         values = values.astype(complex)
         values[parts] = cells[parts].map(_complex)
-    for line, cell in cells[~(values.abs() <= LARGEST_VALUE)][:1].items():
+    finite = values.abs() * (column.size or 1.0) <= LARGEST_VALUE
+    for line, cell in cells[~finite][:1].items():
         raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     if column.decibels:
         values = 10 ** (values / 20)

@@ -39,7 +39,8 @@ SHAPES = dict.fromkeys(("amplitude", "real", "imaginary"), MOTIONS) | {"phase": 
 UNIT_SIZES = PLACES | SHAPES | {"sign": {"": 1.0}}
 """What a scan is read from, each with its units, in small letters, and their sizes."""
 KNOWN = UNIT_SIZES | {"normal": MOTIONS, "frequency": FREQUENCIES_HZ, "time": unit_sizes("s")}
-KNOWN |= {"line": LENGTHS_M} | {name: {} for name in ("level", "status", "valid", "invalid")}
+OF_ROWS = ("status", "valid", "invalid")
+KNOWN |= {"line": LENGTHS_M, "level": {}} | {name: {} for name in OF_ROWS}
 """The same, with the amplitude along z, what rows of a place may differ by, a place on a line, a
 motion in decibels, and whether a row is valid."""
 UNITS = {*MOTIONS, *ANGLES_RAD, *FREQUENCIES_HZ, "s"}
@@ -53,6 +54,10 @@ DECIBELS_RE = re.compile(
     r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*)"
 )
 """Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``."""
+RATIO_IN_UNIT = re.compile(
+    r"\s*([\[(][^\[\]()]+?)[\s_(]+(rms|eff|pk-?pk|p-?p|0-?pk?|peak|pk)\)?([\])])$", re.IGNORECASE
+)
+"""An effective value or an extent that stands behind the unit: ``[mm/s RMS]``, ``(um p-p)``."""
 OVER_INPUT = re.compile(r"\(?(.+?)\)?/(?:v|vrms|n|a|pa|w)")
 """The unit of a frequency response, such as m/V."""
 
@@ -67,9 +72,9 @@ MOTIONS_NAMED = [{*WORDS[name]} for name in MOTION_NAMES]
 MOTION, COMPONENT = {*WORDS["normal"]}.union(*MOTIONS_NAMED), {*WORDS["component"]}
 DIRECTION, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
 # The motion that a letter alone is, by the power of the angular frequency, if its unit fits.
-LETTERS = {"u": 0, "v": 1, "a": 2}
-# The amplitude of a harmonic motion over its effective value and its extent from peak to peak.
-AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5}
+LETTERS = {"u": 0, "s": 0, "v": 1, "a": 2}
+# The amplitude of a harmonic motion over its effective value, its extent from peak to peak, itself.
+AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5, "peak": 1.0}
 RATIOS = [
     (words.split(), ratio) for kind, ratio in AMPLITUDE_RATIOS.items() for words in WORDS[kind]
 ]
@@ -112,24 +117,30 @@ class Column:
 def meaning(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS["line"]} or {*words[:1]}
+    if core & MOTION:
+        core -= {*WORDS["input"]}
     if quantity := NAMES.get(frozenset(words)) or NAMES.get(frozenset(core)):
         return quantity
     if quantity := NAMES.get(frozenset(core - COMPONENT)):
         return quantity
     rest = frozenset(core - MOTION - COMPONENT)
+    if "z" in core and (part := NAMES.get(frozenset(core - {"z"}))) in SHAPES:
+        return "normal" if part == "amplitude" else part
     if rest == core or not (rest or core & MOTION):
         return None
     if rest and rest <= DIRECTION:
         return "normal"
-    quantity = NAMES.get(rest) if rest else "amplitude"
+    quantity = NAMES.get(rest - DIRECTION) if rest else "amplitude"
     return quantity if quantity in {*SHAPES, "level"} else None
 
 
 def column_of(name: str, place: int = 0) -> Column | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
-    for words, unit in words_and_unit(name, UNITS):
+    for words, unit in words_and_unit(RATIO_IN_UNIT.sub(r" \2 \1\3", name), UNITS):
         words, ratio = _without_ratio(words)
         quantity = meaning(words)
+        if {*words} - IGNORED_WORDS == {"z"} and POWERS.get(unit):
+            quantity = "normal"
         if quantity is None:
             continue
         named = next((at for at, some in enumerate(MOTIONS_NAMED) if some & {*words}), None)
@@ -155,7 +166,8 @@ def _without_ratio(words: list[str]) -> tuple[list[str], float]:
     for named, ratio in RATIOS:
         for at in range(len(words)):
             if words[at : at + len(named)] == named:
-                return [*words[:at], *words[at + len(named) :], "amplitude"], ratio
+                rest = [*words[:at], *words[at + len(named) :]]
+                return rest + ["amplitude"] * (not {*rest} & {*WORDS["amplitude"]}), ratio
     return words, 1.0
 
 
@@ -314,7 +326,7 @@ def with_units(header: Sequence[str], cells: Sequence[str]) -> list[str]:
     It is one if some cells are known units, and none a number: one that is not known is named in a
     message if its column is needed.
     """
-    units = list(map(unit_in, cells))
+    units = [re.sub(r"[\[\]()]", "", unit) for unit in map(unit_in, cells)]
     if not {*units} & UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
         return list(header)
     units += [""] * (len(header) - len(units))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.cells import parsed, values_in
-from squeezefilm.film.measured.columns import WORDS, Column
+from squeezefilm.film.measured.columns import OF_ROWS, WORDS, Column
 from squeezefilm.film.measured.scan import listed
 from squeezefilm.headers import folded
 from squeezefilm.lazy import pd
@@ -25,7 +25,7 @@ def valid_rows(
     """
     read, notes = [], []
     for column in others:
-        if column.quantity not in ("status", "valid", "invalid"):
+        if column.quantity not in OF_ROWS:
             continue
         values = cells[column.place].map(folded)
         numbers = parsed(values)
@@ -51,9 +51,8 @@ def valid_rows(
         read.append(column)
         wrong = values.isin(bad)
         if wrong.any():
-            which = ", ".join(
-                f"{word} {count}" for word, count in values[wrong].value_counts().items()
-            )
+            words = cells[column.place][wrong].value_counts()
+            which = ", ".join(f"{word} {count}" for word, count in words.items())
             many = "s" * (len(cells[wrong]) > 1)
             notes.append(
                 f"{wrong.sum()} row{many} invalid by column {column.name!r} ({which}) excluded "
