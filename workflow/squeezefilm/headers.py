@@ -24,7 +24,7 @@ UNIT_NAMES = {
 PER_SECOND = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
 ORIGIN_MICRO = r"\g(m)"
-BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,\[(]+"), re.compile(r"[\s,_\-.:()\[\]/]+")
+BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,.\[(]+"), re.compile(r"[\s,_\-.:()\[\]/]+")
 
 
 def folded(text: str) -> str:
@@ -47,7 +47,7 @@ def words_and_unit(cell: str, units: Collection[str]) -> Iterator[tuple[list[str
     First come known units, then none, then what is in brackets, or the last word, as a unit that is
     not known.
     """
-    name = folded(cell.partition("@")[0]).rstrip(" _")
+    name = folded(cell.partition("@")[0]).rstrip(" _.")
     ends = [(name[: at.start()], unit_in(name[at.end() :])) for at in BREAK.finditer(name)]
     # Decibels are known, to be named in a message: the file does not tell what 0 dB is.
     known = [end for end in ends if end[1] in units or end[1].startswith("db")]

@@ -68,7 +68,7 @@ BLANKS, WIDE = " ", "  "
 SEPARATORS = ("\t", ";", ",", WIDE, BLANKS)
 BETWEEN_NAMES = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instance|Name|FOOT-)\b)")
 """Blanks between names in a header, none before a unit in brackets or within ``U, U3``."""
-JAPANESE_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
+ASIAN_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
 # Among which the line that names columns is sought, and by how many quantities it is known.
 FIRST_LINES, FEWEST_NAMED = 100, 2
 COMMENT = re.compile(r"\A\s*[#%!][#%!\s]*")
@@ -97,6 +97,8 @@ OTHER_TEXTS = {
     "of Nastran's, without positions in the table; export the grid points' positions and "
     "displacements as a universal file (.unv) or as one table: x, y and T3, with units",
     r"(?m)^% Grid\s*$": "a grid of COMSOL's; export with the data format Spreadsheet",
+    r"(?m)^\s*VARIABLES\s*=": "a Tecplot file; in place of the lines above the numbers write one "
+    "that names the columns, such as x_mm y_mm amplitude_um",
     r"\AIGOR\s": "an Igor text file; save the waves as delimited text",
 }
 """What such files of text contain, by patterns, and what to do with them."""
@@ -154,6 +156,8 @@ def read_points(
         problems += unit_problems(columns.values())
         if any(column.power for column in motion) and frequency_hz is None:
             problems.append(WITHOUT_FREQUENCY)
+        if problems and path.suffix.lower() in ARRAY_SUFFIXES:
+            problems[-1] += ". Units in names of variables follow an underscore: x_mm"
         if problems:
             raise InputError("; and ".join(problems))
     needed = max(taken) + 1
@@ -412,7 +416,10 @@ def _split(line: str, separator: str) -> list[str]:
     if separator == BLANKS:
         line = " ".join(line.split())
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+        return [
+            cell.strip()
+            for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+        ]
     except csv.Error as error:
         raise InputError(f"{line[:60]!r} cannot be read: {error}") from None
 
@@ -424,7 +431,7 @@ def _decoded(content: bytes) -> tuple[str, str]:
     if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
         encoding = "utf-16-le" if little else "utf-16-be"
         return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
-    for encoding, words in (("utf-8-sig", [""]), ("cp932", JAPANESE_WORDS)):
+    for encoding, words in (("utf-8-sig", [""]), ("cp932", ASIAN_WORDS), ("gb18030", ASIAN_WORDS)):
         with contextlib.suppress(UnicodeDecodeError):
             text = content.decode(encoding)
             if any(word in text for word in words):

@@ -43,10 +43,11 @@ def valid_rows(
         if not unclear.empty and values.nunique() < 2:
             continue
         if not unclear.empty:
+            usual = cells[column.place].value_counts().index[0]
             raise InputError(
                 f"column {column.name!r} may tell which rows are valid, and has cells that are not "
-                f"understood: {values_in(unclear)}; take rows by actuator.profile.rows: "
-                f"{column.name} = {unclear.iloc[0]}, write valid or invalid, or leave it out"
+                f"understood: {values_in(unclear)}; take valid rows by actuator.profile.rows: "
+                f"{column.name} = {usual}; or write valid or invalid, or leave it out"
             )
         read.append(column)
         wrong = values.isin(bad)
