@@ -294,6 +294,65 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         "X_Value,Pos X [mm],Pos Y [mm],Amplitude [um],Phase [deg]",
         *(np.arange(len(X)), X, Y, abs(U), PHASE),
     ).encode(),
+    "LabVIEW, units above": (
+        "***End_of_Header***\t\t\t\t\t\nChannels\t4\t\t\t\t\nY_Unit_Label\tmm\tmm\tµm\tdeg\t\n"
+        "X0\t0,0\t0,0\t0,0\t0,0\t\n***End_of_Header***\t\t\t\t\t\n"
+        "X_Value\tPos X\tPos Y\tAmplitude\tPhase\tComment\n"
+        + "".join(
+            f"{at}\t{x:.9f}\t{y:.9f}\t{abs(u):.9f}\t{180.0 * (u < 0)}\n".replace(".", ",")
+            for at, (x, y, u) in enumerate(zip(X, Y, U, strict=True))
+        )
+    ).encode("latin-1"),
+    "picometres": text(
+        "Position X (pm),Position Y (pm),Amplitude (pm),Phase (°)",
+        *(np.round(X * 1e9), np.round(Y * 1e9), abs(U) * 1e6, PHASE),
+    ).encode(),
+    "Origin": text(
+        "x\ty\tAmplitude\tPhase\nmm\tmm\t\\g(m)m\tdeg\nstage\tstage\tlock-in R\tlock-in Theta",
+        *(X, Y, abs(U), PHASE),
+    )
+    .replace(",", "\t")
+    .encode(),
+    "a number sign in a name": text(
+        "M#,X (mm),Y (mm),Magnitude (Gs),Phase (deg)", np.arange(len(X)), X, Y, IN_G, PHASE
+    ).encode(),
+    "zero to peak": with_header("x_mm,y_mm,Amplitude (0-p)/µm,phase_deg").encode(),
+    "a kind of amplitude behind the unit": text(
+        "x_mm,y_mm,Velocity [mm/s RMS],phase_deg", X, Y, abs(SPEED) / np.sqrt(2), PHASE
+    ).encode(),
+    "of three directions z": text(
+        "X [mm],Y [mm],Vib X [mm/s],Vib Y [mm/s],Vib Z [mm/s],Phase X [°],Phase Z [°]",
+        *(X, Y, X, Y, abs(SPEED), X, PHASE),
+    ).encode(),
+    "velocity and its phase along z": text(
+        "X [m],Y [m],Vib Z Velocity Magnitude [m/s],Vib Z Velocity Phase [deg]",
+        *(X / 1e3, Y / 1e3, abs(SPEED) / 1e3, PHASE),
+    ).encode(),
+    "COMSOL, eigenfrequencies": text(
+        "% Length unit:   mm\n"
+        "% x         y         w (um) @ 2: freq=31002+12i  w (um) @ 3: freq=43301+20i",
+        *(X, Y, X, U),
+    )
+    .replace(",", "      ")
+    .encode(),
+    "parts of vectors by ParaView": text(
+        '"Points:0 [mm]","Points:1 [mm]","u_real:0 [um]","u_real:2 [um]","u_imag:2 [um]"',
+        *(X, Y, X, TURNED.real, TURNED.imag),
+    ).encode(),
+    "Code_Aster": text(
+        " NOEUD  COOR_X [m]  COOR_Y [m]  DX [m]  DZ [m]", X, X / 1e3, Y / 1e3, X, U / 1e6
+    )
+    .replace(",", "  ")
+    .encode(),
+    "quoted names behind blanks": text(
+        '"x [pixel]", "X [mm]", "Y [mm]", "U [mm]", "W [mm]"', X, X, Y, X, U / 1e3
+    ).encode(),
+    "names by R": with_header('"x.mm.","y.mm.","Amplitude..um.","Phase..deg."').encode(),
+    "Chinese": with_header("X坐标(mm),Y坐标(mm),振幅(μm),相位(°)").encode("gb18030"),
+    "parts along z": text(
+        "x_mm,y_mm,Displacement X Real [um],Displacement Z Real [um],Displacement Z Imag [um]",
+        *(X, Y, X, TURNED.real, TURNED.imag),
+    ).encode(),
     "units of which one is unknown, of no account": text(
         "X,Y,Amplitude,Phase,Coherence\nmm,mm,µm,deg,p.u.", X, Y, abs(U), PHASE, 0 * X
     ).encode(),
@@ -364,7 +423,7 @@ WRONG = {
     ),
     "decibels": (
         with_header("x_mm,y_mm,Amplitude [dB],phase_deg"),
-        "write one, as in Amplitude [dB re 1 um] (only the shape counts",
+        "write one, as in Amplitude [dB re 1 um] (of a motion only the shape counts",
     ),
     "a level": (with_header("x_mm,y_mm,Niveau,phase_deg"), "as in Niveau [dB re 1 um]"),
     "a velocity in metres": (
@@ -372,9 +431,18 @@ WRONG = {
         "'Velocity [um]' is velocity by its name and displacement by its unit",
     ),
     "a velocity's letter": (with_header("x_mm,y_mm,v,phase_deg"), "as in v [mm/s]"),
+    "a phase called phi": (
+        with_header("x_mm,y_mm,amplitude_um,phi_deg"),
+        "r or phi stands beside x and y; leave it out, or call it amplitude or phase",
+    ),
     "a motion over a voltage": (
-        with_header("x_mm,y_mm,Amplitude [µm/V],phase_deg"),
-        "multiply it by the input, or write Amplitude [um] (only the shape counts",
+        with_header("x_mm,y_mm,H1 Displacement/Voltage [m/V],H1 Displacement/Voltage Phase [deg]"),
+        "the unit 'm/v' of 'H1 Displacement/Voltage [m/V]' is not known; write another, as in H1 "
+        "Displacement/Voltage [um]. Lengths",
+    ),
+    "a share": (
+        with_header("x_mm,y_mm,Amplitude [%],phase_deg"),
+        "(of a motion only the shape counts, so that a constant factor may be wrong)",
     ),
     "an unknown unit in a second line": (
         with_header("X,Y,Amplitude,Phase\nmm,furlong,µm,deg"),
@@ -471,9 +539,21 @@ def test_an_unclear_status_is_asked_for(tmp_path):
     lines = PLAIN.splitlines()
     words = ["ok", "doubtful"] + ["ok"] * (len(lines) - 3)
     content = "\n".join([f"{lines[0]},Status", *map(",".join, zip(lines[1:], words, strict=True))])
-    with pytest.raises(InputError, match=r"has doubtful \(1 rows\).*rows: Status = doubtful"):
+    with pytest.raises(InputError, match=r"has doubtful \(1 rows\).*rows: Status = ok"):
         read(tmp_path / "scan.csv", content)
     assert len(read(tmp_path / "scan.csv", content, rows="Status = ok").x_m) == len(X) - 1
+
+
+@pytest.mark.parametrize("form", ["{:.9g} {} {:.9g}im", "{:.9g} {} {:.9g}*I", "({:.9g}{}{:.9g}j)"])
+def test_complex_cells_are_read_as_languages_write_them(form, tmp_path):
+    cells = [form.format(u.real, "+-"[u.imag < 0], abs(u.imag)) for u in TURNED.tolist()]
+    rows = [f"{x:.9g},{y:.9g},{cell}" for x, y, cell in zip(X, Y, cells, strict=True)]
+    same(read(tmp_path / "scan.csv", "\n".join(["x_mm,y_mm,amplitude_um", *rows])))
+
+
+def test_exponents_of_mathematica_are_read(tmp_path):
+    content = text("x_m,y_m,uz_m", X / 1e3, Y / 1e3, U * 1e-6).replace("e-", "*^-")
+    same(read(tmp_path / "scan.csv", content))
 
 
 def test_a_position_alone_is_one_on_a_line(tmp_path):
@@ -731,6 +811,9 @@ def test_named_arrays_are_a_table(ending, tmp_path):
         ("scan.vtk", b"# vtk DataFile Version 3.0\n", "as CSV .in ParaView"),
         ("disc.pch", b"$SUBTITLE=DISC\n$LABEL   = \n", "Nastran.*as a universal file"),
         ("disc.f06", b"1\n   N A S T R A N\n", "Nastran.*x, y and T3, with units"),
+        ("scan.dat", b'VARIABLES = "X", "Y"\n1 2\n', "Tecplot.*such as x_mm y_mm amplitude_um"),
+        ("scan.itx", b"IGOR\rWAVES/D x_mm\r", "save the waves as delimited text"),
+        ("grid.txt", b"% Model: disc.mph\n% Grid\n1 2 3\n", "data format Spreadsheet"),
         ("scan.tdms", b"TDSm", "as text .* or CSV"),
         ("scan.opju", b"CPYUA 4.3", "from Origin as text or CSV"),
     ],

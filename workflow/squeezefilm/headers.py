@@ -11,8 +11,9 @@ from collections.abc import Collection, Iterator
 UNIT_NAMES = {
     name: unit
     for unit, names in {
-        "deg": "degree degrees grad degre degres grados gradi",
+        "deg": "degree degrees grad degre degres grados gradi graus graden 度",
         "rad": "radian radians",
+        "g": "gs",
         "m": "meter meters metre metres",
         "mm": "millimeter millimeters millimetre millimetres",
         "um": "micron microns micrometer micrometers micrometre micrometres",
@@ -22,7 +23,8 @@ UNIT_NAMES = {
 """Other names of units, without accents."""
 PER_SECOND = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
-BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,\[(]+"), re.compile(r"[\s,_\-.:()\[\]/]+")
+ORIGIN_MICRO = r"\g(m)"
+BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,.\[(]+"), re.compile(r"[\s,_\-.:()\[\]/]+")
 
 
 def folded(text: str) -> str:
@@ -33,7 +35,8 @@ def folded(text: str) -> str:
 
 def unit_in(text: str) -> str:
     """A unit with its brackets taken off, in one spelling: ``(Degrees)`` is ``deg``."""
-    unit = re.sub("[_ ](?:per|pro|par|por)[_ ]", "/", folded(text).strip(" []()"))
+    unit = folded(text).replace(ORIGIN_MICRO, "u").strip(" []()")
+    unit = re.sub("[_ ](?:per|pro|par|por)[_ ]", "/", unit)
     unit = PER_SECOND.sub(lambda end: "/s²" if "2" in end.groups() else "/s", unit)
     return UNIT_NAMES.get(unit, unit)
 
@@ -44,7 +47,7 @@ def words_and_unit(cell: str, units: Collection[str]) -> Iterator[tuple[list[str
     First come known units, then none, then what is in brackets, or the last word, as a unit that is
     not known.
     """
-    name = folded(cell.partition("@")[0]).rstrip(" _")
+    name = folded(cell.partition("@")[0]).rstrip(" _.")
     ends = [(name[: at.start()], unit_in(name[at.end() :])) for at in BREAK.finditer(name)]
     # Decibels are known, to be named in a message: the file does not tell what 0 dB is.
     known = [end for end in ends if end[1] in units or end[1].startswith("db")]

@@ -13,7 +13,8 @@ from squeezefilm.film.measured.columns import Column
 from squeezefilm.film.measured.scan import LARGEST_VALUE, listed
 from squeezefilm.lazy import pd
 
-COMPLEX = r"\(?[\s\d.,eE+-]*\d\s*[ij]\)?"
+COMPLEX = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
+IMAGINARY = re.compile(r"\*?(?:[ijI]|im)$")
 MISSING = re.compile(
     r"|-|--|na|n\.?/?a\.?|k\.a\.|null|none|not available"
     r"|#(?:n/a|nv|n/d|div/0!|value!|wert!|valeur!)"
@@ -53,7 +54,8 @@ def values_in(values: pd.Series) -> str:
 
 def si_values(table: pd.DataFrame, column: Column) -> pd.Series:
     """A column's values in SI units; raises InputError naming the line of one that is none."""
-    cells, name = _without_thousands(table[column.place]), column.quantity
+    cells, name = table[column.place].str.replace("*^", "e", regex=False), column.quantity
+    cells = _without_thousands(cells)
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():
         line, cell = next(cells[point].items())
@@ -68,10 +70,11 @@ def si_values(table: pd.DataFrame, column: Column) -> pd.Series:
     if parts.any():
         values = values.astype(complex)
         values[parts] = cells[parts].map(_complex)
-    for line, cell in cells[~(values.abs() <= LARGEST_VALUE)][:1].items():
-        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     if column.decibels:
         values = 10 ** (values / 20)
+    finite = values.abs() * (column.size or 1.0) <= LARGEST_VALUE
+    for line, cell in cells[~finite][:1].items():
+        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     return values * (column.size or 1.0)
 
 
@@ -88,8 +91,9 @@ def _without_thousands(cells: pd.Series) -> pd.Series:
 
 
 def _complex(cell: str) -> complex:
-    """A number such as ``1.2-0.3i``; NaN where a cell has none."""
+    """A number such as ``1.2-0.3i`` or ``1.2 - 0.3*I``; NaN where a cell has none."""
     try:
-        return complex("".join(cell.strip("()").split()).replace(",", ".").replace("i", "j"))
+        parts = "".join(cell.strip("()").split()).replace(",", ".")
+        return complex(IMAGINARY.sub("j", parts))
     except ValueError:
         return complex("nan")

@@ -39,22 +39,28 @@ SHAPES = dict.fromkeys(("amplitude", "real", "imaginary"), MOTIONS) | {"phase": 
 UNIT_SIZES = PLACES | SHAPES | {"sign": {"": 1.0}}
 """What a scan is read from, each with its units, in small letters, and their sizes."""
 KNOWN = UNIT_SIZES | {"normal": MOTIONS, "frequency": FREQUENCIES_HZ, "time": unit_sizes("s")}
-KNOWN |= {"line": LENGTHS_M} | {name: {} for name in ("level", "status", "valid", "invalid")}
+OF_ROWS = ("status", "valid", "invalid")
+KNOWN |= {"line": LENGTHS_M, "level": {}} | {name: {} for name in OF_ROWS}
 """The same, with the amplitude along z, what rows of a place may differ by, a place on a line, a
 motion in decibels, and whether a row is valid."""
+MOTION_QUANTITIES = {name for name, units in KNOWN.items() if units is MOTIONS}
 UNITS = {*MOTIONS, *ANGLES_RAD, *FREQUENCIES_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
 USUAL_MOTIONS = ("um", "mm/s", "m/s²")
 MOTION_NAMES = ("displacement", "velocity", "acceleration")
-AT_FREQUENCY = re.compile(r"@.*freq[^=]*=\s*([\d.eE+]+)\s*(\w*)")
-"""How a program writes the frequency at which a column was solved."""
-
-DECIBELS_RE = re.compile(
-    r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*)"
+AT_FREQUENCY = re.compile(
+    r"@.*freq[^=]*=\s*(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:[-+][-+\d.eE]+i)?\s*([A-Za-z]*)"
+)
+"""How a program writes the frequency at which a column was solved, of a mode a complex one."""
+DECIBELS = re.compile(
+    r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*"
+    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*)"
 )
 """Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``."""
-OVER_INPUT = re.compile(r"\(?(.+?)\)?/(?:v|vrms|n|a|pa|w)")
-"""The unit of a frequency response, such as m/V."""
+RATIO_IN_UNIT = re.compile(
+    r"\s*([\[(][^\[\]()]+?)[\s_(]+(rms|eff|pk-?pk|p-?p|0-?pk?|peak|pk)\)?([\])])$", re.IGNORECASE
+)
+"""An effective value or an extent that stands behind the unit: ``[mm/s RMS]``, ``(um p-p)``."""
 
 _ROWS = csv.reader(
     read_text(Path(__file__).with_name("words.csv"), what="list of words").splitlines()[1:]
@@ -67,9 +73,9 @@ MOTIONS_NAMED = [{*WORDS[name]} for name in MOTION_NAMES]
 MOTION, COMPONENT = {*WORDS["normal"]}.union(*MOTIONS_NAMED), {*WORDS["component"]}
 DIRECTION, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
 # The motion that a letter alone is, by the power of the angular frequency, if its unit fits.
-LETTERS = {"u": 0, "v": 1, "a": 2}
-# The amplitude of a harmonic motion over its effective value and its extent from peak to peak.
-AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5}
+LETTERS = {"u": 0, "s": 0, "v": 1, "a": 2}
+# The amplitude of a harmonic motion over its effective value, its extent from peak to peak, itself.
+AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5, "peak": 1.0}
 RATIOS = [
     (words.split(), ratio) for kind, ratio in AMPLITUDE_RATIOS.items() for words in WORDS[kind]
 ]
@@ -112,24 +118,30 @@ class Column:
 def meaning(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS["line"]} or {*words[:1]}
+    if core & MOTION:
+        core -= {*WORDS["input"]}
     if quantity := NAMES.get(frozenset(words)) or NAMES.get(frozenset(core)):
         return quantity
     if quantity := NAMES.get(frozenset(core - COMPONENT)):
         return quantity
     rest = frozenset(core - MOTION - COMPONENT)
+    if "z" in core and (part := NAMES.get(frozenset(core - {"z"}))) in SHAPES:
+        return "normal" if part == "amplitude" else part
     if rest == core or not (rest or core & MOTION):
         return None
     if rest and rest <= DIRECTION:
         return "normal"
-    quantity = NAMES.get(rest) if rest else "amplitude"
+    quantity = NAMES.get(rest - DIRECTION) if rest else "amplitude"
     return quantity if quantity in {*SHAPES, "level"} else None
 
 
 def column_of(name: str, place: int = 0) -> Column | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
-    for words, unit in words_and_unit(name, UNITS):
+    for words, unit in words_and_unit(RATIO_IN_UNIT.sub(r" \2 \1\3", name), UNITS):
         words, ratio = _without_ratio(words)
         quantity = meaning(words)
+        if {*words} - IGNORED_WORDS == {"z"} and POWERS.get(unit):
+            quantity = "normal"
         if quantity is None:
             continue
         named = next((at for at, some in enumerate(MOTIONS_NAMED) if some & {*words}), None)
@@ -143,7 +155,7 @@ def column_of(name: str, place: int = 0) -> Column | None:
 
 def _reference(unit: str) -> tuple[float | None, int]:
     """The size of the motion that is 0 dB, None if the unit does not tell, and its power of ω."""
-    match = DECIBELS_RE.fullmatch(unit)
+    match = DECIBELS.fullmatch(unit)
     named = unit_in(match[2]) if match else ""
     if match is None or named not in MOTIONS:
         return None, 0
@@ -155,7 +167,8 @@ def _without_ratio(words: list[str]) -> tuple[list[str], float]:
     for named, ratio in RATIOS:
         for at in range(len(words)):
             if words[at : at + len(named)] == named:
-                return [*words[:at], *words[at + len(named) :], "amplitude"], ratio
+                rest = [*words[:at], *words[at + len(named) :]]
+                return rest + ["amplitude"] * (not {*rest} & {*WORDS["amplitude"]}), ratio
     return words, 1.0
 
 
@@ -214,7 +227,7 @@ def _with_unclear(named: list[Column], header: Sequence[str]) -> list[Column]:
     known = {column.quantity for column in named}
     if not known & {*PLACES}:
         named = [replace(each, quantity="x") if each.quantity == "line" else each for each in named]
-    if known & {"amplitude", "normal", "real", "imaginary"}:
+    if known & MOTION_QUANTITIES:
         return named
     letters = [each for at, name in enumerate(header) if (each := _letter(name, at))]
     levels = [
@@ -238,29 +251,19 @@ def unit_problems(columns: Collection[Column]) -> list[str]:
     """Problems of the columns' units, all at once, each with what is allowed."""
     lacking = [column for column in columns if not column.size]
     levels = [column for column in lacking if column.decibels]
-    responses = [
-        column
-        for column in lacking
-        if (match := OVER_INPUT.fullmatch(column.unit)) and match[1] in MOTIONS
-    ]
-    unknown = [each for each in lacking if each.unit and each not in (*levels, *responses)]
+    unknown = [each for each in lacking if each.unit and each not in levels]
     bare = [column for column in lacking if not column.unit and column not in levels]
     problems = [
         f"{each.name!r} is {MOTION_NAMES[each.named_power]} by its name and "
         f"{MOTION_NAMES[each.power]} by its unit; correct one of them"
         for each in columns
-        if each.size and each.named_power not in (None, each.power)
+        if each.size and each.quantity != "phase" and each.named_power not in (None, each.power)
     ]
-    reference = "only the shape counts, so that any constant factor is right"
+    shape = "of a motion only the shape counts, so that a constant factor may be wrong"
     if levels:
         problems.append(
             f"decibels of {_quoted(levels)} have no reference; write one, as in "
-            f"{_written(levels, 'dB re 1 ')} ({reference})"
-        )
-    if responses:
-        problems.append(
-            f"{_quoted(responses)} is a motion over an input; multiply it by the input, or write "
-            f"{_written(responses)} ({reference})"
+            f"{_written(levels, 'dB re 1 ')} ({shape})"
         )
     if unknown:
         units = ", ".join(repr(each.unit) for each in unknown)
@@ -277,6 +280,8 @@ def unit_problems(columns: Collection[Column]) -> list[str]:
             f". Lengths are in {', '.join(LENGTHS_M)}, motions also over s or s² and in g, angles "
             f"in {', '.join(ANGLES_RAD)}"
         )
+    if any(each.quantity in MOTION_QUANTITIES for each in (*unknown, *bare)):
+        problems[-1] += f" ({shape})"
     return problems
 
 
@@ -314,7 +319,7 @@ def with_units(header: Sequence[str], cells: Sequence[str]) -> list[str]:
     It is one if some cells are known units, and none a number: one that is not known is named in a
     message if its column is needed.
     """
-    units = list(map(unit_in, cells))
+    units = [re.sub(r"[\[\]()]", "", unit) for unit in map(unit_in, cells)]
     if not {*units} & UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
         return list(header)
     units += [""] * (len(header) - len(units))

@@ -11,7 +11,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 
-# In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity.
+# In metres or radians. Writers of universal files, pyuff too, put 1.8e308 for infinity.
 LARGEST_VALUE = 1e9
 FEWEST_POINTS, POINTS_NAMED = 8, 6
 # Places closer than this are one.

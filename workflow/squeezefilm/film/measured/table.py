@@ -33,6 +33,8 @@ from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, array_lines
 from squeezefilm.film.measured.cells import is_missing, normalised, parsed, si_values, values_in
 from squeezefilm.film.measured.columns import (
+    OF_ROWS,
+    PLACES,
     UNIT_SIZES,
     UNITS,
     WORDS,
@@ -66,10 +68,10 @@ BLANKS, WIDE = " ", "  "
 SEPARATORS = ("\t", ";", ",", WIDE, BLANKS)
 BETWEEN_NAMES = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instance|Name|FOOT-)\b)")
 """Blanks between names in a header, none before a unit in brackets or within ``U, U3``."""
-JAPANESE_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
+ASIAN_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
 # Among which the line that names columns is sought, and by how many quantities it is known.
 FIRST_LINES, FEWEST_NAMED = 100, 2
-COMMENT = re.compile(r"\s*[#%!][#%!\s]*")
+COMMENT = re.compile(r"\A\s*[#%!][#%!\s]*")
 LENGTH_UNIT = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
 """How a program says, above the header, in which unit places are."""
 OTHER_FORMATS = {
@@ -90,11 +92,17 @@ OTHER_FORMATS = {
     b"[{": "write the points as CSV",
 }
 """How files begin that are no text, or no table, and what to do with them."""
-NASTRAN = re.compile(r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T")
-NASTRAN_REMEDY = (
-    "no table with positions, but Nastran's print or punch file; export the grid points' positions "
-    "and displacements as a universal file (.unv) or as one table: x, y and T3, with units"
-)
+OTHER_TEXTS = {
+    r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T": "a print or punch file "
+    "of Nastran's, without positions in the table; export the grid points' positions and "
+    "displacements as a universal file (.unv) or as one table: x, y and T3, with units",
+    r"(?m)^% Grid\s*$": "a grid of COMSOL's; export with the data format Spreadsheet",
+    r"(?m)^\s*VARIABLES\s*=": "a Tecplot file; in place of the lines above the numbers write one "
+    "that names the columns, such as x_mm y_mm amplitude_um",
+    r"\AIGOR\s": "an Igor text file; save the waves as delimited text",
+}
+"""What such files of text contain, by patterns, and what to do with them."""
+LABVIEW_UNITS = "Y_Unit_Label"
 MOST_LOOKED_AT, MOST_SEARCHED = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
 BESIDE_ROWS, TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*"), 5
@@ -141,14 +149,15 @@ def read_points(
         taken = {column.place for column in columns.values()}
         ignored = [repr(name) for at, name in enumerate(header) if at not in taken]
         beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
-        problems = [
-            f"{problem}; the columns are {', '.join(columns)}{beside}"
-            for problem, wrong in complete(columns).items()
-            if wrong
-        ][:1]
+        problems = [problem for problem, wrong in complete(columns).items() if wrong]
+        problems[-1:] = [
+            f"{problem}; the columns are {', '.join(columns)}{beside}" for problem in problems[-1:]
+        ]
         problems += unit_problems(columns.values())
         if any(column.power for column in motion) and frequency_hz is None:
             problems.append(WITHOUT_FREQUENCY)
+        if problems and path.suffix.lower() in ARRAY_SUFFIXES:
+            problems[-1] += ". Units in names of variables follow an underscore: x_mm"
         if problems:
             raise InputError("; and ".join(problems))
     needed = max(taken) + 1
@@ -277,9 +286,12 @@ def _recurs(table: pd.DataFrame, values: pd.Series) -> bool:
 def _complete(known: Collection[str]) -> dict[str, bool]:
     """Problems of a scan with some quantities: those that it lacks, or has in excess."""
     place = {*known} & {"x", "y", "r", "phi"}
+    both = place > {"x", "y"}
     return {
+        "r or phi stands beside x and y; leave it out, or call it amplitude or phase": both,
         "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
-        "table as its amplitude": place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
+        "table as its amplitude": not both
+        and place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
         f"column 'amplitude_um' is missing; a scan has {SCAN_FORM}": not {*known}
         & {"amplitude", "real", "imaginary"},
         "real and imaginary part go together": len({*known} & {"real", "imaginary"}) == 1,
@@ -327,8 +339,9 @@ def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
         if content.startswith(start):
             raise InputError(f"no table of text; {remedy}")
     text, encoding = _decoded(content)
-    if NASTRAN.search(text, 0, MOST_SEARCHED):
-        raise InputError(NASTRAN_REMEDY)
+    for pattern, remedy in OTHER_TEXTS.items():
+        if re.search(pattern, text[:MOST_SEARCHED]):
+            raise InputError(remedy)
     if text.count("\0", 0, MOST_LOOKED_AT) > MOST_LOOKED_AT / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
@@ -377,6 +390,9 @@ def _units_beside(
         cells = _split(COMMENT.sub("", lines[first], count=1), separator)
         if (named := with_units(header, cells)) != header:
             return named, first + 1
+    for line in lines[:index]:
+        if line.startswith(LABVIEW_UNITS):
+            header = with_units(header, ["", *_split(line, separator)[1:]])
     units = {unit_in(match[1]) for line in lines[:index] for match in LENGTH_UNIT.finditer(line)}
     for unit in units & UNITS:
         columns = {column.place: column for column in named_columns(header)}
@@ -400,7 +416,10 @@ def _split(line: str, separator: str) -> list[str]:
     if separator == BLANKS:
         line = " ".join(line.split())
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+        return [
+            cell.strip()
+            for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+        ]
     except csv.Error as error:
         raise InputError(f"{line[:60]!r} cannot be read: {error}") from None
 
@@ -412,7 +431,7 @@ def _decoded(content: bytes) -> tuple[str, str]:
     if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
         encoding = "utf-16-le" if little else "utf-16-be"
         return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
-    for encoding, words in (("utf-8-sig", [""]), ("cp932", JAPANESE_WORDS)):
+    for encoding, words in (("utf-8-sig", [""]), ("cp932", ASIAN_WORDS), ("gb18030", ASIAN_WORDS)):
         with contextlib.suppress(UnicodeDecodeError):
             text = content.decode(encoding)
             if any(word in text for word in words):
@@ -442,7 +461,8 @@ def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[st
             between = separator.replace(WIDE, BLANKS)
             names = separator == BLANKS and '"' not in line
             cells = BETWEEN_NAMES.split(line.strip()) if names else _split(line, separator)
-            count = len({column.quantity for column in named_columns(cells)})
+            known = {column.quantity for column in named_columns(cells)} - {*OF_ROWS}
+            count = len(known - {"line"} if known & {*PLACES} else known)
             if not count:
                 continue
             row = _split(below, between)

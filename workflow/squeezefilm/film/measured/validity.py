@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.cells import parsed, values_in
-from squeezefilm.film.measured.columns import WORDS, Column
+from squeezefilm.film.measured.columns import OF_ROWS, WORDS, Column
 from squeezefilm.film.measured.scan import listed
 from squeezefilm.headers import folded
 from squeezefilm.lazy import pd
@@ -25,7 +25,7 @@ def valid_rows(
     """
     read, notes = [], []
     for column in others:
-        if column.quantity not in ("status", "valid", "invalid"):
+        if column.quantity not in OF_ROWS:
             continue
         values = cells[column.place].map(folded)
         numbers = parsed(values)
@@ -43,17 +43,17 @@ def valid_rows(
         if not unclear.empty and values.nunique() < 2:
             continue
         if not unclear.empty:
+            usual = cells[column.place].value_counts().index[0]
             raise InputError(
                 f"column {column.name!r} may tell which rows are valid, and has cells that are not "
-                f"understood: {values_in(unclear)}; take rows by actuator.profile.rows: "
-                f"{column.name} = {unclear.iloc[0]}, write valid or invalid, or leave it out"
+                f"understood: {values_in(unclear)}; take valid rows by actuator.profile.rows: "
+                f"{column.name} = {usual}; or write valid or invalid, or leave it out"
             )
         read.append(column)
         wrong = values.isin(bad)
         if wrong.any():
-            which = ", ".join(
-                f"{word} {count}" for word, count in values[wrong].value_counts().items()
-            )
+            words = cells[column.place][wrong].value_counts()
+            which = ", ".join(f"{word} {count}" for word, count in words.items())
             many = "s" * (len(cells[wrong]) > 1)
             notes.append(
                 f"{wrong.sum()} row{many} invalid by column {column.name!r} ({which}) excluded "
