@@ -83,7 +83,11 @@ def test_jobs_of_two_studies_name_their_own(repository, mine, tmp_path):
     (tmp_path / "Snakefile").write_text(text, encoding="utf-8")
     done = snakemake(tmp_path, "--dry-run", "--quiet", "host", "reason")
     assert done.returncode == 0, done.stdout
-    jobs = [line.partition(": ")[2] for line in done.stdout.splitlines() if line[:4] == "Job "]
+    jobs = [
+        line.partition(": ")[2]
+        for line in done.stdout.splitlines()
+        if line[:4] == "Job " and line[4].isdigit()
+    ]
     of_each = {name: [job for job in jobs if job.startswith(f"study-{name}: ")] for name in studies}
     assert "study-one: Simulate screen" in of_each["one"]
     assert len(of_each["one"]) == len(of_each["two"]) > 30
