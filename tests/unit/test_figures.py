@@ -9,8 +9,8 @@ import pytest
 from matplotlib.colors import to_hex
 
 from squeezefilm.config.loading import load_config
-from squeezefilm_workflow.paper.figures import patterns
-from squeezefilm_workflow.reporting.figures import film, maps, style
+from squeezefilm_workflow.paper.figures import four_factor, patterns
+from squeezefilm_workflow.reporting.figures import film, maps, models, parts, style
 
 EFFECTS = ("inertia", "slip", "thermal", "edge_loss")
 SCREEN = pd.DataFrame(product([5e-6, 7e-6, 9e-6], [0.5e-6, 1e-6, 1.5e-6, 2e-6]))
@@ -134,3 +134,37 @@ def test_the_criterion_of_a_pattern_is_told_in_the_measure_that_it_has(scaling, 
     figure, _ = patterns.fig10(study)
     notes = " ".join(text.get_text() for text in [*figure.texts, *figure.axes[0].texts])
     assert f"Criterion (12), force in N, {measure}: 4." in " ".join(notes.split())
+
+
+def test_levels_of_contours_stand_upright_and_none_is_cut_by_the_rim():
+    """A minus sign lay on its line, as one more dash."""
+    with style.settings():
+        _, axes = style.subplots()
+        x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21))
+        lines = axes.contour(x, y, x + y - 1, levels=[-0.99, -0.5, 0.5])
+        parts.label_contours(axes, lines, "{:+g}".format)
+    labels = {text.get_text(): text for text in axes.texts}
+    assert {text.get_rotation() for text in labels.values()} == {0.0}
+    assert [name for name, text in labels.items() if text.get_visible()] == ["-0.5", "+0.5"]
+
+
+def test_the_optimal_points_are_drawn_over_axes_from_zero():
+    """Below radius 0 there was room for numbers that no pad can have."""
+    design = SCREEN.iloc[[0, 3, 11]].assign(phi_r_m=[0, 2e-3, 3e-3], phi_deg=[0, 0, 45.0])
+    own = SimpleNamespace(design=lambda name: design, scenes=lambda plan: design, beyond="")
+    with style.settings():
+        figure, _ = four_factor.fig16(own)
+    assert [axes.get_ylim()[0] for axes in figure.axes] == [0, 0]
+
+
+def test_the_star_of_a_refinement_has_its_meaning_in_the_legend():
+    rounds = {"simulations": [8, 10], "global_error": 0.01, "global_lower": 0.005}
+    rounds |= {"global_upper": 0.02, "worst_error": [0.05, 0.03]}
+    truth = {"simulations": 10, "held_out_worst_error": 0.02, "held_out_global_error": 0.01}
+    required = {"worst_error": 0.05, "global_error": 0.02}
+    with style.settings():
+        _, axes = style.subplots()
+        models._draw_rounds(axes, pd.DataFrame(rounds), required=required, truth=pd.Series(truth))
+    handles, names = axes.get_legend_handles_labels()
+    markers = {name: handle.get_marker() for handle, name in zip(handles, names, strict=True)}
+    assert markers["at unused simulations"] == "*"

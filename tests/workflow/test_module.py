@@ -1,5 +1,6 @@
 """The rules in other workflows and folders; a study given twice or wrong is refused."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -51,6 +52,46 @@ def test_a_module_makes_the_study_that_it_is_given(repository, tmp_path):
         assert [path.name for path in (place / "results").iterdir()] == ["mine"]
     again = snakemake(folder, SCENES, "--cores", "1")
     assert "Nothing to be done" in again.stdout
+
+
+TWO = """
+import json
+
+module one:
+    snakefile: "{snakefile}"
+    config: json.loads('{one}')
+
+module two:
+    snakefile: "{snakefile}"
+    config: json.loads('{two}')
+
+use rule * from one as one_*
+use rule * from two as two_*
+
+rule both:
+    default_target: True
+    input: rules.one_all.input, rules.two_all.input
+    message: "Two studies"
+"""
+
+
+def test_jobs_of_two_studies_name_their_own(repository, mine, tmp_path):
+    """Both had the same words, such as \"Simulate screen\"."""
+    clone = copy_checkout(repository, tmp_path / "clone")
+    studies = {name: json.dumps(mine | {"study": f"study-{name}"}) for name in ("one", "two")}
+    text = TWO.format(snakefile=clone / "workflow/Snakefile", **studies)
+    (tmp_path / "Snakefile").write_text(text, encoding="utf-8")
+    done = snakemake(tmp_path, "--dry-run", "--quiet", "host", "reason")
+    assert done.returncode == 0, done.stdout
+    jobs = [
+        line.partition(": ")[2]
+        for line in done.stdout.splitlines()
+        if line[:4] == "Job " and line[4].isdigit()
+    ]
+    of_each = {name: [job for job in jobs if job.startswith(f"study-{name}: ")] for name in studies}
+    assert "study-one: Simulate screen" in of_each["one"]
+    assert len(of_each["one"]) == len(of_each["two"]) > 30
+    assert len(jobs) == 2 * len(of_each["one"]) + 1
 
 
 DEVICE = "results/mine/simulations/device.json"

@@ -49,13 +49,17 @@ def source_file(path):
     return local(in_folder(path))
 
 
+# Another workflow gives the study as a mapping; in a clone's own it is a file.
+IN_MODULE = "STUDY_FILES" not in globals()
+
+
 def given_study():
     """The study: one file of --configfile, or the paper's; the config of another workflow.
 
     Several files would be merged key by key, and a missing key would silently be the paper's. The
     config that a module is given is written into a file.
     """
-    if "STUDY_FILES" not in globals():
+    if IN_MODULE:
         return load_config(written_study(config, results=Path("results")))
     files = [in_folder(path) for path in STUDY_FILES]
     if len(files) > 1:

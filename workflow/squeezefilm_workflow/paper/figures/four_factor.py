@@ -73,9 +73,10 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
     left.set_title("(a)")
     radius = 1e3 * float(plan["phi_r_m"].max())
     parts.set_up_positions(right, plan["phi_deg"], margin=0.1)
-    for axes, low, high in ((left, *left.get_ylim()), (right, 0.0, 1.05 * radius)):
-        axes.set_ylim(low - 0.14 * (high - low), high + 0.1 * (high - low))  # room for numbers
+    for axes, high in ((left, left.get_ylim()[1]), (right, 1.05 * radius)):
+        axes.set_ylim(0.0, 1.1 * high)  # room for numbers
     right.set_title("(b)")
+    right.tick_params(axis="x", pad=8)  # marks at radius 0 lie on the axis
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.3)
     note = "Equal numbers in (a) and (b): one point; at radius 0 all angles are the same position."
     style.add_note(figure, note, results.beyond)
@@ -83,11 +84,15 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
 
 
 def _number(axes: Axes, points: pd.DataFrame, *, x: str, y: str, above: bool, colour: str) -> None:
-    """Write the points' numbers, together where points coincide in this projection."""
+    """Write the points' numbers, together where points coincide in this projection.
+
+    Above a point, or beside it towards the middle: below it the axis may lie.
+    """
+    middle = (points[x].min() + points[x].max()) / 2
     groups = points.assign(x=points[x].round(2), y=points[y].round(2)).groupby(["x", "y"])
     for (at_x, at_y), here in groups:
         text = ", ".join(here["point"].astype(str))
-        look = {"va": "bottom" if above else "top", "color": colour}
-        parts.annotate_at(
-            axes, text, (at_x, at_y), (0, 6 if above else -6), ha="center", fontsize=7, **look
-        )
+        side, right = ("left", 7) if at_x <= middle else ("right", -7)
+        ha, offset = ("center", (0, 7)) if above else (side, (right, -1))
+        look = {"ha": ha, "va": "bottom", "color": colour, "fontsize": 7}
+        parts.annotate_at(axes, text, (at_x, at_y), offset, **look)

@@ -35,7 +35,7 @@ def error_map(results: Results) -> Figure:
     filled, lines = parts.error_contours(
         axes, results, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
     )
-    axes.clabel(lines, fontsize=6, fmt=partial(signed, digits=3))
+    parts.label_contours(axes, lines, partial(signed, digits=3))
     look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
     parts.dots(axes, design, fill="black", markersize=6, label="design point", **look)
     axes.set(**parts.PLANE)

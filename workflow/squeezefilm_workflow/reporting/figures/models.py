@@ -130,7 +130,10 @@ def sensitivity(results: Results, space: str) -> Figure:
         colours = _draw_sensitivity(axes, data, layer, names)
         axes.set(**labels)
     figure.colorbar(colours, ax=list(panels), pad=0.02, label="sensitivity d/p (–)")
-    notes = "Circles: design points, their area the weight.", "Colours: interpolated linearly."
+    notes = (
+        "Circles: design points, their area the weight. Colours: interpolated linearly.",
+        "The design is optimal where d/p nowhere exceeds 1.",
+    )
     style.add_note(figure, *notes, results.beyond)
     return figure
 
@@ -142,7 +145,8 @@ def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[s
     colours = axes.tripcolor(x, y, level, shading="gouraud", rasterized=True, **shading)
     reached = [each for each in CONTOUR_LEVELS if level.min() < each < level.max()]
     if reached:
-        axes.tricontour(x, y, level, levels=reached, colors="white", linewidths=0.5)
+        lines = axes.tricontour(x, y, level, levels=reached, colors="white", linewidths=0.7)
+        parts.label_contours(axes, lines, "{:g}".format)
     *place, weight = (points[name].to_numpy(dtype=float) for name in (*names, "weight"))
     look: dict[str, Any] = {"edgecolor": style.VERMILLION, "linewidths": 1.4, "clip_on": False}
     axes.scatter(place[0], place[1], LARGEST_DOT * weight, facecolor="none", zorder=3, **look)
@@ -177,9 +181,10 @@ def refined(results: Results, space: str) -> Figure:
             axes.set(**labels)
         bar = figure.colorbar(dots, ax=row[-1], pad=0.02, label="error (%)")
         bar.ax.tick_params(labelsize=6)
-    panels[0][0].legend(loc="best")
-    note = "Dashed: target; stars: errors on unused simulations; bars: 95 % limits."
-    style.add_note(figure, note, results.beyond)
+    shown = dict(zip(*reversed(panels[0][0].get_legend_handles_labels()), strict=True))
+    figure.legend(shown.values(), shown, loc="outside upper center", ncols=4, handletextpad=0.4)
+    notes = "Bars: 95 % limits of the global error.", "Circles in maps: fitted simulations."
+    style.add_note(figure, *notes, results.beyond)
     return figure
 
 
@@ -193,14 +198,16 @@ def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, required: Any, truth: pd.Se
     """Estimates with their limits, the required errors dashed, the truth as stars."""
     rounds = rounds.assign(**{name: 100 * rounds[name] for name in ROUND_COLUMNS if "_" in name})
     for name, colour, label in (
-        ("worst_error", style.VERMILLION, "worst"),
-        ("global_error", style.BLUE, "global"),
+        ("worst_error", style.VERMILLION, "worst error, estimated"),
+        ("global_error", style.BLUE, "global error, estimated"),
     ):
         known = rounds[np.isfinite(rounds[name])]
         axes.plot(known["simulations"], known[name], "o-", color=colour, markersize=3, label=label)
         axes.axhline(100 * required[name], color=colour, linestyle="--", linewidth=0.6)
         star = 100 * truth[f"held_out_{name}"]
         axes.plot(truth["simulations"], star, "*", color=colour, markersize=8, mec="black")
+    axes.plot([], [], "--", color="black", linewidth=0.6, label="target")
+    axes.plot([], [], "*", color="white", markersize=8, mec="black", label="at unused simulations")
     limits = rounds[["global_lower", "global_upper"]].sub(rounds["global_error"], axis=0).abs()
     bars = {"fmt": "none", "color": style.BLUE, "linewidth": 0.8, "capsize": 2}
     axes.errorbar(rounds["simulations"], rounds["global_error"], yerr=limits.T, **bars)

@@ -23,6 +23,8 @@ from squeezefilm_workflow.reporting.results import Results
 
 PLANE = {"xlabel": r"mean gap $h_0$ (µm)", "ylabel": r"amplitude $h_v$ (µm)"}
 """Labels of a plane: gap to the right, amplitude upwards."""
+LABEL_MARGINS = (0.035, 0.02)
+"""Between the labels of contours and the rim of the axes, fractions of the axes."""
 MESH_LINES = 26
 """Lines of a model's mesh along each factor."""
 
@@ -164,9 +166,21 @@ def error_contours(
     if reach > band:
         thick: dict[str, Any] = {"colors": "black", "linestyles": "solid", "linewidths": 1.8}
         edge = axes.contour(*grid, levels=[-band, band], **thick)
-        axes.clabel(edge, fontsize=6, fmt=lambda level: f"{signed(level, 3)} %")
+        label_contours(axes, edge, lambda level: f"{signed(level, 3)} %")
         axes.plot([], [], "k", linewidth=1.8, label=f"±{band:g} %, the allowed band")
     return filled, drawn
+
+
+def label_contours(axes: Axes, lines: ContourSet, form: Any) -> None:
+    """Write a level on each line, upright on white: the sign of a level is no piece of the line.
+
+    Labels that the rim of the axes would cut are not written.
+    """
+    for label in axes.clabel(lines, fontsize=6, fmt=form):
+        at = axes.transAxes.inverted().transform(axes.transData.transform(label.get_position()))
+        inside = bool((np.abs(at - 0.5) < 0.5 - np.array(LABEL_MARGINS)).all())
+        label.set(rotation=0, color="black", zorder=3, visible=inside)
+        label.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})
 
 
 def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> None:
