@@ -86,7 +86,9 @@ class Inertia(VelocityTerm):
     OVER_PERIOD = "terms/inertia_over_period.cl"
     HOOKS = ("residual", "response", "step", "carry")
     VELOCITIES = 1
-    OWN_FIELDS = 31
+    IN_SINGLE = True
+    OWN_FIELDS = 21
+    LINEAR_FIELDS = 44
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 10
     IN_EXPANSIONS = True
