@@ -239,7 +239,7 @@ static void apply_jacobian(const Grid *g, Film *film, vector w, vector out)
 {
     vector v = (vector)film->work_a, work = (vector)film->work_b, r = (vector)film->work_c;
 #ifdef SINGLE
-    vector on_nodes = film->nodal + (w - film->basis);
+    vector on_nodes = film->nodal + (w - film->basis) / g->length * g->count;
 #else
     vector on_nodes = out; /* until the terms are added up */
 #endif

@@ -3,12 +3,22 @@
 
 /* The matrices of the linear system, in the type in which GMRES works; those of the modes in time
  * (time_modes.py) are transposed. */
+#ifdef HAS_inertia
+/* Those of velocities along an axis and of velocities across it (terms/inertia.py). */
+typedef struct {
+    constant_vector values, slope, along, nodes, divergence, across, edge, to_end;
+} Fluxes;
+#endif
 typedef struct {
     constant_vector laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
     constant_vector to_time_modes, time_modes;
 #ifdef HAS_outline
     constant_vector mass_rate; /* time_modes.py */
     constant_vector modes_by, to_modes_by; /* terms/outline.py */
+#endif
+#ifdef HAS_inertia
+    constant_vector time_derivative, settling, settling_of_slow;
+    Fluxes flux[2];
 #endif
 } Operators;
 
@@ -81,6 +91,16 @@ static constant_vector taken(matrix values, int count, vector *room)
 #endif
 }
 
+#define TAKE_FLUXES(axis, name, size)                                                             \
+    g.linear.flux[axis] = (Fluxes){taken(values + row->flux_values_##name, size, room),           \
+                                   taken(values + row->flux_slope_##name, size, room),            \
+                                   taken(values + row->flux_along_##name, size, room),            \
+                                   taken(values + row->flux_nodes_##name, size, room),            \
+                                   taken(values + row->flux_divergence_##name, size, room),       \
+                                   taken(values + row->flux_across_##name, size, room),           \
+                                   taken(values + row->flux_edge_##name, 2 * g.n##name, room),    \
+                                   taken(values + row->flux_to_end_##name, 4, room)};
+
 /* `room` is for the matrices of the linear system, if they are of another type. */
 static Grid make_grid(__global const Row *row, matrix values, vector *room)
 {
@@ -110,6 +130,13 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     const int by = g.rows * (g.around ? g.ny : g.nx);
     g.linear.modes_by = taken(values + row->modes_by, by, room);
     g.linear.to_modes_by = taken(values + row->to_modes_by, by, room);
+#endif
+#ifdef HAS_inertia
+    g.linear.time_derivative = taken(g.time_derivative, g.nt * g.nt, room);
+    g.linear.settling = taken(values + row->settling, g.nt * g.nt, room);
+    g.linear.settling_of_slow = taken(values + row->settling_of_slow, g.nt * g.nt, room);
+    TAKE_FLUXES(0, x, on_x)
+    TAKE_FLUXES(1, y, on_y)
 #endif
     g.eigenvalues = values + row->eigenvalues;
     g.eigenvalues_y = values + row->eigenvalues_y;
@@ -145,6 +172,12 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
         else                                                                                      \
             product(a, n, n, in, out, columns, panels, add);                                      \
         SYNC;                                                                                     \
+    }                                                                                             \
+    /* As the state has it: what terms take. */                                                   \
+    OF_BOTH_TYPES void along_axis(const Grid *g, int axis, __global const type *a, int kind,      \
+                                  __global const type *in, __global type *out, int add)           \
+    {                                                                                             \
+        along_axis(g, axis, axis == 0 ? g->whole_x : g->whole_y, a, kind, in, out, add);          \
     }                                                                                             \
     /* out = Δ in. */                                                                             \
     OF_BOTH_TYPES void laplacian(const Grid *g, __global const type *in_x,                        \
@@ -299,10 +332,4 @@ static void carry_field(const Grid *g, const Film *film, __global const Row *coa
     multiply(in_x, g->nx, nx, (matrix)film->work_a, IS_NODE(1) ? fine : film->work_b, ny * g->nt, 1, 0);
     if (!IS_NODE(1))
         multiply(in_y, g->ny, ny, (matrix)film->work_b, fine, g->nt, g->nx, 0);
-}
-
-/* Along an axis as the state has it: what terms take. */
-OF_BOTH_TYPES void along_axis(const Grid *g, int axis, matrix a, int kind, field in, field out, int add)
-{
-    along_axis(g, axis, axis == 0 ? g->whole_x : g->whole_y, a, kind, (matrix)in, out, add);
 }

@@ -44,6 +44,7 @@ from squeezefilm.reynolds.terms import (
     preconditioner_count,
     terms_of,
     unknown_fields,
+    with_velocities,
 )
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 
@@ -124,7 +125,8 @@ def _most_krylov(grid: Grid, terms: Terms) -> int:
     Where their vectors will stand there is room for four matrices in time (thermal_over_period.cl).
     """
     room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
-    least = max(LEAST_KRYLOV, -(-4 * (grid.nt + 1) // (grid.nx * grid.ny)))
+    doubles = 2 if in_single(terms) else 1  # vectors for the room of one in double precision
+    least = max(LEAST_KRYLOV, -(-4 * doubles * (grid.nt + 1) // (grid.nx * grid.ny)))
     return max(min(room, MOST_KRYLOV), least)
 
 
@@ -222,9 +224,9 @@ class Batch:
 def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
     most, fields = _most_krylov(grid, terms), unknown_fields(terms)
-    own = 2 * flow_terms + 3 + own_fields(compiled_terms(terms))
+    own = 2 * flow_terms + 3 + own_fields(compiled_terms(terms), single=in_single(terms))
     linear = 3 * flow_terms + 10 + (most + 1) * fields
-    matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
+    matrices = (3 + 6 * with_velocities(terms)) * (grid.nx**2 + grid.ny**2 + grid.nt**2)
     if grid.outline:
         matrices += 2 * grid.nx * grid.ny * max(grid.nx, grid.ny) + 32
     small = (most + 4) * (most + 1) + grid.nx * grid.ny
@@ -488,7 +490,7 @@ def _program_header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
             f"#define FLOW_TERMS_OF(film) {flow_terms if known else '((film)->row->flow_terms)'}",
             f"#define AXES {axes_of(terms)}",
             f"#define ROW_PARTS {preconditioner_count(terms)}",
-            f"#define OWN_FIELDS {own_fields(terms)}",
+            f"#define OWN_FIELDS {own_fields(terms, single=single)}",
             "#define SINGLE" if single else "",
             *(f"#define HAS_{term.NAME}" for term in terms),
             c_struct("Row", row),

@@ -158,9 +158,10 @@ def preconditioner_count(terms: Terms) -> int:
     return max((term.parts for term in terms if isinstance(term, NonuniformGap)), default=0)
 
 
-def own_fields(terms: Terms) -> int:
+def own_fields(terms: Terms, *, single: bool = False) -> int:
     """Return the number of work fields that the terms need beside the unknowns."""
-    return sum(term.OWN_FIELDS for term in terms)
+    linear = sum(term.LINEAR_FIELDS for term in terms)
+    return sum(term.OWN_FIELDS for term in terms) + (linear // 2 if single else linear)
 
 
 def notes_of(scene: Scene) -> list[str]:

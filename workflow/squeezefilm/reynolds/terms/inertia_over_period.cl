@@ -7,12 +7,24 @@
  * off its residual before that is preconditioned. */
 
 /* Fields of a direction that the state has: gauge pressure and its slope at its flux points, velocity
- * along and across, the first's derivatives along and across, d ln(ρH)/dT, and what is in braces in
- * inertia.py; and what warm gas flows less (thermal.py) for each velocity and for each rate of it.
- * Then those of a change: of the density, of the deficit, of the velocity. */
-enum { PRESSURE, SLOPE, ALONG, ACROSS, ALONG_RATE, ACROSS_RATE, FILLING, FORCES, WARM_SHARE,
-       WARM_LAG, STATE_FIELDS };
-enum { DENSITY, DEFICIT, VELOCITY, CHANGE_FIELDS };
+ * along and across, the first's derivatives along and across, d ln(ρH)/dT, what is in braces in
+ * inertia.py, and the shares of a velocity that gas carries out at both ends across. */
+enum { PRESSURE, SLOPE, ALONG, ACROSS, ALONG_RATE, ACROSS_RATE, FILLING, FORCES, CARRIED_SHARES,
+       STATE_FIELDS };
+#define SPARE_FIELDS 3
+/* Of the linear system: what each part of a change is taken by, set at each state. Its drive has the
+ * density's rise and the pressure's slope; d ln(ρH)/dT the former; minus the lagging forces the
+ * velocity, that across, its derivatives across and along, the rates of filling and of the velocity, and the
+ * density's rise; the flux the deficit, the density's rise and, of a warm gas, velocity and its rate. Then
+ * the fields of a change. */
+enum { DRIVE_BY_RISE, DRIVE_BY_SLOPE, FILLING_BY_RISE,
+       FORCE_BY_VELOCITY, FORCE_BY_CROSSING, FORCE_BY_ACROSS_RATE, FORCE_BY_ALONG_RATE,
+       FORCE_BY_FILLING, FORCE_BY_RATE, FORCE_BY_RISE,
+       FLUX_BY_DEFICIT, FLUX_BY_RISE, FLUX_BY_VELOCITY, FLUX_BY_RATE, CARRIED_OUT,
+       RISE, DEFICIT, VELOCITY, LINEAR_FIELDS };
+/* And of no direction: the pressure's rise by a mass; room. */
+enum { RISE_BY_MASS, PRESSURE_RISE, CROSSING, ACROSS_CHANGE, ALONG_CHANGE, FILLING_CHANGE,
+       VELOCITY_CHANGE, LAGGING, COMMON_FIELDS };
 
 static double4 density_rise(const Film *film, double4 p);
 static double4 density_slope(const Film *film, double4 p);
@@ -48,57 +60,85 @@ static field state_field(const Grid *g, const Film *film, int axis, int which)
     return film->own_work + (axis * STATE_FIELDS + which) * g->count;
 }
 
-static field change_field(const Grid *g, const Film *film, int axis, int which)
+static field spare_field(const Grid *g, const Film *film, int which)
 {
-    return film->own_work + (2 * STATE_FIELDS + axis * CHANGE_FIELDS + which) * g->count;
+    return film->own_work + (2 * STATE_FIELDS + which) * g->count;
 }
 
-static field scratch_field(const Grid *g, const Film *film, int which)
+static vector common_field(const Grid *g, const Film *film, int which)
 {
-    return film->own_work + (2 * STATE_FIELDS + 2 * CHANGE_FIELDS + which) * g->count;
+    return (vector)spare_field(g, film, SPARE_FIELDS) + which * g->count;
+}
+
+static vector linear_field(const Grid *g, const Film *film, int axis, int which)
+{
+    return common_field(g, film, COMMON_FIELDS + axis * LINEAR_FIELDS + which);
 }
 
 /* Derivative of lag_of to the density. */
 static double4 lag_slope(const Film *film, double4 gap) { return film->row->lag * gap * gap; }
 
-/* The velocity across each direction, `which` of STATE_FIELDS or a scratch field: that along the
- * other one, carried to this one's points. */
-static void velocity_across(const Grid *g, const Film *film, field along, field other, int axis,
-                            field work)
+/* Shares of a velocity along a direction that gas carries out across it, at either end: for each of two
+ * ends those of all places along. */
+static void set_carried_shares(const Grid *g, const Film *film, int axis, matrix4 across, field4 shares)
 {
-    along_axis(g, 1 - axis, direction_of(film, 1 - axis).nodes, NODES_TO_NODES, other, work, 0);
-    along_axis(g, axis, direction_of(film, axis).values, NODES_TO_NODES, work, along, 0);
-}
-
-/* Add to the derivative across a direction of a velocity along it what that has from the ends, where
- * `d.across` takes the velocity as zero: so it is where gas comes in, and where gas goes out it carries
- * its velocity along. */
-static void add_carried_out(const Grid *g, const Film *film, const Direction *d, int axis,
-                            matrix4 across, matrix4 velocity, field4 derivative)
-{
-    const int n = axis == 0 ? g->ny : g->nx, whole = axis == 0 ? g->whole_y : g->whole_x;
-    const int apart = (axis == 0 ? 1 : g->ny) * g->nt4;
-    matrix first_edge = d->edge, last_edge = d->edge + n, to_end = d->to_end;
+    const int n = axis == 0 ? g->ny : g->nx, apart = (axis == 0 ? 1 : g->ny) * g->nt4;
+    const int places = g->count4 / n;
     const double reversing = 1.0 / film->row->reversing;
-    FOR_EACH(i, g->rows / n * g->nt4)
+    FOR_EACH(i, 2 * places)
     {
-        const int first = axis == 0 ? i / g->nt4 * g->ny * g->nt4 + i % g->nt4 : i;
-        double4 carried[2];
-        carried[1] = (double4)(0.0);
-        for (int end = 0; end <= whole; end++) {
-            const int last = first + (end ? n - 1 : 0) * apart, step = end ? -apart : apart;
-            const double4 out = (end ? reversing : -reversing) * across[last];
-            double4 there = (double4)(0.0);
-            for (int j = 0; j < 4; j++)
-                there += to_end[j] * velocity[last + j * step];
-            carried[end] = there * (0.5 + 0.5 * out / sqrt(1.0 + out * out));
-        }
-        for (int place = 0; place < n; place++)
-            derivative[first + place * apart] +=
-                first_edge[place] * carried[0] + last_edge[place] * carried[1];
+        const int end = i / places, place = i % places;
+        const int first = axis == 0 ? place / g->nt4 * g->ny * g->nt4 + place % g->nt4 : place;
+        const double4 out = (end ? reversing : -reversing) * across[first + (end ? n - 1 : 0) * apart];
+        shares[i] = 0.5 + 0.5 * out / sqrt(1.0 + out * out);
     }
     SYNC;
 }
+
+/* The velocity across each direction: that along the other one, carried to this one's points.
+ *
+ * And add to the derivative across a direction of a velocity along it what that has from the ends, where
+ * the matrix across takes the velocity as zero: so it is where gas comes in, and where gas goes out it
+ * carries its velocity along. */
+#define CROSSING_VELOCITIES(type)                                                                   \
+    OF_BOTH_TYPES void velocity_across(const Grid *g, __global type *along,                        \
+                                       __global const type *other, int axis,                       \
+                                       __global const type *nodes, __global const type *values,    \
+                                       __global type *work)                                        \
+    {                                                                                              \
+        along_axis(g, 1 - axis, nodes, NODES_TO_NODES, other, work, 0);                            \
+        along_axis(g, axis, values, NODES_TO_NODES, work, along, 0);                               \
+    }                                                                                              \
+    OF_BOTH_TYPES void add_carried_out(const Grid *g, int axis, __global const type *edge,         \
+                                       __global const type *to_end, __global const type *shares,   \
+                                       __global const type *velocity, __global type *derivative)   \
+    {                                                                                              \
+        const int n = axis == 0 ? g->ny : g->nx, whole = axis == 0 ? g->whole_y : g->whole_x;      \
+        const int apart = (axis == 0 ? 1 : g->ny) * g->nt4, places = g->count4 / n;                \
+        __global const JOIN(type, 4) *v = (__global const JOIN(type, 4) *)velocity;                \
+        FOR_EACH(i, places)                                                                        \
+        {                                                                                          \
+            const int first = axis == 0 ? i / g->nt4 * g->ny * g->nt4 + i % g->nt4 : i;            \
+            JOIN(type, 4) carried[2];                                                              \
+            carried[1] = (JOIN(type, 4))(0);                                                       \
+            for (int end = 0; end <= whole; end++) {                                               \
+                const int last = first + (end ? n - 1 : 0) * apart, step = end ? -apart : apart;   \
+                JOIN(type, 4) there = (JOIN(type, 4))(0);                                          \
+                for (int j = 0; j < 4; j++)                                                        \
+                    there += to_end[j] * v[last + j * step];                                       \
+                carried[end] =                                                                     \
+                    there * ((__global const JOIN(type, 4) *)shares)[end * places + i];            \
+            }                                                                                      \
+            for (int place = 0; place < n; place++)                                                \
+                ((__global JOIN(type, 4) *)derivative)[first + place * apart] +=                   \
+                    edge[place] * carried[0] + edge[n + place] * carried[1];                       \
+        }                                                                                          \
+        SYNC;                                                                                      \
+    }
+CROSSING_VELOCITIES(double)
+#ifdef SINGLE
+CROSSING_VELOCITIES(float)
+#endif
 
 /* Within an outline velocities are those times |dz/dζ|, along its coordinates: (ū·∇)ū has 1/J, and each
  * derivative of a velocity adds what its direction turns by, times it (terms/outline.py). */
@@ -142,6 +182,63 @@ static void set_velocity(const Grid *g, const Film *film, int axis)
     SYNC;
 }
 
+/* The state's velocity across a direction. */
+static void set_velocity_across(const Grid *g, const Film *film, int axis, field work)
+{
+    velocity_across(g, state_field(g, film, axis, ACROSS),
+                    (matrix)state_field(g, film, 1 - axis, ALONG), axis,
+                    direction_of(film, 1 - axis).nodes, direction_of(film, axis).values, work);
+}
+
+/* What a change is taken by in a direction, at the state; a warm gas adds its own (thermal.py). */
+static void set_linear(const Grid *whole_grid, const Film *whole_film, int axis)
+{
+    AS_COPIES(whole_grid, whole_film)
+    const Direction d = direction_of(film, axis);
+    matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
+    matrix4 slope = (matrix4)state_field(g, film, axis, SLOPE);
+    matrix4 u = (matrix4)state_field(g, film, axis, ALONG);
+    matrix4 across = (matrix4)state_field(g, film, axis, ACROSS);
+    matrix4 along_rate = (matrix4)state_field(g, film, axis, ALONG_RATE);
+    matrix4 across_rate = (matrix4)state_field(g, film, axis, ACROSS_RATE);
+    matrix4 filling = (matrix4)state_field(g, film, axis, FILLING);
+    matrix4 forces = (matrix4)state_field(g, film, axis, FORCES);
+    matrix4 b = (matrix4)(film->own + axis * g->count);
+    matrix4 shares = (matrix4)state_field(g, film, axis, CARRIED_SHARES);
+    vector by = linear_field(g, film, axis, 0);
+    const int count4 = g->count4;
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        EACH_OF(d)
+        const double4 rise = density_slope(film, p[i]), flow = mobility(film, gap, density);
+        const double4 lag = lag_of(film, gap, density), flux = film->sigma * gap;
+        const double4 carried = 9.0 / 7.0 OVER_AREA(d, i) * lag;
+        const double4 jump = gap * slip_of(film) / (film->sigma * density * density);
+        store4(jump * rise * slope[i], DRIVE_BY_RISE * count4 + i, by);
+        store4(-flow, DRIVE_BY_SLOPE * count4 + i, by);
+        store4(rise / density, FILLING_BY_RISE * count4 + i, by);
+        store4(lag * filling[i] / 7.0 - carried * (along_rate[i] TURNED(d, i, 2.0 * u[i])),
+               FORCE_BY_VELOCITY * count4 + i, by);
+        store4(-carried * u[i], FORCE_BY_ALONG_RATE * count4 + i, by);
+#if AXES > 1
+        /* δ(u across) times u's derivative there, and u across times that of δu. */
+        store4(-carried * (across_rate[i] TURNED(d, i, 2.0 * across[i])),
+               FORCE_BY_CROSSING * count4 + i, by);
+        store4(-carried * across[i], FORCE_BY_ACROSS_RATE * count4 + i, by);
+#endif
+        store4(lag * u[i] / 7.0, FORCE_BY_FILLING * count4 + i, by);
+        store4(-lag, FORCE_BY_RATE * count4 + i, by);
+        store4(-lag_slope(film, gap) * rise * forces[i], FORCE_BY_RISE * count4 + i, by);
+        store4(flux * density, FLUX_BY_DEFICIT * count4 + i, by);
+        store4(flux * rise * b[i], FLUX_BY_RISE * count4 + i, by);
+    }
+#if AXES > 1
+    FOR_EACH(i, 2 * g->count4 / (axis == 0 ? g->ny : g->nx))
+        store4(shares[i], CARRIED_OUT * count4 + i, by);
+#endif
+    SYNC;
+}
+
 static void residual_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
                              field out)
 {
@@ -149,7 +246,8 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         return;
     AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
-    field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
+    field spare = spare_field(g, film, 0), rate = spare_field(g, film, 1);
+    field settled = spare_field(g, film, 2);
     for (int axis = 0; axis < AXES; axis++) {
         const Direction d = direction_of(film, axis);
         matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
@@ -182,11 +280,13 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         matrix4 filling = (matrix4)state_field(g, film, axis, FILLING);
         field4 forces = (field4)state_field(g, film, axis, FORCES);
         matrix4 b = (matrix4)(film->own + axis * g->count);
-        field4 lagging = (field4)spare, settled = (field4)(film->own_out + axis * g->count);
-        field4 flux = (field4)rate;
+        field4 lagging = (field4)spare, flux = (field4)rate;
+        vector left = film->own_out + axis * g->count;
 #if AXES > 1
-        velocity_across(g, film, (field)across, state_field(g, film, 1 - axis, ALONG), axis, spare);
-        add_carried_out(g, film, &d, axis, across, u, (field4)across_rate);
+        field shares = state_field(g, film, axis, CARRIED_SHARES);
+        set_velocity_across(g, film, axis, spare);
+        set_carried_shares(g, film, axis, across, (field4)shares);
+        add_carried_out(g, axis, d.edge, d.to_end, (matrix)shares, (matrix)u, (field)across_rate);
 #endif
         along_t(g, g->time_derivative, (field)u, rate, 0);
         FOR_EACH_POINT(g, row, t, i)
@@ -199,130 +299,128 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
             lagging[i] = -lag_of(film, gap, density) * forces[i];
         }
         SYNC;
-        along_t(g, ARRAY(film, settling), film->own + axis * g->count, (field)settled, 0);
-        along_t(g, ARRAY(film, settling_of_slow), spare, (field)settled, 1);
+        along_t(g, ARRAY(film, settling), film->own + axis * g->count, settled, 0);
+        along_t(g, ARRAY(film, settling_of_slow), spare, settled, 1);
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
-            flux[i] = sigma * gap * density * (b[i] - settled[i]);
+            flux[i] = sigma * gap * density * (b[i] - ((matrix4)settled)[i]);
+            store4(((matrix4)settled)[i], i, left);
         }
         SYNC;
         along_axis(g, axis, d.divergence, NODES_TO_SLOPES, rate, out, 1);
+        set_linear(g, film, axis);
     }
+    vector rise = common_field(g, film, RISE_BY_MASS);
+    FOR_EACH_POINT(g, row, t, i)
+        store4(1.0 / (gap_at(g, film, row, t) * density_slope(film, film->p[i])), i, rise);
+    SYNC;
 }
 
-/* δρ and δV, the latter in the place of the deficit, of a change `rise` of the pressure. */
-static void driven(const Grid *whole_grid, const Film *whole_film, int axis, field rise)
+/* δρ but for its slope, δV in the place of the deficit and δu of a change `rise` of the pressure and one
+ * of what is more than settled, times a sign. */
+static void driven(const Grid *g, const Film *film, int axis, constant_vector rise, real sign)
 {
-    AS_COPIES(whole_grid, whole_film)
-    const Direction d = direction_of(film, axis);
-    matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
-    matrix4 slope = (matrix4)state_field(g, film, axis, SLOPE);
-    field4 rises = (field4)change_field(g, film, axis, DENSITY);
-    field4 drive = (field4)change_field(g, film, axis, DEFICIT);
-    along_axis(g, axis, d.values, NODES_TO_NODES, rise, (field)rises, 0);
-    along_axis(g, axis, d.slope, NODES_TO_SLOPES, rise, (field)drive, 0);
-    FOR_EACH_POINT(g, row, t, i)
+    vector rises = linear_field(g, film, axis, RISE), drive = linear_field(g, film, axis, DEFICIT);
+    vector velocity = linear_field(g, film, axis, VELOCITY);
+    along_axis(g, axis, g->linear.flux[axis].values, NODES_TO_NODES, rise, rises, 0);
+    along_axis(g, axis, g->linear.flux[axis].slope, NODES_TO_SLOPES, rise, drive, 0);
+    __global const lanes *by_rise = (__global const lanes *)linear_field(g, film, axis, DRIVE_BY_RISE);
+    __global const lanes *by_slope = (__global const lanes *)linear_field(g, film, axis, DRIVE_BY_SLOPE);
+    __global const lanes *beta = (__global const lanes *)(film->own_in + axis * g->count);
+    FOR_EACH(i, g->count / LANES)
     {
-        EACH_OF(d)
-        rises[i] *= density_slope(film, p[i]);
-        drive[i] = gap * slip_of(film) / (film->sigma * density * density) * rises[i] * slope[i] -
-                   mobility(film, gap, density) * drive[i];
+        ((__global lanes *)drive)[i] = by_rise[i] * ((__global const lanes *)rises)[i] +
+                                       by_slope[i] * ((__global const lanes *)drive)[i];
+        ((__global lanes *)velocity)[i] = sign * beta[i];
+    }
+    SYNC;
+    along_t(g, g->linear.settling, drive, velocity, 1);
+    FOR_EACH(i, g->count / LANES)
+        ((__global lanes *)drive)[i] -= ((__global const lanes *)velocity)[i];
+    SYNC;
+}
+
+/* Minus what lags by a change's forces, and the change's rate of velocity. */
+static void set_lagging(const Grid *whole_grid, const Film *whole_film, int axis)
+{
+    AS_COPIES(whole_grid, whole_film)
+    const int count = g->count / LANES;
+    __global const lanes *by = (__global const lanes *)linear_field(g, film, axis, 0);
+    __global const lanes *rise = by + RISE * count, *velocity = by + VELOCITY * count;
+    __global lanes *common = (__global lanes *)common_field(g, film, 0);
+    FOR_EACH(i, count)
+    {
+        lanes lagging = by[FORCE_BY_VELOCITY * count + i] * velocity[i] +
+                        by[FORCE_BY_ALONG_RATE * count + i] * common[ALONG_CHANGE * count + i];
+#if AXES > 1
+        lagging += by[FORCE_BY_CROSSING * count + i] * common[CROSSING * count + i] +
+                   by[FORCE_BY_ACROSS_RATE * count + i] * common[ACROSS_CHANGE * count + i];
+#endif
+        lagging += by[FORCE_BY_FILLING * count + i] * common[FILLING_CHANGE * count + i] +
+                   by[FORCE_BY_RATE * count + i] * common[VELOCITY_CHANGE * count + i];
+        common[LAGGING * count + i] = lagging + by[FORCE_BY_RISE * count + i] * rise[i];
     }
     SYNC;
 }
 
-static void response_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
-                             field out)
+/* The flux of a change, in the place of what lags. */
+static void set_flux(const Grid *whole_grid, const Film *whole_film, int axis, constant_vector settled)
 {
-    if (!whole_film->row->has_inertia)
-        return;
     AS_COPIES(whole_grid, whole_film)
-    const double sigma = film->sigma;
-    field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
-    field relative = scratch_field(g, film, 2), along_rate = scratch_field(g, film, 3);
-    field across_rate = scratch_field(g, film, 4);
-    field4 rise = (field4)rate;
-    FOR_EACH_POINT(g, row, t, i)
-        rise[i] = ((matrix4)mass)[i] /
-                  (gap_at(g, film, row, t) * density_slope(film, film->p[i]));
+    const int count = g->count / LANES;
+    __global const lanes *by = (__global const lanes *)linear_field(g, film, axis, 0);
+    __global const lanes *rise = by + RISE * count, *deficit = by + DEFICIT * count;
+    __global const lanes *velocity = by + VELOCITY * count, *left = (__global const lanes *)settled;
+    __global lanes *flux = (__global lanes *)common_field(g, film, LAGGING);
+    __global const lanes *rate = (__global const lanes *)common_field(g, film, VELOCITY_CHANGE);
+    FOR_EACH(i, count)
+        flux[i] = by[FLUX_BY_DEFICIT * count + i] * (deficit[i] - left[i]) +
+                  by[FLUX_BY_RISE * count + i] * rise[i];
+    if (film->row->has_thermal)
+        FOR_EACH(i, count)
+            flux[i] += by[FLUX_BY_VELOCITY * count + i] * velocity[i] +
+                       by[FLUX_BY_RATE * count + i] * rate[i];
     SYNC;
+}
+
+static void response_inertia(const Grid *g, const Film *film, vector mass, vector work, vector out)
+{
+    if (!film->row->has_inertia)
+        return;
+    vector rise = common_field(g, film, PRESSURE_RISE), lagging = common_field(g, film, LAGGING);
+    __global const lanes *by_mass = (__global const lanes *)common_field(g, film, RISE_BY_MASS);
+    FOR_EACH(i, g->count / LANES)
+        ((__global lanes *)rise)[i] = by_mass[i] * ((__global const lanes *)mass)[i];
+    SYNC;
+    for (int axis = 0; axis < AXES; axis++)
+        driven(g, film, axis, rise, -1);
     for (int axis = 0; axis < AXES; axis++) {
-        driven(g, film, axis, rate);
-        matrix4 beta = (matrix4)(film->own_in + axis * g->count);
-        field4 drive = (field4)change_field(g, film, axis, DEFICIT);
-        field4 velocity = (field4)change_field(g, film, axis, VELOCITY);
-        along_t(g, ARRAY(film, settling), (field)drive, (field)velocity, 0);
-        FOR_EACH(i, g->count4)
-        {
-            velocity[i] -= beta[i];
-            drive[i] -= velocity[i];
-        }
-        SYNC;
-    }
-    for (int axis = 0; axis < AXES; axis++) {
-        const Direction d = direction_of(film, axis);
-        matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
-        matrix4 u = (matrix4)state_field(g, film, axis, ALONG);
-        matrix4 across = (matrix4)state_field(g, film, axis, ACROSS);
-        matrix4 u_along = (matrix4)state_field(g, film, axis, ALONG_RATE);
-        matrix4 u_across = (matrix4)state_field(g, film, axis, ACROSS_RATE);
-        matrix4 filling = (matrix4)state_field(g, film, axis, FILLING);
-        matrix4 forces = (matrix4)state_field(g, film, axis, FORCES);
-        matrix4 warm_share = (matrix4)state_field(g, film, axis, WARM_SHARE);
-        matrix4 warm_lag = (matrix4)state_field(g, film, axis, WARM_LAG);
-        matrix4 b = (matrix4)(film->own + axis * g->count);
-        matrix4 rises = (matrix4)change_field(g, film, axis, DENSITY);
-        matrix4 deficit = (matrix4)change_field(g, film, axis, DEFICIT);
-        field velocity = change_field(g, film, axis, VELOCITY);
-        matrix4 v = (matrix4)velocity;
-        field4 settled = (field4)(film->own_out + axis * g->count);
-        FOR_EACH_POINT(g, row, t, i)
-        {
-            EACH_OF(d)
-            ((field4)relative)[i] = rises[i] / density;
-        }
-        SYNC;
-        field4 crossing = (field4)across_rate, lagging = (field4)spare, flux = (field4)rate;
+        const Fluxes d = g->linear.flux[axis];
+        vector velocity = linear_field(g, film, axis, VELOCITY);
+        vector settled = film->own_out + axis * g->count;
 #if AXES > 1
-        velocity_across(g, film, across_rate, change_field(g, film, 1 - axis, VELOCITY), axis, spare);
-        /* δ(u across) times u's derivative there, and u across times that of δu. */
-        FOR_EACH(i, g->count4) crossing[i] *= u_across[i] TURNED(d, i, 2.0 * across[i]);
-        SYNC;
-        along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES, velocity, along_rate, 0);
-        add_carried_out(g, film, &d, axis, across, v, (field4)along_rate);
-        FOR_EACH(i, g->count4) crossing[i] += across[i] * ((matrix4)along_rate)[i];
-        SYNC;
+        const Fluxes other = g->linear.flux[1 - axis];
+        vector across_rate = common_field(g, film, ACROSS_CHANGE);
+        velocity_across(g, common_field(g, film, CROSSING), linear_field(g, film, 1 - axis, VELOCITY),
+                        axis, other.nodes, d.values, work);
+        along_axis(g, 1 - axis, other.across, NODES_TO_SLOPES, velocity, across_rate, 0);
+        add_carried_out(g, axis, other.edge, other.to_end, linear_field(g, film, axis, CARRIED_OUT),
+                        velocity, across_rate);
 #endif
-        along_axis(g, axis, d.along, NODES_TO_SLOPES, velocity, along_rate, 0);
-        along_t(g, g->time_derivative, relative, rate, 0);
-        FOR_EACH(i, g->count4)
-            crossing[i] = 9.0 / 7.0 OVER_AREA(d, i) *
-                              (v[i] * (u_along[i] TURNED(d, i, 2.0 * u[i])) +
-                               u[i] * ((matrix4)along_rate)[i] BY_CROSSING(crossing[i])) -
-                          (v[i] * filling[i] + u[i] * ((matrix4)rate)[i]) / 7.0;
+        along_axis(g, axis, d.along, NODES_TO_SLOPES, velocity, common_field(g, film, ALONG_CHANGE), 0);
+        __global const lanes *by_rise =
+            (__global const lanes *)linear_field(g, film, axis, FILLING_BY_RISE);
+        __global const lanes *rises = (__global const lanes *)linear_field(g, film, axis, RISE);
+        FOR_EACH(i, g->count / LANES) ((__global lanes *)work)[i] = by_rise[i] * rises[i];
         SYNC;
-        along_t(g, g->time_derivative, velocity, rate, 0);
-        FOR_EACH_POINT(g, row, t, i)
-        {
-            EACH_OF(d)
-            lagging[i] = -lag_of(film, gap, density) * (((matrix4)rate)[i] + crossing[i]) -
-                         lag_slope(film, gap) * rises[i] * forces[i];
-            crossing[i] = film->row->has_thermal
-                              ? warm_share[i] * v[i] + warm_lag[i] * ((matrix4)rate)[i]
-                              : (double4)(0.0);
-        }
-        SYNC;
-        along_t(g, ARRAY(film, settling), (field)deficit, (field)settled, 0);
-        along_t(g, ARRAY(film, settling_of_slow), spare, (field)settled, 1);
-        FOR_EACH_POINT(g, row, t, i)
-        {
-            EACH_OF(d)
-            flux[i] = sigma * gap *
-                      (density * (deficit[i] - settled[i] + crossing[i]) + rises[i] * b[i]);
-        }
-        SYNC;
-        along_axis(g, axis, d.divergence, NODES_TO_SLOPES, rate, out, 1);
+        along_t(g, g->linear.time_derivative, work, common_field(g, film, FILLING_CHANGE), 0);
+        along_t(g, g->linear.time_derivative, velocity, common_field(g, film, VELOCITY_CHANGE), 0);
+        set_lagging(g, film, axis);
+        along_t(g, g->linear.settling, linear_field(g, film, axis, DEFICIT), settled, 0);
+        along_t(g, g->linear.settling_of_slow, lagging, settled, 1);
+        set_flux(g, film, axis, settled);
+        along_axis(g, axis, d.divergence, NODES_TO_SLOPES, lagging, out, 1);
     }
 }
 
@@ -331,14 +429,15 @@ static void step_inertia(const Grid *g, const Film *film, field step, double sha
 {
     if (!film->row->has_inertia)
         return;
+    vector rise = common_field(g, film, PRESSURE_RISE);
+    FOR_EACH(i, g->count4) store4(((matrix4)step)[i], i, rise);
+    SYNC;
     for (int axis = 0; axis < AXES; axis++) {
-        driven(g, film, axis, step);
-        matrix4 beta = (matrix4)(film->own_in + axis * g->count);
-        matrix4 drive = (matrix4)change_field(g, film, axis, DEFICIT);
-        field velocity = change_field(g, film, axis, VELOCITY);
+        driven(g, film, axis, rise, 1);
+        __global const JOIN(real, 4) *deficit =
+            (__global const JOIN(real, 4) *)linear_field(g, film, axis, DEFICIT);
         field4 b = (field4)(film->own + axis * g->count);
-        along_t(g, ARRAY(film, settling), (field)drive, velocity, 0);
-        FOR_EACH(i, g->count4) b[i] += share * (drive[i] - ((matrix4)velocity)[i] - beta[i]);
+        FOR_EACH(i, g->count4) b[i] += share * in_double(deficit[i]);
         SYNC;
     }
 }

@@ -59,7 +59,8 @@ class Term:
         HOOKS: those of HOOKS that this source fills, by functions ``HOOK_NAME``.
         IN_SINGLE: whether its lines in the linear system work in single precision too.
         VELOCITIES: fields along each axis that the periodic state solves for beside the pressure.
-        OWN_FIELDS: room that its lines need beside that, in fields.
+        OWN_FIELDS, LINEAR_FIELDS: room that its lines need beside that, in fields, and in fields of
+            the linear system.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
@@ -78,6 +79,7 @@ class Term:
     IN_SINGLE: ClassVar[bool] = False
     VELOCITIES: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
+    LINEAR_FIELDS: ClassVar[int] = 0
     SPACE_PRODUCTS: ClassVar[int] = 0
     TIME_PRODUCTS: ClassVar[int] = 0
     CARRYING_MATRICES: ClassVar[tuple[str, ...]] = ()

@@ -58,6 +58,7 @@ class Thermal(VelocityTerm):
     ABSENT = AbsentTerm("thermal effects", "gas.thermal does not include them", "isothermal")
     OVER_PERIOD = "terms/thermal_over_period.cl"
     HOOKS = ("residual", "response")
+    IN_SINGLE = True
     OWN_FIELDS = 8
 
     @classmethod

@@ -61,8 +61,9 @@ static void warm(const Grid *g, const Film *film, field warmth, field lags)
     }
     SYNC;
     const int n = g->nt, size = 4 * n * (n + 1);
-    const int item = get_local_id(0), items = min((long)WORK_ITEMS, film->row->most_krylov * g->length / size);
-    field4 values = (field4)(film->basis + g->length + item * size), matrix_rows = values + n;
+    const long room = film->row->most_krylov * g->length * sizeof(real) / sizeof(double);
+    const int item = get_local_id(0), items = min((long)WORK_ITEMS, room / size);
+    field4 values = (field4)(film->basis + g->length) + item * size / 4, matrix_rows = values + n;
     for (int row = item < items ? 4 * item : g->rows; row < g->rows; row += 4 * items) {
         const int last = (g->rows - 1) * n, a = row * n, b = min(a + n, last);
         const int c = min(b + n, last), d = min(c + n, last);
@@ -93,9 +94,14 @@ static void set_velocities(const Grid *g, const Film *film, field work)
         set_velocity(g, film, axis);
 #if AXES > 1
     for (int axis = 0; axis < AXES; axis++)
-        velocity_across(g, film, state_field(g, film, axis, ACROSS),
-                        state_field(g, film, 1 - axis, ALONG), axis, work);
+        set_velocity_across(g, film, axis, work);
 #endif
+}
+
+/* σ times what warm gas lacks for each mass. */
+static vector lacking_by_mass(const Grid *g, const Film *film)
+{
+    return (vector)(film->own_work + (OWN_FIELDS - 1) * g->count);
 }
 
 static void residual_thermal(const Grid *g, const Film *film, field mass, field work, field out)
@@ -105,7 +111,7 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->count;
     field nodal = warmth + g->count, first = nodal + 2 * g->count, second = first + g->count;
     field third = second + g->count, fourth = third + g->count;
-    field4 rise = (field4)(fourth + g->count);
+    vector by_mass = lacking_by_mass(g, film);
     const double sigma = film->sigma, kappa = film->row->viscosity_exponent;
     /* τ_b over the square of the speed. */
     const double cooling = film->row->heating * sigma / 20.0;
@@ -118,8 +124,9 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     FOR_EACH_POINT(g, row, t, i)
     {
         const double4 square = nodal_x[i] * nodal_x[i] PLUS_ACROSS(nodal_y[i] * nodal_y[i]);
-        rise[i] = ((matrix4)warmth)[i] TIMES_AREA(row) - cooling * square;
-        ((field4)first)[i] = gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise[i];
+        const double4 rise = ((matrix4)warmth)[i] TIMES_AREA(row) - cooling * square;
+        store4(sigma * rise, i, by_mass);
+        ((field4)first)[i] = gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise;
     }
     SYNC;
     along_t(g, g->time_derivative, first, second, 0);
@@ -129,8 +136,8 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
         matrix4 pressure = (matrix4)state_field(g, film, axis, PRESSURE);
         matrix4 along = (matrix4)state_field(g, film, axis, ALONG);
         matrix4 across = (matrix4)state_field(g, film, axis, ACROSS);
-        field4 share = (field4)state_field(g, film, axis, WARM_SHARE);
-        field4 lag = (field4)state_field(g, film, axis, WARM_LAG);
+        vector by_velocity = linear_field(g, film, axis, FLUX_BY_VELOCITY);
+        vector by_rate = linear_field(g, film, axis, FLUX_BY_RATE);
         field4 flux = (field4)first, warmer = (field4)second, rises = (field4)third;
         along_axis(g, axis, ON_AXIS(axis, flux_values), NODES_TO_NODES, warmth, second, 0);
         FOR_EACH(i, g->count4)
@@ -146,10 +153,11 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
             const double4 hot = warmer[i], cold = hot - rises[i];
             const double4 lighter = 6.0 / 5.0 * hot - 9.0 / 14.0 * cold;
             const double4 thicker = 3.0 / 5.0 * hot - 3.0 / 7.0 * cold;
-            share[i] = lighter + kappa * thicker - lags * ((matrix4)work)[i] / 7.0;
-            lag[i] = -9.0 / 7.0 * lags * rises[i];
-            flux[i] =
-                sigma * gap * density * (share[i] * along[i] + lag[i] * ((matrix4)fourth)[i]);
+            const double4 share = lighter + kappa * thicker - lags * ((matrix4)work)[i] / 7.0;
+            const double4 lag = -9.0 / 7.0 * lags * rises[i], flow = sigma * gap * density;
+            flux[i] = flow * (share * along[i] + lag * ((matrix4)fourth)[i]);
+            store4(flow * share, i, by_velocity);
+            store4(flow * lag, i, by_rate);
         }
         SYNC;
         along_axis(g, axis, ON_AXIS(axis, flux_divergence), NODES_TO_SLOPES, first, out, 1);
@@ -158,14 +166,13 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
 
 /* −σ d/dT of the mass that warm gas lacks: of a change the film's modes in time know what itself warms
  * (time_modes.py). */
-static void response_thermal(const Grid *g, const Film *film, field mass, field work, field out)
+static void response_thermal(const Grid *g, const Film *film, vector mass, vector work, vector out)
 {
     if (!film->row->has_thermal)
         return;
-    field lacking = film->own_work + (OWN_FIELDS - 2) * g->count;
-    matrix4 rise = (matrix4)(lacking + g->count);
-    FOR_EACH(i, g->count4) ((field4)lacking)[i] = rise[i] * ((matrix4)mass)[i];
+    __global const lanes *by_mass = (__global const lanes *)lacking_by_mass(g, film);
+    FOR_EACH(i, g->count / LANES)
+        ((__global lanes *)work)[i] = by_mass[i] * ((__global const lanes *)mass)[i];
     SYNC;
-    along_t(g, g->time_derivative, lacking, work, 0);
-    subtract(out, -film->sigma, work, g->count4);
+    along_t(g, g->linear.time_derivative, work, out, 1);
 }
