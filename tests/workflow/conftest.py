@@ -1,10 +1,15 @@
 """One finished run of the quick study, shared by all tests of the workflow."""
 
+import atexit
+import csv
+import functools
+import io
 import json
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,19 +50,45 @@ def copy_with_results(repository: Path, target: Path, *more: str) -> Path:
     return folder
 
 
+@functools.cache
+def forks() -> subprocess.Popen[str]:
+    """A process that runs Snakemake without loading it each time (see forks.py)."""
+    process = subprocess.Popen(
+        [sys.executable, str(HERE / "forks.py")],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    atexit.register(process.communicate)
+    return process
+
+
 def snakemake(
     folder: Path, *arguments: str, environment: Mapping[str, str] | None = None
 ) -> subprocess.CompletedProcess[str]:
-    """Run Snakemake as a user would; standard error is joined to standard output."""
-    return subprocess.run(
-        [sys.executable, "-m", "snakemake", *arguments],
-        cwd=folder,
-        env={**os.environ, **(environment or {})},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
+    """Run Snakemake as a user would; standard error is joined to standard output.
+
+    With an environment it is a process from its start: Python reads some of it there alone.
+    """
+    if environment:
+        return subprocess.run(
+            [sys.executable, "-m", "snakemake", *arguments],
+            cwd=folder,
+            env={**os.environ, **environment},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+    process = forks()
+    assert process.stdin
+    assert process.stdout
+    with tempfile.NamedTemporaryFile(mode="r", encoding="utf-8") as output:
+        question = {"folder": str(folder), "arguments": arguments, "output": output.name}
+        process.stdin.write(json.dumps({**question, "environment": dict(os.environ)}) + "\n")
+        process.stdin.flush()
+        status = int(process.stdout.readline())
+        return subprocess.CompletedProcess(arguments, status, output.read())
 
 
 @dataclass(frozen=True)
@@ -103,46 +134,23 @@ def study(finished):
     return Study(finished.folder / "results/quick", finished.folder / "config/quick.yaml")
 
 
-class Planner:
-    """Answers which files would be made anew after an edit (see planner.py)."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self._process = subprocess.Popen(
-            [sys.executable, str(HERE / "planner.py")],
-            cwd=folder,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-
-    def rows(
-        self, *arguments: str, edits: Mapping[Path, str] | None = None
-    ) -> list[dict[str, str]]:
-        """Snakemake's summary, a row for each file, after some files were given other texts."""
-        question = {
-            "edits": {str(path): text for path, text in (edits or {}).items()},
-            "arguments": [*arguments, *QUICK],
-        }
-        assert self._process.stdin
-        assert self._process.stdout
-        self._process.stdin.write(json.dumps(question) + "\n")
-        self._process.stdin.flush()
-        rows: list[dict[str, str]] = json.loads(self._process.stdout.readline())
-        assert "error" not in rows[0], rows[0]["error"]
-        return rows
-
-    def made_anew(self, *arguments: str, edits: Mapping[Path, str] | None = None) -> set[str]:
-        """The files that would be made anew."""
-        rows = self.rows(*arguments, edits=edits)
-        return {row["output_file"] for row in rows if row["plan"] != "no update"}
-
-    def close(self) -> None:
-        self._process.communicate()
+def planned(
+    folder: Path, *arguments: str, edits: Mapping[Path, str] | None = None
+) -> list[dict[str, str]]:
+    """Snakemake's summary, a row for each file, with other texts in some files meanwhile."""
+    texts = {folder / path: text for path, text in (edits or {}).items()}
+    before = {path: path.read_bytes() for path in texts}
+    for path, text in texts.items():
+        path.write_text(text, encoding="utf-8")
+    done = snakemake(folder, "--detailed-summary", "--nolock", *arguments, *QUICK)
+    for path, content in before.items():
+        path.write_bytes(content)
+    assert done.returncode == 0, done.stdout
+    table = done.stdout[done.stdout.index("output_file\t") :]
+    return list(csv.DictReader(io.StringIO(table), delimiter="\t"))
 
 
-@pytest.fixture(scope="session")
-def planner(finished):
-    planner = Planner(finished.folder)
-    yield planner
-    planner.close()
+def made_anew(folder: Path, *arguments: str, edits: Mapping[Path, str] | None = None) -> set[str]:
+    """The files that would be made anew after some files were given other texts."""
+    rows = planned(folder, *arguments, edits=edits)
+    return {row["output_file"] for row in rows if row["plan"] != "no update"}

@@ -9,7 +9,7 @@ import pytest
 
 from squeezefilm.provenance import SOURCES, WORKFLOW
 
-from .conftest import EVERYTHING, QUICK, copy_checkout, snakemake
+from .conftest import EVERYTHING, QUICK, copy_checkout, made_anew, snakemake
 
 NOTHING = "Nothing to be done"
 CONFIG = Path("config/quick.yaml")
@@ -31,10 +31,10 @@ def simulated(made: set[str]) -> set[str]:
     ],
     ids=["fit.seeds", "sweep.points", "solver.tolerance"],
 )
-def test_a_section_makes_anew_what_depends_on_it(before, after, anew, plans, kept, planner):
-    text = (planner.folder / CONFIG).read_text(encoding="utf-8")
+def test_a_section_makes_anew_what_depends_on_it(before, after, anew, plans, kept, finished):
+    text = (finished.folder / CONFIG).read_text(encoding="utf-8")
     assert before in text
-    made = planner.made_anew(*EVERYTHING, edits={CONFIG: text.replace(before, after)})
+    made = made_anew(finished.folder, *EVERYTHING, edits={CONFIG: text.replace(before, after)})
     assert f"results/quick/{anew}" in made
     assert plans <= simulated(made)
     if plans != OF_THE_STUDY:
@@ -49,11 +49,11 @@ def test_a_section_makes_anew_what_depends_on_it(before, after, anew, plans, kep
         ("squeezefilm_workflow/reporting/figures/style.py", "figures/fig08.png", set()),
     ],
 )
-def test_an_edit_of_the_code_makes_its_stage_anew_and_what_follows(file, anew, plans, planner):
+def test_an_edit_of_the_code_makes_its_stage_anew_and_what_follows(file, anew, plans, finished):
     path = Path("workflow") / file
-    text = (planner.folder / path).read_text(encoding="utf-8")
+    text = (finished.folder / path).read_text(encoding="utf-8")
     comment = "/* edited */" if path.suffix == ".cl" else "# edited"
-    made = planner.made_anew(*EVERYTHING, edits={path: f"{text}{comment}\n"})
+    made = made_anew(finished.folder, *EVERYTHING, edits={path: f"{text}{comment}\n"})
     assert f"results/quick/{anew}" in made
     assert simulated(made) & OF_THE_STUDY == plans
     assert not [name for name in made if "fits/" in name and "/reporting/" in file]
@@ -96,10 +96,10 @@ def test_the_digest_of_a_stage_covers_all_that_its_scripts_import(stage):
     assert not {name for name in beyond if not name.startswith(beginnings)}
 
 
-def test_edits_that_are_undone_and_new_times_make_nothing_anew(planner):
-    for path in [*(planner.folder / "workflow").rglob("*.py"), planner.folder / CONFIG]:
+def test_edits_that_are_undone_and_new_times_make_nothing_anew(finished):
+    for path in [*(finished.folder / "workflow").rglob("*.py"), finished.folder / CONFIG]:
         path.write_bytes(path.read_bytes())  # the same text, a new time
-    assert planner.made_anew(*EVERYTHING) == set()
+    assert made_anew(finished.folder, *EVERYTHING) == set()
 
 
 def test_results_copied_to_a_clone_are_up_to_date(finished, tmp_path):

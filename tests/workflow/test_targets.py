@@ -10,15 +10,13 @@ from pathlib import Path
 import pytest
 import yaml
 
-from .conftest import QUICK, Planner, copy_checkout, snakemake
+from .conftest import QUICK, copy_checkout, planned, snakemake
 
 
 @pytest.fixture(scope="module")
 def fresh(repository, tmp_path_factory):
     """A checkout without results."""
-    planner = Planner(copy_checkout(repository, tmp_path_factory.mktemp("fresh") / "checkout"))
-    yield planner
-    planner.close()
+    return copy_checkout(repository, tmp_path_factory.mktemp("fresh") / "checkout")
 
 
 def targets(folder: Path) -> list[str]:
@@ -44,11 +42,11 @@ FOUR_FACTOR = {
 
 
 def test_every_target_can_be_planned(fresh):
-    names = targets(fresh.folder)
+    names = targets(fresh)
     assert {"paper", "all", "two_factor", "four_factor", "figures", "paper_tables"} <= set(names)
     assert {f"fig{number:02}" for number in range(5, 17)} <= set(names)
-    planned = fresh.rows(*names)  # one name that cannot be planned, and none is
-    assert len(planned) > len(fresh.rows("paper"))
+    rows = planned(fresh, *names)  # one name that cannot be planned, and none is
+    assert len(rows) > len(planned(fresh, "paper"))
 
 
 @pytest.mark.parametrize(
@@ -60,12 +58,12 @@ def test_every_target_can_be_planned(fresh):
     ],
 )
 def test_a_target_needs_its_own_simulations_alone(target, plans, fresh):
-    assert plans_of(fresh.rows(target)) == plans
+    assert plans_of(planned(fresh, target)) == plans
 
 
 @pytest.mark.parametrize("study", ["plate", "levitation"])
 def test_a_study_that_is_not_the_papers_makes_nothing_of_the_paper(fresh, study):
-    done = snakemake(fresh.folder, "all", "--summary", "--configfile", f"config/{study}.yaml")
+    done = snakemake(fresh, "all", "--summary", "--configfile", f"config/{study}.yaml")
     assert done.returncode == 0, done.stdout[-2000:]
     assert f"results/{study}/report/summary.html" in done.stdout
     assert (f"results/{study}/figures/profile.png" in done.stdout) == (study == "plate")
@@ -162,14 +160,12 @@ def test_limits_of_a_job_grow_with_each_attempt(profile, repository, tmp_path):
 def test_a_compared_file_that_was_deleted_is_made_again_by_the_check(repository, tmp_path):
     """Of a study in which every file is there; what is in the files does not matter here."""
     folder = copy_checkout(repository, tmp_path / "checkout", "tests/reference")
-    planner = Planner(folder)
-    for row in planner.rows("check", *QUICK):
+    for row in planned(folder, "check"):
         path = folder / row["output_file"]
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("made\n", encoding="utf-8")
-    planner.close()
     assert snakemake(folder, "check", *QUICK, "--touch").returncode == 0
     (folder / "results/quick/simulations/screen/forces.csv").unlink()
-    planned = snakemake(folder, "check", *QUICK, "--dry-run").stdout
-    assert "Simulate screen" in planned
-    assert "Every number beside its reference" in planned
+    told = snakemake(folder, "check", *QUICK, "--dry-run").stdout
+    assert "Simulate screen" in told
+    assert "Every number beside its reference" in told

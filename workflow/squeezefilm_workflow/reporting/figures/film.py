@@ -176,7 +176,7 @@ def _draw_map(
         return
     usual: dict[str, Any] = {"colors": "black", "levels": 7, "linewidths": 0.9}
     lines = axes.contour(*grid[:2], np.ma.masked_invalid(grid[2]), **usual | look)
-    parts.label_contours(axes, lines, form)
+    axes.clabel(lines, fontsize=6, fmt=form)
 
 
 def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
