@@ -147,7 +147,7 @@ def read_points(
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.place for column in columns.values()}
-        ignored = [repr(name) for at, name in enumerate(header) if at not in taken]
+        ignored = [repr(name) for name in header if column_of(name) is None]
         beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         problems[-1:] = [
