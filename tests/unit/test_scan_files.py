@@ -457,6 +457,10 @@ WRONG = {
         with_header("X Mess Wert Y Mess Wert Amplitude Phase").replace(",", " "),
         "the header has 8 names between blanks, and the rows below have not so many cells; put",
     ),
+    "a letter beside a motion": (
+        with_header("x_mm,y_mm,a [m/s²],Weg [mm]"),
+        "'amplitude' stands twice: 'Weg [mm]' and 'a [m/s²]'",
+    ),
     "two coordinates": (
         with_header("x_mm,X Pos [mm],y_mm,phase_deg"),
         "'x' stands twice: 'x_mm' and 'X Pos [mm]'",

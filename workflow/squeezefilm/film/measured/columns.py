@@ -72,8 +72,8 @@ NAMES = {
 MOTIONS_NAMED = [{*WORDS[name]} for name in MOTION_NAMES]
 MOTION, COMPONENT = {*WORDS["normal"]}.union(*MOTIONS_NAMED), {*WORDS["component"]}
 DIRECTION, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
-# The motion that a letter alone is, by the power of the angular frequency, if its unit fits.
-LETTERS = {"u": 0, "s": 0, "v": 1, "a": 2}
+# The motion that letters alone are, by the power of the angular frequency, if their unit fits.
+LETTERS = {"u": 0, "dz": 0, "v": 1, "a": 2}
 # The amplitude of a harmonic motion over its effective value, its extent from peak to peak, itself.
 AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5, "peak": 1.0}
 RATIOS = [
@@ -222,14 +222,14 @@ def _is_value(column: Column) -> bool:
 def _with_unclear(named: list[Column], header: Sequence[str]) -> list[Column]:
     """Columns with those whose words tell what they are only where no other column is it.
 
-    These are a position without a direction, and letters and levels as the motion.
+    These are a position without a direction, and, as the motion, letters without a unit and levels.
     """
     known = {column.quantity for column in named}
     if not known & {*PLACES}:
         named = [replace(each, quantity="x") if each.quantity == "line" else each for each in named]
-    if known & MOTION_QUANTITIES:
-        return named
     letters = [each for at, name in enumerate(header) if (each := _letter(name, at))]
+    if known & MOTION_QUANTITIES:
+        return named + [each for each in letters if each.unit]
     levels = [
         replace(each, quantity="amplitude", unit="db", decibels=True)
         for each in named

@@ -11,11 +11,13 @@ lengths:
     x_mm                or  y_mm  or  r_mm              the same on a line through the centre
     amplitude_um        or  real_um, imaginary_um       peak amplitude, or with its sign
     phase_deg           or  sign                        optional
+    status              or  valid, overrange            optional
 
-An amplitude may be complex (``1.2-0.3i``). Velocities (mm/s) are divided by the angular frequency,
-accelerations by its square. Of several measurements at each place one is taken: that at the
-actuator's frequency, or the rows that are asked for. A row whose amplitude is empty or ``nan`` is a
-point that was not measured: it is excluded from profile and noise, and a note names its line.
+An amplitude may be complex (``1.2-0.3i``), or in decibels with their reference. Velocities (mm/s)
+are divided by the angular frequency, accelerations by its square. Of several measurements at each
+place one is taken: that at the actuator's frequency, or the rows that are asked for. A row whose
+amplitude is empty or ``nan`` is a point that was not measured, and one may be called invalid: both
+are excluded from profile and noise, and notes name their lines.
 """
 
 from __future__ import annotations
@@ -147,7 +149,7 @@ def read_points(
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.place for column in columns.values()}
-        ignored = [repr(name) for at, name in enumerate(header) if at not in taken]
+        ignored = [repr(name) for name in header if column_of(name) is None]
         beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         problems[-1:] = [
