@@ -9,8 +9,8 @@ the number of parameters p. For any other design it bounds the loss: with M* the
 tr(M^-1 M*) <= max d, and by the inequality of arithmetic and geometric means (det M / det M*)^(1/p)
 >= p / max d.
 
-Weights come from the multiplicative algorithm, w_i <- w_i d_i / p, which raises log det M in every
-step (Titterington 1976), with Newton steps between, on the few points that matter.
+Weights come from an interior-point method on the few points that matter (Lu and Pong 2013); points
+of large sensitivity join them.
 
 Uncertain parameters. Derivatives may come as a stack, one layer for each of K parameter vectors:
 the criterion is then the mean of log det M_k (Bayesian D), and everything above holds for the
@@ -48,6 +48,11 @@ LEAST_WEIGHT = 1e-9
 SINGULAR_DIAGONAL = 1e-12
 """Diagonal of a triangular factor with columns of length one, below which it is singular."""
 ROUNDS, STEPS = 100, 100
+START_UNIFORM, CENTRING, TO_BOUNDARY = 0.1, 0.1, 0.95
+"""Of the interior-point method: equal weights in the start, μ over the last one, and the part of
+the way to where a weight or a slack is zero."""
+LEAST_SLACK, LEAST_ACTIVE_WEIGHT = 1e-14, 1e-12
+"""Slack that is left, relative, and the weight that stands for none in further rounds."""
 SAME_POINT = 5e-3
 """Relative distance of derivatives within which points of a support are one."""
 PEAK_ROUNDS, PEAKS = 20, 8
@@ -163,7 +168,7 @@ def optimal_weights(
         best = _best_weights(
             f[:, active], weights[active] / weights.sum(), prior_weights, gap=gap / 4
         )
-        weights[active] = np.where(best < LEAST_WEIGHT, 0, best)
+        weights[active] = np.where(best < LEAST_ACTIVE_WEIGHT, 0, best)
         weights /= weights.sum()
         roots = _roots(f[:, active], weights[active])
         level = prior_weights @ _variances(f, roots) / parameters
@@ -210,34 +215,34 @@ def maximin_design(derivatives: ArrayLike) -> ApproximateDesign:
 
 
 def _best_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Array:
-    """The best weights of a few points: multiplicative steps, each followed by a Newton step.
+    """The best weights of a few points, by a primal-dual interior-point method.
 
-    Newton's step goes as far as it raises log det M and no weight is negative.
+    Optimal are weights w with slacks z ≥ 0 of the equivalence theorem, d + z = λ and w z = 0; the
+    method follows w z = μ to μ → 0. As Σ w d = p, what is left is λ/p − 1 = Σ w z/p.
     """
+    parameters = f.shape[2]
+    weights = (1 - START_UNIFORM) * weights + START_UNIFORM / len(weights)
+    variances = prior @ _variances(f, _roots(f, weights))
+    ceiling = (1 + START_UNIFORM) * variances.max()
+    slack = ceiling - variances
     for _ in range(STEPS):
-        level = prior @ _variances(f, _roots(f, weights)) / f.shape[2]
-        if level.max() <= 1 + gap:
-            break
-        weights = weights * level
-        used = np.flatnonzero(weights > LEAST_WEIGHT / 100)
-        roots = _roots(f, weights)
-        part = f[:, used] @ np.linalg.inv(roots)
+        part = f @ np.linalg.inv(_roots(f, weights))
         cross = part @ part.transpose(0, 2, 1)
-        slope = prior @ np.diagonal(cross, axis1=1, axis2=2)
-        one = np.ones((len(used), 1))
-        matrix = np.block([[np.einsum("k,kij->ij", prior, cross**2), one], [one.T, 0.0]])
-        change = np.linalg.lstsq(matrix, np.append(slope, 0.0), rcond=1e-12)[0][:-1]
-        change -= change.mean()
-        shrinking = change < 0
-        limit = float(np.min(-weights[used][shrinking] / change[shrinking], initial=1.0))
-        before = prior @ log_determinant(f, weights)
-        for step in limit * 0.5 ** np.arange(8):
-            moved = np.zeros(len(weights))
-            moved[used] = np.maximum(weights[used] + step * change, 0)
-            moved /= moved.sum()
-            if prior @ log_determinant(f, moved) > before:
-                weights = moved
-                break
+        variances = prior @ np.diagonal(cross, axis1=1, axis2=2)
+        left = float(weights @ slack)
+        if variances.max() <= (1 + gap) * parameters and left <= LEAST_SLACK * parameters:
+            break
+        centred = CENTRING * left / len(weights)
+        matrix = np.einsum("k,kij->ij", prior, cross**2) + np.diag(slack / weights)
+        sides = np.stack([variances - ceiling + centred / weights, np.ones(len(weights))], axis=1)
+        change, per_ceiling = np.linalg.solve(matrix, sides).T
+        ceiling_change = change.sum() / per_ceiling.sum()
+        change -= ceiling_change * per_ceiling
+        slack_change = (centred - slack * change) / weights - slack
+        fall = max(np.max(-change / weights), np.max(-slack_change / slack))
+        step = min(1.0, TO_BOUNDARY / fall) if fall > 0 else 1.0
+        weights, slack = weights + step * change, slack + step * slack_change
+        weights, ceiling = weights / weights.sum(), ceiling + step * ceiling_change
     return weights
 
 
