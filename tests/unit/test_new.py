@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main as cli
-from squeezefilm.config.loading import load_config
+from squeezefilm.config.loading import load_config, notes_on
 from squeezefilm.studies.study import check_study
 
 
@@ -38,6 +38,8 @@ def test_a_new_study_may_be_of_a_plate_with_a_standing_wave(tmp_path):
     assert config.actuator.surface.half_m == (0.03, 0.02)
     assert config.actuator.profile.wavelength_m == 0.012
     assert config.symmetry().position == ("x_m", "y_m")
+    assert [*notes_on(config)] == []
+    assert "wave" in config.comparison.four_factor
 
 
 def test_nothing_is_written_over(tmp_path, refused):

@@ -84,10 +84,13 @@ def test_recommended_errors_are_shown_in_percent_as_on_the_pages(monkeypatch, tm
     """0.06174 stood beside a page's 5.13 %, of fewer points."""
     row = {"space": "two_factor", "model": "bump", "validation_error": 0.0076, "simulations": 48}
     row |= {"worst_error": 0.06174, "h0_m": 5e-6, "hv_m": 1e-6, "force_n": 0.3}
-    monkeypatch.setattr(models.Results, "of", lambda *_: None)
+    own = models.Results(tmp_path, SimpleNamespace())
+    monkeypatch.setattr(models.Results, "of", lambda *_: own)
     monkeypatch.setattr(models, "recommend", lambda _: pd.DataFrame([row, row]))
     assert cli.main(["recommend", str(tmp_path)]) == 0
-    header, values, *_ = map(str.split, capsys.readouterr().out.replace(",", " ").splitlines())
+    told = capsys.readouterr().out.splitlines()
+    assert told.pop() == f"fit of two_factor: {tmp_path}/models/two_factor/bump.json"
+    header, values, *_ = map(str.split, told)
     shown = dict(zip(header, values, strict=True))
     assert float(shown["worst_error_percent"]) == pytest.approx(6.174)
     assert float(shown["validation_error_percent"]) == pytest.approx(0.76)

@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
+from squeezefilm.api.models import Fit
 from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
@@ -158,6 +159,14 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     more = Factors.of(**given | {"hv_m": found["hv_m"] + found["hv_error_95_m"]})
     rise = get_model(name).evaluate(THETA[name], fit.with_limits(more)) - force
     np.testing.assert_allclose(rise, 2e-3 + 0.01 * 0.5, rtol=3e-2)
+
+
+def test_a_parameter_without_a_unit_is_a_number_alone(write_fit):
+    """It was followed by the unit 1, as one more number."""
+    fit = Fit.read(write_fit(get_model("two_factor"), THETA["two_factor"]))
+    name, value = next(iter(fit.theta.items()))
+    (line,) = [line.split() for line in str(fit).splitlines() if line.startswith(f"{name} ")]
+    assert line == [name, f"{value:.6g}"]
 
 
 def test_one_unit_at_the_end_is_that_of_all_numbers():

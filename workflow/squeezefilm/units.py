@@ -115,9 +115,8 @@ def quantity(text: str, *, option: str, unit: str) -> float:
     """
     value = None if NUMBER.fullmatch(text) else in_unit(text, unit)
     if value is None:
-        raise InputError(
-            f"{option} {text!r} must be a number with a unit of {unit}, like {examples(unit)}"
-        )
+        names = ", ".join(name for name in unit_sizes(unit) if "μ" not in name)  # µ is there too
+        raise InputError(f"{option} {text!r} must be a number with its unit: {names}")
     return value
 
 

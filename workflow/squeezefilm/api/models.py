@@ -202,7 +202,8 @@ class Fit:
     def __str__(self) -> str:
         fit = self.model
         units = dict(zip(self.theta, fit.force_model.parameter_units, strict=True))
-        theta = {name: f"{value:.6g} {units[name]}" for name, value in self.theta.items()}
+        theta = {name: f"{value:.6g}" for name, value in self.theta.items()}
+        theta |= {name: f"{theta[name]} {units[name]}" for name in theta if units[name] != "1"}
         for known in fit.parameter_ranges:
             low, high = (known[end] for end in ("lower", "upper"))
             ends = ["open" if end is None else f"{end:.4g}" for end in (low, high)]

@@ -43,6 +43,15 @@ RECTANGLE = {
   profile: {kind: standing-wave, wavelength: 12 mm}
 """,
     "extrapolation: #": """\
+models: # along a standing wave the force repeats twice in a wavelength
+  wave:
+    expression: >-
+      (t0 + t1*cos(4*pi*x/wavelength))*(hv/h0)**2 + (t2 + t3*cos(4*pi*x/wavelength))*(hv/h0)**4
+    constants: {wavelength: 12 mm}
+
+comparison:
+  four_factor: [four_factor, limit_2, wave]
+
 positions: # the farthest pad centres of interest, on one side
   x: [20 mm]
   y: [10 mm]

@@ -1,6 +1,5 @@
 """A film in a study's configuration: gas, actuator, pad, and how they are solved."""
 
-import inspect
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -194,9 +193,7 @@ def _smoothed_scan(path: Path, _changed: tuple[int, ...], **settings: Any) -> "S
     """The smooth profile of a scan's file, made once a process unless the file changes."""
     from squeezefilm.film.measured.smooth import smoothed_scan
 
-    # Its own cache does not look at the file.
-    result: SmoothedScan = inspect.unwrap(smoothed_scan)(path, **settings)
-    return result
+    return smoothed_scan(path, **settings)
 
 
 def _written(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:

@@ -125,12 +125,13 @@ def recommend(options: argparse.Namespace) -> None:
 
     The amplitude gives the study's target force at its gap (section `extrapolation`), its errors
     are those of `squeezefilm amplitude-for`. The study's candidates must be compared (`snakemake
-    models`). The screen shows the positions with the least and the largest amplitude, and errors in
-    per cent; --output has all, and fractions.
+    models`). The screen shows the positions with the least and the largest amplitude, errors in per
+    cent, and the fit's file for `squeezefilm amplitude-for`; --output has all, and fractions.
     """
     from squeezefilm_workflow.reporting.models import recommend
 
-    table = recommend(Results.of(options.results, options.config))
+    results = Results.of(options.results, options.config)
+    table = recommend(results)
     if table["model"].isna().all():
         raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
     if options.output is None:
@@ -140,6 +141,8 @@ def recommend(options: argparse.Namespace) -> None:
         ends = table.sort_values("hv_m").groupby("space", sort=False)["hv_m"].nth([0, -1]).index
         table = table.loc[ends, [name for name in RECOMMENDED_SHOWN if name in table]]
     write_rows(table, options)
+    for best in table.drop_duplicates("space").to_dict("records"):
+        print(f"fit of {best['space']}: {results.candidate(best['space'], best['model'])}")
 
 
 @command(

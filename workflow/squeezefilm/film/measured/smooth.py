@@ -166,7 +166,6 @@ class SmoothedScan:
         return self._over_their_maxima(drawn_m)
 
 
-@lru_cache(maxsize=16)
 def smoothed_scan(
     path: Path,
     *,
@@ -175,7 +174,7 @@ def smoothed_scan(
     origin_m: tuple[float, float] = (0.0, 0.0),
     **settings: Any,
 ) -> SmoothedScan:
-    """The smooth profile of a scan's file, as ``smoothed`` makes it; once a process.
+    """The smooth profile of a scan's file, as ``smoothed`` makes it.
 
     Raises InputError naming the file, and the place of the error or the undetermined region.
     """
