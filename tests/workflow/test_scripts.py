@@ -43,7 +43,7 @@ BUFFERED = {"PYTHONUNBUFFERED": ""}
 
 
 @pytest.fixture
-def run(tmp_path, repository):
+def run(tmp_path, repository, monkeypatch):
     folder = tmp_path / "Ordner mit Umläuten"
     folder.mkdir()
 
@@ -53,8 +53,9 @@ def run(tmp_path, repository):
         )
         (folder / "job's script.py").write_text(SCRIPT.format(end=end), encoding="utf-8")
         path = os.pathsep.join([str(WORKFLOW), os.environ.get("PYTHONPATH", "")])
-        environment = {"PYTHONPATH": path, **BUFFERED, **variables}
-        done = snakemake(folder, "--cores", "1", environment=environment)
+        for name, value in {"PYTHONPATH": path, **BUFFERED}.items():
+            monkeypatch.setenv(name, value)
+        done = snakemake(folder, "--cores", "1", environment=variables)
         log = (folder / "logs/job.log").read_text(encoding="utf-8")
         return done.returncode, done.stdout, log, folder / "result.csv"
 
