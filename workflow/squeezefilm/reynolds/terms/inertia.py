@@ -51,9 +51,9 @@ REVERSING_SPEED = 0.1
 # 1e5, ε 0.5, Re 0.5, on a force that was off by four times its estimate, and a quarter of the
 # paper's scenes needed a third grid.
 LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF_STEEPNESS = 2.5, 1e4, 0.05
-# And as thin as by (WAVE_FACTOR ε Re)⁴, at most so many times, where waves are shorter than half of the
-# pad and do not steepen much (nine pistons, ε Re 0.8 to 2.5): without it they took up to five grids,
-# each of which has more instants too.
+# And as thin as by (WAVE_FACTOR ε Re)⁴, at most MOST_STIFFNESS times, where waves are shorter than
+# half of the pad and not too steep (fitted to nine pistons, ε Re 0.8 to 2.5): without it they took
+# up to five grids, each of which has more instants too.
 WAVE_FACTOR, MOST_STIFFNESS, SHORT_WAVES = 1.2, 50.0, 4 * pi
 # A velocity at the edge is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
