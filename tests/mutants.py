@@ -61,8 +61,8 @@ MUTATIONS = {
     ),
     "thermal": Mutation(
         "reynolds/terms/thermal_over_period.cl",
-        "share[i] = lighter + kappa * thicker",
-        "share[i] = lighter - kappa * thicker",
+        "share = lighter + kappa * thicker",
+        "share = lighter - kappa * thicker",
         (
             f"{NUMERICS}/test_inertia.py::test_the_middle_of_a_long_pad_is_the_strip"
             "[0.2-583.0-1.81-included]",
