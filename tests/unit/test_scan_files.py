@@ -356,6 +356,9 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
             for x, y, u in zip(X, Y, U, strict=True)
         ]
     ).encode(),
+    "milliradians": text(
+        "x_mm,y_mm,amplitude_um,Phase [mrad]", X, Y, abs(U), 1e3 * np.radians(PHASE)
+    ).encode(),
     "parts along z": text(
         "x_mm,y_mm,Displacement X Real [um],Displacement Z Real [um],Displacement Z Imag [um]",
         *(X, Y, X, TURNED.real, TURNED.imag),
@@ -431,6 +434,14 @@ WRONG = {
     "decibels": (
         with_header("x_mm,y_mm,Amplitude [dB],phase_deg"),
         "write one, as in Amplitude [dB re 1 um] (of a motion only the shape counts",
+    ),
+    "decibels over a voltage": (
+        with_header("x_mm,y_mm,Displacement dB re 1 mm/V,phase_deg"),
+        "write one, as in Displacement [dB re 1 um] (of a motion",
+    ),
+    "a direction in brackets": (
+        with_header("x_mm,y_mm,Displacement(Z),phase_deg"),
+        "as in Displacement(Z) [um]. Lengths",
     ),
     "a level": (with_header("x_mm,y_mm,Niveau,phase_deg"), "as in Niveau [dB re 1 um]"),
     "a velocity in metres": (
