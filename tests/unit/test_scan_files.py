@@ -349,6 +349,16 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
     ).encode(),
     "names by R": with_header('"x.mm.","y.mm.","Amplitude..um.","Phase..deg."').encode(),
     "Chinese": with_header("X坐标(mm),Y坐标(mm),振幅(μm),相位(°)").encode("gb18030"),
+    "units behind numbers": "\n".join(
+        ["x,y,amp,phase"]
+        + [
+            f"{x:.9g} mm,{y:.9g} mm,{abs(u):.9g} µm,{180.0 * (u < 0)}°"
+            for x, y, u in zip(X, Y, U, strict=True)
+        ]
+    ).encode(),
+    "milliradians": text(
+        "x_mm,y_mm,amplitude_um,Phase [mrad]", X, Y, abs(U), 1e3 * np.radians(PHASE)
+    ).encode(),
     "parts along z": text(
         "x_mm,y_mm,Displacement X Real [um],Displacement Z Real [um],Displacement Z Imag [um]",
         *(X, Y, X, TURNED.real, TURNED.imag),
@@ -425,6 +435,14 @@ WRONG = {
         with_header("x_mm,y_mm,Amplitude [dB],phase_deg"),
         "write one, as in Amplitude [dB re 1 um] (of a motion only the shape counts",
     ),
+    "decibels over a voltage": (
+        with_header("x_mm,y_mm,Displacement dB re 1 mm/V,phase_deg"),
+        "write one, as in Displacement [dB re 1 um] (of a motion",
+    ),
+    "a direction in brackets": (
+        with_header("x_mm,y_mm,Displacement(Z),phase_deg"),
+        "as in Displacement(Z) [um]. Lengths",
+    ),
     "a level": (with_header("x_mm,y_mm,Niveau,phase_deg"), "as in Niveau [dB re 1 um]"),
     "a velocity in metres": (
         with_header("x_mm,y_mm,Velocity [um],phase_deg"),
@@ -460,6 +478,10 @@ WRONG = {
     "a letter beside a motion": (
         with_header("x_mm,y_mm,a [m/s²],Weg [mm]"),
         "'amplitude' stands twice: 'Weg [mm]' and 'a [m/s²]'",
+    ),
+    "a time series with another name": (
+        with_header("x_mm,y_mm,s_nm,t_us"),
+        "a time series ('t_us') is no shape; export amplitude and phase at the actuator's",
     ),
     "two coordinates": (
         with_header("x_mm,X Pos [mm],y_mm,phase_deg"),

@@ -11,12 +11,12 @@ from collections.abc import Collection, Iterator
 UNIT_NAMES = {
     name: unit
     for unit, names in {
-        "deg": "degree degrees grad degre degres grados gradi graus graden 度",
+        "deg": "degree degrees grad degre degres grados gradi graus graden 度 °",
         "rad": "radian radians",
         "g": "gs",
         "m": "meter meters metre metres",
         "mm": "millimeter millimeters millimetre millimetres",
-        "um": "micron microns micrometer micrometers micrometre micrometres",
+        "um": "\u03bcm micron microns micrometer micrometers micrometre micrometres",
     }.items()
     for name in names.split()
 }

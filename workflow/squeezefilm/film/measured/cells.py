@@ -11,6 +11,7 @@ import re
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.columns import Column
 from squeezefilm.film.measured.scan import LARGEST_VALUE, listed
+from squeezefilm.headers import unit_in
 from squeezefilm.lazy import pd
 
 COMPLEX = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
@@ -21,8 +22,15 @@ MISSING = re.compile(
     r"|(?:.*[-+( ])?nan(?:\(\w*\))?(?:\s*[-+].*|\*?[ij])?\)?|-?1\.#\w+",
     re.IGNORECASE,
 )
+WITH_UNIT = re.compile(r"([-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?)\s*([^\d\s.,].*)")
 # Cells of a column of signs.
 SIGNS = {"+": "1", "-": "-1", "\u2212": "-1", "+1": "1", "1": "1", "-1": "-1"}
+
+
+def unit_behind(cell: str) -> str:
+    """The unit that a cell has behind its number, as in ``1.5 mm``; "" of others."""
+    match = WITH_UNIT.fullmatch(cell.strip())
+    return unit_in(match[2]) if match else ""
 
 
 def is_missing(cell: str) -> bool:
@@ -55,6 +63,9 @@ def values_in(values: pd.Series) -> str:
 def si_values(table: pd.DataFrame, column: Column) -> pd.Series:
     """A column's values in SI units; raises InputError naming the line of one that is none."""
     cells, name = table[column.place].str.replace("*^", "e", regex=False), column.quantity
+    if column.unit and any(unit_behind(cell) == column.unit for cell in cells[:1]):
+        with_unit = cells.map(unit_behind) == column.unit
+        cells = cells.mask(with_unit, cells.str.replace(WITH_UNIT, r"\1", regex=True))
     cells = _without_thousands(cells)
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():

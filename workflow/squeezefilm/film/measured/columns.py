@@ -32,7 +32,7 @@ MOTIONS |= {"g": 9.80665, "mg": 9.80665e-3}
 POWERS = {name + end: power for end, power in PER_SECOND.items() for name in LENGTHS_M}
 POWERS |= {"g": 2, "mg": 2}
 ANGLES_RAD = {name: math.radians(degrees) for name, degrees in unit_sizes("deg").items()}
-ANGLES_RAD |= {"cycles": 2 * math.pi}
+ANGLES_RAD |= {"cycles": 2 * math.pi, "mrad": 1e-3}
 FREQUENCIES_HZ = {name.lower(): size for name, size in unit_sizes("Hz").items()}
 PLACES = dict.fromkeys(("x", "y", "r"), LENGTHS_M) | {"phi": ANGLES_RAD}
 SHAPES = dict.fromkeys(("amplitude", "real", "imaginary"), MOTIONS) | {"phase": ANGLES_RAD}
@@ -291,7 +291,12 @@ def _quoted(columns: Collection[Column]) -> str:
 
 def _written(columns: Collection[Column], before: str = "") -> str:
     """Columns as they should be called, with a unit in place of their own."""
-    stems = [re.sub(r"\s*[\[(][^\[(]*[\])]\s*$", "", each.name) for each in columns]
+    stems = [
+        re.sub(r"\W*\bdb.*|\s*[\[(][^\[(]*[\])]\s*$", "", each.name, flags=re.IGNORECASE)
+        if each.unit
+        else each.name
+        for each in columns
+    ]
     return ", ".join(
         f"{stem} [{before}{each.usual_unit}]" for stem, each in zip(stems, columns, strict=True)
     )

@@ -33,7 +33,14 @@ import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, array_lines
-from squeezefilm.film.measured.cells import is_missing, normalised, parsed, si_values, values_in
+from squeezefilm.film.measured.cells import (
+    is_missing,
+    normalised,
+    parsed,
+    si_values,
+    unit_behind,
+    values_in,
+)
 from squeezefilm.film.measured.columns import (
     OF_ROWS,
     PLACES,
@@ -113,6 +120,7 @@ RULE = re.compile(r"[-=*_\s]{3,}")
 PLAIN_ROW, NAMED_ROW = re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"), re.compile(r".*[\s,;][-+]?\d")
 # So many rows at a place that differ in time are a time series.
 INSTANTS = 8
+OF_A_TIME_SERIES = "export amplitude and phase at the actuator's frequency"
 
 
 def read_points(
@@ -154,6 +162,11 @@ def read_points(
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         problems[-1:] = [
             f"{problem}; the columns are {', '.join(columns)}{beside}" for problem in problems[-1:]
+        ]
+        problems += [
+            f"a time series ({each.name!r}) is no shape; {OF_A_TIME_SERIES}"
+            for each in named_columns(header)
+            if each.quantity == "time" and problems and not motion
         ]
         problems += unit_problems(columns.values())
         if any(column.power for column in motion) and frequency_hz is None:
@@ -258,7 +271,7 @@ def _one_measurement(
         if column.quantity == "time" and (recurs or len(values) >= INSTANTS * place.nunique()):
             raise InputError(
                 f"column {column.name!r} has several instants at each place: a time series is no "
-                "shape; export amplitude and phase at the actuator's frequency"
+                f"shape; {OF_A_TIME_SERIES}"
             )
         if recurs:
             axis = "; or call it x, y or phi, with its unit, if it is the other coordinate"
@@ -386,12 +399,17 @@ def _cells(
 def _units_beside(
     header: list[str], lines: Sequence[str], index: int, separator: str
 ) -> tuple[list[str], int]:
-    """A header with the units above it or in a line below, and the first line of rows."""
+    """A header with units above it, in a line below or in the cells; the first line of rows."""
     first = next((row for row in range(index + 1, len(lines)) if lines[row].strip()), len(lines))
-    if first < len(lines):
-        cells = _split(COMMENT.sub("", lines[first], count=1), separator)
-        if (named := with_units(header, cells)) != header:
-            return named, first + 1
+    below = "".join(lines[first : first + 1])
+    cells = _split(COMMENT.sub("", below, count=1), separator) if below else []
+    if (named := with_units(header, cells)) != header:
+        return named, first + 1
+    if len(cells) == len(header):
+        header = [
+            f"{name} [{unit}]" if (unit := unit_behind(cell)) in UNITS and _bare(name) else name
+            for name, cell in zip(header, cells, strict=True)
+        ]
     for line in lines[:index]:
         if line.startswith(LABVIEW_UNITS):
             header = with_units(header, ["", *_split(line, separator)[1:]])
@@ -403,6 +421,12 @@ def _units_beside(
             for at, name in enumerate(header)
         ]
     return header, index + 1
+
+
+def _bare(name: str) -> bool:
+    """Tell whether a column that a scan may have is without a unit."""
+    column = column_of(name)
+    return column is not None and not column.unit
 
 
 def _bare_length(column: Column) -> bool:
