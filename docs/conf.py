@@ -52,13 +52,14 @@ def claims() -> list[str]:
         ours = {(row["item"], row["quantity"]): row["value"] for row in csv.DictReader(file)}
     with (WORKFLOW / "squeezefilm_workflow/paper/papers_claims.csv").open(encoding="utf-8") as file:
         claims = list(csv.DictReader(file))
-    rows = {kind: ["| claim | paper | here | unit | verdict |"] for kind in ("result", "setting")}
+    rows = {kind: ["| claim | verdict | paper | here | unit |"] for kind in ("result", "setting")}
     agreeing = dict.fromkeys(rows, 0)
     for each in claims:
         agrees = ours[each["claim_id"], "verdict"] == "agrees"
         verdict = f"agrees {each['within']}" if agrees else f"differs because {each['because']}"
         value = ours.get((each["claim_id"], "ours"), "below 1 s")  # run times are not compared
-        cells = each["claim"], each["paper"], value, each["unit"], verdict
+        verdict = verdict.replace("docs/explanation/paper.md", "this page")
+        cells = each["claim"], verdict, each["paper"], value, each["unit"]
         rows[each["kind"]].append(f"| {' | '.join(cells)} |")
         agreeing[each["kind"]] += agrees
     lines: list[str] = []

@@ -47,7 +47,7 @@ models: # along a standing wave the force repeats twice in a wavelength
   wave:
     expression: >-
       (t0 + t1*cos(4*pi*x/wavelength))*(hv/h0)**2 + (t2 + t3*cos(4*pi*x/wavelength))*(hv/h0)**4
-    constants: {wavelength: 12 mm}
+    constants: {wavelength: 12 mm} # the profile's
 
 comparison:
   four_factor: [four_factor, limit_2, wave]
