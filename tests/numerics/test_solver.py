@@ -184,24 +184,39 @@ FEW_FILMS = [
 ]
 
 
+FILMS_BY_TERMS = [
+    FEW_FILMS,
+    *(
+        [
+            film(profile=PISTON, epsilon=epsilon, sigma=sigma, inertia="included", thermal=thermal)
+            for epsilon in (0.05, 0.2, 0.4)
+            for sigma in (150.0, 400.0, 3e3)
+        ]
+        for thermal in ("none", "included")
+    ),
+]
+
+
+@pytest.mark.parametrize("films", FILMS_BY_TERMS, ids=["none", "inertia", "both"])
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-3, 1e-5, 1e-7])
-def test_no_more_is_left_of_an_iteration_than_it_says(tolerance):
+def test_no_more_is_left_of_an_iteration_than_it_says(tolerance, films):
     """Also where the residual behind the last step is not computed (periodic.cl)."""
     grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
     exact, found = (
-        solve_batch(FEW_FILMS, grid, tolerance=each, device=choose_device())
+        solve_batch(films, grid, tolerance=each, device=choose_device())
         for each in (1e-12, tolerance)
     )
-    narrowest = 1 - np.array([each.epsilon for each in FEW_FILMS])
+    narrowest = 1 - np.array([each.epsilon for each in films])
     floor = 1e-14 * exact.results["largest"]
     assert (np.abs(found.mean - exact.mean) <= found.results["residual"] / narrowest + floor).all()
     assert (np.abs(found.mean / exact.mean - 1) <= tolerance).all()
 
 
-def test_single_precision_in_a_step_moves_no_force(monkeypatch):
+@pytest.mark.parametrize("films", FILMS_BY_TERMS, ids=["none", "inertia", "both"])
+def test_single_precision_in_a_step_moves_no_force(monkeypatch, films):
     grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
-    single = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
+    single = solve_batch(films, grid, tolerance=1e-10, device=choose_device())
     monkeypatch.setattr(launch, "in_single", lambda terms: False)
-    double = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
+    double = solve_batch(films, grid, tolerance=1e-10, device=choose_device())
     assert single.mean == pytest.approx(double.mean, rel=2e-10)
     assert (single.mean != double.mean).any()  # it was another kernel

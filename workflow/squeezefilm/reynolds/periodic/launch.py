@@ -122,11 +122,11 @@ class States:
 def _most_krylov(grid: Grid, terms: Terms) -> int:
     """Krylov iterations that a Newton step may take: as many as there is room for.
 
-    Where their vectors will stand there is room for four matrices in time (thermal_over_period.cl).
+    Where their vectors will stand, perhaps of single precision, there is room for four matrices in
+    time (thermal_over_period.cl).
     """
     room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
-    doubles = 2 if in_single(terms) else 1  # vectors for the room of one in double precision
-    least = max(LEAST_KRYLOV, -(-4 * doubles * (grid.nt + 1) // (grid.nx * grid.ny)))
+    least = max(LEAST_KRYLOV, -(-8 * (grid.nt + 1) // (grid.nx * grid.ny)))
     return max(min(room, MOST_KRYLOV), least)
 
 
@@ -221,10 +221,10 @@ class Batch:
 
 
 @lru_cache(maxsize=256)
-def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
+def _workspace_size(grid: Grid, terms: Terms, flow_terms: int, *, single: bool) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
     most, fields = _most_krylov(grid, terms), unknown_fields(terms)
-    own = 2 * flow_terms + 3 + own_fields(compiled_terms(terms), single=in_single(terms))
+    own = 2 * flow_terms + 3 + own_fields(compiled_terms(terms), single=single)
     linear = 3 * flow_terms + 10 + (most + 1) * fields
     matrices = (3 + 6 * with_velocities(terms)) * (grid.nx**2 + grid.ny**2 + grid.nt**2)
     if grid.outline:
@@ -368,7 +368,11 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
         numbers=KERNEL_ARGUMENT_TYPES,
     )
     (flow_terms,) = launched.row_dtype["flow"].shape
-    sizes = [_workspace_size(grid, terms, flow_terms) for batch in batches for grid in batch.grids]
+    sizes = [
+        _workspace_size(grid, terms, flow_terms, single=single)
+        for batch in batches
+        for grid in batch.grids
+    ]
     workspace_size = -(-max(sizes) // 8) * 8
     scenes = len(launched.first_rows) - 1
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
