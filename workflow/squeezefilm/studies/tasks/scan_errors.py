@@ -49,7 +49,7 @@ def scan_errors(
         In newtons, a row for each scene: ``force_n`` with the profile, to SCAN_FORCE_TOLERANCE;
         ``spread_n``, the standard deviation over profiles with other noise;
         ``measurement_noise_n``, half of the interval that holds the noise's part in 95 % of scans:
-        the spread's, and all that was taken off the profile's maximum as the noise's; ``misfit_n``, by
+        the spread's, and all that was taken off the profile's maximum as noise; ``misfit_n``, by
         modes that the points do not determine; ``quadrature_n``, by what the force is low without
         motion out of phase that was neglected; ``scan_error_n``, the sum of all. The same noise,
         with the misfit, of each other quantity, in its unit: ``thrust_x_measurement_noise_n`` of
