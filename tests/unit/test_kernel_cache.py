@@ -17,13 +17,13 @@ if "Portable Computing Language" not in choose_device().name:
 SQUARE = """
 import numpy as np
 from squeezefilm.lazy import cl
-from squeezefilm.reynolds.device import choose_device, kernel
+from squeezefilm.reynolds.device import choose_device, kernel, run_kernel
 device = choose_device()
 source = "kernel void square(global double *a) { a[0] *= a[0]; }"
-square = kernel(device, "square", sources=(), header=source, numbers=(None,))
+square = kernel(device, "square", sources=(), header=source)
 values = np.array([3.0])
 buffer = device.sent(values)
-square(device.queue, (1,), (1,), buffer)
+run_kernel(device, square, buffer, groups=1)
 cl.enqueue_copy(device.queue, values, buffer)
 print(values[0])
 """

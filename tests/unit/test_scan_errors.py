@@ -233,7 +233,7 @@ def test_a_scan_of_a_travelling_wave_is_one(scene, begin):
     together = np.vdot(found, u)
     assert np.abs(found * together / abs(together) - u).max() < 0.05
     sought, fitted = solve([on(scene, each) for each in (wave, scan.profile)], tolerance=1e-4)
-    errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device(), draws=20).iloc[0]
+    errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device()).iloc[0]
     assert errors.quadrature_n == 0
     assert abs(fitted.force_n - sought.force_n) < errors.scan_error_n + fitted.force_error_n
     assert errors.measurement_noise_n < 0.1 * fitted.force_n

@@ -297,15 +297,18 @@ PROFILE_KINDS = Sinc | Piston | StandingWave | TravellingWave | BesselMode | For
 """The profiles that a study can have."""
 
 
+# Spacing of the nets around a maximum, of half the surface, from the first to the last.
+# What a larger value is larger by at least, relative.
+FIRST_SPACING, LAST_SPACING, ROUND_OFF = 0.01, 1e-6, 1e-13
+
+
 def largest_magnitude(
     shape: Callable[[np.ndarray, np.ndarray], np.ndarray], *, surface: Surface
 ) -> float:
-    """Largest |shape(x_m, y_m)| on the surface: the best of a net, then improved.
+    """Largest |shape(x_m, y_m)| on the surface: the best of a net, then of ever finer ones there.
 
     NaN when the shape is not finite everywhere on the net.
     """
-    from scipy.optimize import minimize
-
     half_m = np.array(surface.half_m)
 
     def size(at: np.ndarray) -> np.ndarray:
@@ -319,10 +322,19 @@ def largest_magnitude(
         sizes = size(net)
     if not np.all(np.isfinite(sizes)):
         return np.nan
-    simplex = net[:, np.argmax(sizes)] + np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
-    better = {"method": "Nelder-Mead", "options": {"initial_simplex": simplex}}
-    improved = minimize(lambda at: -float(size(at)), simplex[0], **better)
-    return max(float(sizes.max()), -float(improved.fun))
+    best, largest, spacing = net[:, np.argmax(sizes)], float(sizes.max()), FIRST_SPACING
+    around = np.stack(np.meshgrid(*2 * [np.arange(-2.0, 3.0)])).reshape(2, -1)
+    while spacing > LAST_SPACING:
+        near = best[:, None] + spacing * around
+        with np.errstate(all="ignore"):
+            sizes = np.nan_to_num(size(near), nan=0.0, posinf=0.0)
+        k = int(np.argmax(sizes))
+        larger = sizes[k] > (1 + ROUND_OFF) * largest
+        if larger:
+            best, largest = near[:, k], float(sizes[k])
+        # From its rim the net moves on.
+        spacing /= 1 if larger and np.abs(around[:, k]).max() == 2 else 3
+    return largest
 
 
 @lru_cache(maxsize=16)

@@ -270,12 +270,8 @@ def kernel(
     *,
     sources: tuple[str, ...],
     header: str = "",
-    numbers: tuple[type[np.number[Any]] | None, ...] = (),
 ) -> Any:
     """A kernel of a program made of a text and some files of this folder, joined in order.
-
-    ``numbers`` are the types of its arguments, None for a buffer: drivers do not keep them with
-    programs that they take from a cache.
 
     The number of work-items per group and that of numbers in a register are always defined. Kernels
     are kept for the process and programs, by pyopencl and the driver, on disk.
@@ -285,10 +281,19 @@ def kernel(
         f"DOUBLE_LANES={device.vector_width(8)}",
         f"FLOAT_LANES={device.vector_width(4)}",
     )
-    made = cl.Kernel(_program(device, header, sources, sizes), name)
-    if numbers:
-        made.set_scalar_arg_dtypes(numbers)
-    return made
+    return cl.Kernel(_program(device, header, sources, sizes), name)
+
+
+def run_kernel(device: Device, kernel: Any, *arguments: Any, groups: int) -> Any:
+    """Let the device run a kernel and return the event of its end; numbers come with their types.
+
+    Drivers do not keep the types with programs from a cache, and pyopencl's own call makes and
+    compiles a function first.
+    """
+    for position, argument in enumerate(arguments):
+        kernel.set_arg(position, argument)
+    items = device.work_items
+    return cl.enqueue_nd_range_kernel(device.queue, kernel, (groups * items,), (items,))
 
 
 def _of_pocl(device: Any) -> bool:

@@ -596,15 +596,14 @@ def _bias_of_largest(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
 
 def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     """Reject a profile that the scan does not determine somewhere on the surface."""
-    from scipy.spatial import cKDTree
-
     scan, surface = smoothed.scan, smoothed.profile.surface
     x_m, y_m, _ = surface.net()
     measured, net_points = (scan.x_m + 1j * scan.y_m)[~smoothed.outliers], x_m + 1j * y_m
     if axisymmetric:  # a point stands for the circle through it
         measured, net_points = np.abs(measured) + 0j, np.abs(net_points) + 0j
-    tree = cKDTree(np.stack([measured.real, measured.imag], axis=-1))
-    distance, _ = tree.query(np.stack([net_points.real, net_points.imag], axis=-1))
+    distance = np.array(
+        [np.abs(np.subtract.outer(row, measured)).min(axis=1) for row in net_points]
+    )
     error = smoothed.standard_error(x_m=x_m, y_m=y_m) + smoothed.misfit(x_m=x_m, y_m=y_m)
     hole, worst = (
         np.unravel_index(np.argmax(badness), badness.shape) for badness in (distance, error)

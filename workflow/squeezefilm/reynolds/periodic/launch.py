@@ -13,7 +13,13 @@ import numpy as np
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.lazy import cl
-from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING_DOUBLES, Device, kernel
+from squeezefilm.reynolds.device import (
+    ALIGNMENT_BYTES,
+    PADDING_DOUBLES,
+    Device,
+    kernel,
+    run_kernel,
+)
 from squeezefilm.reynolds.grid import (
     INTERPOLATION_NAMES,
     Grid,
@@ -49,8 +55,6 @@ from squeezefilm.reynolds.terms import (
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 
 MOST_NEWTON = 40
-# The kernel's arguments (periodic.cl): types of numbers, None for buffers.
-KERNEL_ARGUMENT_TYPES = (np.int32, np.int32, *[None] * 6, np.uint64, None)
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
 # Operations that a scene may take; half of them on one grid. One core does 4e9 to 2e10 a second. Of
@@ -365,7 +369,6 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
         "periodic_state",
         sources=sources_of(compiled, single=single),
         header=_program_header(compiled, launched.row_dtype, single=single),
-        numbers=KERNEL_ARGUMENT_TYPES,
     )
     (flow_terms,) = launched.row_dtype["flow"].shape
     sizes = [
@@ -377,20 +380,20 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
     scenes = len(launched.first_rows) - 1
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
     launched.buffer = device.shared(launched.results)
-    launched.done = periodic_state(
-        device.queue,
-        (groups * device.work_items,),
-        (device.work_items,),
-        scenes,
-        most_newton,
+    launched.done = run_kernel(
+        device,
+        periodic_state,
+        np.int32(scenes),
+        np.int32(most_newton),
         device.sent(launched.first_rows),
         device.sent(launched.rows),
         device.shared(launched.values),
         launched.buffer,
         device.sent(np.zeros(1, dtype=np.int32)),
         device.room(workspace_size * groups),
-        workspace_size,
+        np.uint64(workspace_size),
         cl.LocalMemory(8 * device.work_items),
+        groups=groups,
     )
     device.queue.flush()
     return launched
