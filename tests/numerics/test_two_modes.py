@@ -52,8 +52,14 @@ def _scan() -> str:
     return "\n".join(lines + [",".join(f"{each:.5g}" for each in row) for row in rows])
 
 
-def test_force_and_thrust_are_those_of_the_modes(studies):
-    measured, exact = (sf.load(each).force(**WHERE, outputs=["thrust"]) for each in studies[:2])
+@pytest.fixture(scope="module")
+def forces(studies):
+    """Of the scan and of the exact formula."""
+    return [sf.load(each).force(**WHERE, outputs=["thrust"]) for each in studies[:2]]
+
+
+def test_force_and_thrust_are_those_of_the_modes(forces):
+    measured, exact = forces
     assert measured.scan is not None
     error_n = measured.error_n + measured.row["measurement_noise_n"]
     assert measured.force_n == pytest.approx(exact.force_n, abs=error_n)
@@ -63,12 +69,11 @@ def test_force_and_thrust_are_those_of_the_modes(studies):
     assert abs(expected) > 1e-6
 
 
-def test_the_noise_of_the_scan_has_a_column_for_the_force_and_for_each_output(studies):
+def test_the_noise_of_the_scan_has_a_column_for_the_force_and_for_each_output(studies, forces):
     """``force_error_n`` is numerical in every table; the noise explains the rest."""
-    measured, exact = (sf.load(each) for each in studies[:2])
-    alone = measured.force(**WHERE, outputs=["thrust"])
+    alone, _ = forces
     row, true = (
-        each.curve(**WHERE, outputs=["thrust"]).iloc[0].to_dict() for each in (measured, exact)
+        sf.load(each).curve(**WHERE, outputs=["thrust"]).iloc[0].to_dict() for each in studies[:2]
     )
     assert row["force_error_n"] == alone.row["force_error_n"] == alone.solution.force_error_n
     for name in ("measurement_noise_n", "thrust_x_measurement_noise_n"):
