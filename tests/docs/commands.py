@@ -144,6 +144,40 @@ def shown_on(repository: Path, *, of_a_study: bool) -> list[tuple[str, list[str]
     return [each for each in shown if any(map(each[0].count, OF_A_STUDY)) == of_a_study]
 
 
+NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+\.\d+(?:e[-+]?\d+)?")
+"""A number with decimals: of a quantity that is computed, not counted."""
+
+
+def _last_digit(number: str) -> float:
+    """One unit of a number's last digit."""
+    mantissa, _, exponent = number.partition("e")
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+def same_text(shown: str, printed: str) -> bool:
+    """Whether texts differ in no more than a unit of numbers' last digits.
+
+    Processors round otherwise: one with AVX-512 adds up in another order.
+    """
+    if NUMBER.sub("#", shown) != NUMBER.sub("#", printed):
+        return False
+    pairs = zip(NUMBER.findall(shown), NUMBER.findall(printed), strict=True)
+    return all(
+        abs(float(one.replace("−", "-")) - float(other.replace("−", "-")))
+        <= 1.01 * max(_last_digit(one), _last_digit(other))
+        for one, other in pairs
+    )
+
+
+def missing_lines(shown: list[str], printed: list[str]) -> list[str]:
+    """Lines that are shown and not printed, but the name of the device."""
+    return [
+        line
+        for line in shown
+        if not line.startswith("device ") and not any(same_text(line, other) for other in printed)
+    ]
+
+
 def all_commands(repository: Path) -> list[Command]:
     """Every command of the docs, each text once: where it stands first, of its own if it does."""
     every = [each for page in pages(repository) for each in commands_on(page, root=repository)]
