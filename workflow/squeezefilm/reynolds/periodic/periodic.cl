@@ -96,7 +96,7 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 #define NONLINEARITY(g) ((g)->length == (g)->count ? 2.0 : 8.0)
 /* The linear system of a gas that warms lacks a part of the equation. What a step leaves for that,
  * relative to its length: as much as the step before left in all, no less than half of what was
- * known there, and MOST_LACK_CHANGE times that at most; at first FIRST_LACK. In 240 films (ε 0.02–0.6,
+ * known there, and MOST_LACK_CHANGE times that at most; at first FIRST_LACK. In 440 films (ε 0.02–0.6,
  * σ 5–5000, Re 0.1–8) no more was left than 0.9 of what was said. */
 #ifdef HAS_thermal
 #define STEPS_LACK(row) ((row)->has_thermal)
