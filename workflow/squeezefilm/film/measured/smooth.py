@@ -372,7 +372,7 @@ def _best_of_family(points: Points, measured: np.ndarray) -> Fit:
 
 
 def _leave_one_out(orthogonal: np.ndarray, measured: np.ndarray) -> float:
-    """Rms error at points left out one by one, infinite where a point alone determines a mode.
+    """Rms error at held-out points, one by one; infinite where a point alone determines a mode.
 
     Args:
         orthogonal: modes made orthonormal at the points, shape (points, modes).

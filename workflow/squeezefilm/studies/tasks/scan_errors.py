@@ -24,6 +24,7 @@ from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import plan
 from squeezefilm.studies.study import scenes_in
+from squeezefilm.units import rounded_up
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 SCAN_FORCE_TOLERANCE = 1e-3
@@ -130,14 +131,14 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
     forces = errors_in_study(config, smoothed)
     noise, error = (float(forces[f"{part}_fraction"].max()) for part in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net()
-    unsure = percent(100 * float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()), sign="")
-    misfit = percent(100 * float(smoothed.misfit(x_m=x_m, y_m=y_m).max()), sign="")
+    unsure = _percent_above(float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()))
+    misfit = _percent_above(float(smoothed.misfit(x_m=x_m, y_m=y_m).max()))
     outliers = smoothed.scan.lines[smoothed.outliers].tolist()
     summary = {"largest_force_noise_fraction": noise, "largest_force_error_fraction": error}
     point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
     rms = f"{percent(100 * smoothed.quadrature, sign='')} rms including its noise"
     row = {
-        "measurement noise of a force": f"at most {percent(100 * noise, sign='')} (95 %)",
+        "measurement noise of a force": f"at most {_percent_above(noise)} (95 %)",
         "largest amplitude": f"{smoothed.peak_m * 1e6:.4g} µm",
         "noise of a point": f"{point_noise} of the largest amplitude",
         "standard error of the profile": f"at most {unsure} of the largest amplitude",
@@ -153,6 +154,10 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
     text = in_lines(row)
     shown = "; ".join(" ".join(line.split()) for line in text.splitlines())
     return forces, profile_table(smoothed).assign(note=shown), summary, text
+
+
+def _percent_above(error: float) -> str:
+    return percent(100 * rounded_up(error), sign="")
 
 
 def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
