@@ -214,7 +214,7 @@ def test_what_means_nothing_is_refused_with_a_reason(given, message, study):
 
 
 def test_a_film_without_a_force_says_why():
-    film = sf.Film.of(actuator=DISC, pad=PAD, gas={"inertia": "included"})
+    film = sf.Film.of(actuator=DISC, pad=PAD, gas={"inertia": "none", "thermal": "none"})
     with pytest.raises(sf.RunError, match=r"; validity: .*hv/h0 = 0.99 is above 0.95"):
         film.force(5e-5, 4.95e-5)
     table = film.curve(5e-5, [4.95e-5])
