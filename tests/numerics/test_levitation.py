@@ -273,7 +273,7 @@ def test_rows_with_a_gap_and_without_have_one_and_the_same_amplitude(tmp_path):
     ("words", "said"),
     [
         (["levitate", "--hv", "1um"], "--load and --hv"),
-        (["levitate", "--load", "1um", "--hv", "1um"], "unit of N"),
+        (["levitate", "--load", "1um", "--hv", "1um"], "with its unit: N"),
         (["levitate", "--load", "0.5N,-1N", "--hv", "1um"], "--load '0.5N,-1N' must be positive"),
         (["levitate", "--load", "1000N", "--hv", "1um"], "carries 1000 N"),
         (["levitate", "--load", "0.5N", "--hv", "1um", "--mass", "0g"], "must be positive"),

@@ -30,7 +30,6 @@ def smooth(tmp_path):
     def write(text: str, *, axisymmetric: bool = True) -> SmoothedScan:
         path = tmp_path / "scan.csv"
         path.write_text(text, encoding="utf-8")
-        smoothed_scan.cache_clear()
         return smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=axisymmetric)
 
     return write
