@@ -37,7 +37,9 @@ def watched(*words: str) -> subprocess.Popen[str]:
 def test_work_items_keep_out_of_each_other_s_way(kernel: str, items: int) -> None:
     with watched(str(items), kernel) as process:
         found, errors = process.communicate(timeout=900)
-    assert (process.returncode, errors.strip()) == (0, "")
+    # A loaded machine takes long enough to compile for this to be announced.
+    told = [line for line in errors.splitlines() if line and "compiling kernels" not in line]
+    assert (process.returncode, told) == (0, [])
     alone = means(choose_device(), kernel)
     assert json.loads(found) == pytest.approx(alone, rel=1e-9)
 
